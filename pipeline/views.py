@@ -1,0 +1,27 @@
+"""Photograph every part from every camera.  DVC stage `views`."""
+
+from functools import partial
+from pathlib import Path
+
+from industnerf.capture.photograph import photograph
+from industnerf.cli import run_as_stage
+from industnerf.config import Masked
+from industnerf.stage import Task, read_failures, read_index, run_stage
+
+
+def main(cfg: Masked, parts: str, out: str) -> None:
+    tasks = [
+        Task(
+            part_id,
+            partial(photograph, Path(parts) / part_id, settings=cfg.views),
+            cfg.views,
+            (Path(parts) / part_id / "part.json", Path(parts) / part_id / "mesh.npz"),
+        )
+        for part_id in read_index(Path(parts))
+    ]
+    before = read_failures(Path(parts))
+    run_stage("views", tasks, Path(out), cfg.on_failure, failed_before=before)
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "views")

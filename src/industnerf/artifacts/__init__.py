@@ -1,0 +1,1 @@
+"""The files between stages: frozen dataclasses that check what they read and what they write."""

@@ -1,0 +1,42 @@
+"""Small files, written whole or not at all."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from industnerf.errors import BadArtifact
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write `text` to `path` through a temporary file and a rename."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft.write_text(text)
+    draft.replace(path)
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write `content` as indented JSON, byte-equal for equal content."""
+    write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def read_json(path: Path, schema: int, stage: str) -> Any:
+    """The JSON object in `path`, whose `schema` must be `schema`.
+
+    Raises BadArtifact that names the file and the DVC stage that writes it anew.
+    """
+    try:
+        content = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise BadArtifact(f"{path} is missing; `dvc repro {stage}` writes it.") from None
+    except ValueError as error:
+        raise BadArtifact(
+            f"{path} is not readable JSON ({error}); `dvc repro -f {stage}` writes it anew."
+        ) from None
+    found = content.get("schema") if isinstance(content, dict) else None
+    if found != schema:
+        raise BadArtifact(
+            f"{path} has schema {found}, this code reads {schema}; `dvc repro -f {stage}`"
+        )
+    return content

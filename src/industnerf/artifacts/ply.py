@@ -1,0 +1,41 @@
+"""Binary PLY for people's own viewers; the suite itself reads the npz beside it."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int32, UInt8
+
+
+def write_ply(
+    path: Path,
+    points_mm: Float[np.ndarray, "n 3"],
+    *,
+    colours: UInt8[np.ndarray, "n 3"] | None = None,
+    confidence: Float[np.ndarray, "n"] | None = None,
+    faces: Int32[np.ndarray, "m 3"] | None = None,
+) -> None:
+    """Write points, with colour and confidence if given, or a mesh if `faces` is."""
+    columns: list[tuple[str, str, np.ndarray]] = [
+        (name, "f4", points_mm[:, axis]) for axis, name in enumerate("xyz")
+    ]
+    if colours is not None:
+        names = ("red", "green", "blue")
+        columns += [(name, "u1", colours[:, axis]) for axis, name in enumerate(names)]
+    if confidence is not None:
+        columns.append(("confidence", "f4", confidence))
+    vertices = np.empty(len(points_mm), [(name, "<" + kind) for name, kind, _ in columns])
+    for name, _, values in columns:
+        vertices[name] = values
+    word = {"f4": "float", "u1": "uchar"}
+    header = ["ply", "format binary_little_endian 1.0", "comment lengths in mm"]
+    header += [f"element vertex {len(vertices)}"]
+    header += [f"property {word[kind]} {name}" for name, kind, _ in columns]
+    if faces is not None:
+        header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    with path.open("wb") as file:
+        file.write("\n".join([*header, "end_header\n"]).encode())
+        file.write(vertices.tobytes())
+        if faces is not None:
+            triangles = np.empty(len(faces), [("count", "u1"), ("corners", "<i4", 3)])
+            triangles["count"], triangles["corners"] = 3, faces
+            file.write(triangles.tobytes())

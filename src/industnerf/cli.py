@@ -1,0 +1,37 @@
+"""The command line of every stage: paths in, one clear message out."""
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from industnerf import config
+from industnerf.errors import SuiteError
+from industnerf.runner import die_with_parent
+
+
+def run_as_stage(main: Callable[..., None], name: str) -> None:
+    """Run `main(cfg, *arguments of the command line)` as the DVC stage `name`.
+
+    `cfg` holds the parameters that dvc.yaml lists for the stage, and no others.  The first
+    argument of a matrix stage is its method.
+    """
+    die_with_parent()
+    arguments = sys.argv[1:]
+
+    def job() -> None:
+        stage = config.stage(name, arguments[0] if config.is_matrix(name) else None)
+        main(stage.mask(config.load_params()), *arguments)
+
+    exit_with_message(job)
+
+
+def exit_with_message(job: Callable[[], Any]) -> None:
+    """Run `job`; end with its refusal as text and exit code 1, or 130 after Ctrl-C."""
+    try:
+        job()
+    except SuiteError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print("interrupted; finished parts are kept, the same command goes on", file=sys.stderr)
+        sys.exit(130)

@@ -1,0 +1,48 @@
+"""Everything the suite refuses, and nothing else, derives from `SuiteError`.
+
+SuiteError            shown to the user as one message, without a traceback
+|- BadParams          params.yaml, a preset or a command-line override
+|  `- UndeclaredParameter   a stage reads a key that its `params:` in dvc.yaml does not list
+|- BadPart            a CAD file or a mesh that cannot become a part
+|- BadArtifact        a file between stages that is missing, torn or of another schema
+|- UndeclaredInput    a method reaches for an input that it does not declare
+|- ReconstructionFailed     a method gave no usable cloud
+|- MetricError        a score that cannot be computed exactly
+`- PartsFailed        some parts of a stage failed; the others are stored
+"""
+
+
+class SuiteError(Exception):
+    """A refusal whose text says what, where, how much, and which knob to turn."""
+
+
+class BadParams(SuiteError):
+    pass
+
+
+class UndeclaredParameter(BadParams):
+    pass
+
+
+class BadPart(SuiteError):
+    pass
+
+
+class BadArtifact(SuiteError):
+    pass
+
+
+class UndeclaredInput(SuiteError):
+    pass
+
+
+class ReconstructionFailed(SuiteError):
+    pass
+
+
+class MetricError(SuiteError):
+    pass
+
+
+class PartsFailed(SuiteError):
+    pass

@@ -1,0 +1,99 @@
+"""Pinhole cameras, and the way between pixels, rays and points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True)
+class Cameras:
+    """`n` pinhole cameras of one image size."""
+
+    K: Float[np.ndarray, "n 3 3"]  # intrinsics, px
+    c2w: Float[np.ndarray, "n 4 4"]  # camera to world, mm
+    width: int
+    height: int
+
+    def __len__(self) -> int:
+        return len(self.K)
+
+    def __getitem__(self, which: slice | np.ndarray) -> "Cameras":
+        return Cameras(self.K[which], self.c2w[which], self.width, self.height)
+
+    @property
+    def eyes(self) -> Float[np.ndarray, "n 3"]:
+        """Centres of projection, mm."""
+        return self.c2w[:, :3, 3]
+
+
+def pixel_centres(width: int, height: int) -> Float[np.ndarray, "pixels 2"]:
+    """(u, v) of every pixel's centre in px, row by row."""
+    v, u = np.mgrid[:height, :width] + 0.5
+    return np.stack([u.ravel(), v.ravel()], axis=-1)
+
+
+def ray_directions(
+    uv: Float[np.ndarray, "pixels 2"],
+    K: Float[np.ndarray, "3 3"],
+    c2w: Float[np.ndarray, "4 4"],
+) -> Float[np.ndarray, "pixels 3"]:
+    """Unit directions in the world of the rays through the pixels `uv`; they start at the eye."""
+    image_plane = np.concatenate([uv, np.ones_like(uv[:, :1])], axis=1)
+    directions = image_plane @ (c2w[:3, :3] @ np.linalg.inv(K)).T
+    # vector norm by einsum: several times faster than linalg.norm on three columns
+    length = np.sqrt(np.einsum("ij,ij->i", directions, directions))
+    return directions / length[:, None]
+
+
+def project(
+    points: Float[np.ndarray, "n 3"],
+    K: Float[np.ndarray, "3 3"],
+    c2w: Float[np.ndarray, "4 4"],
+) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
+    """Pixel coordinates (px) and depth (z in the camera frame, mm) of world points."""
+    camera = (points - c2w[:3, 3]) @ c2w[:3, :3]
+    image = camera @ K.T
+    return image[:, :2] / image[:, 2:], camera[:, 2]
+
+
+def look_at(
+    eyes: Float[np.ndarray, "n 3"], target: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "n 4 4"]:
+    """Camera-to-world transforms that look from `eyes` at `target`, with world +z upwards.
+
+    A camera straight above or below the target takes +y for up instead.
+    """
+    forward = target - eyes
+    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
+    steep = np.abs(forward[:, 2]) > 1 - 1e-9
+    up = np.where(steep[:, None], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right, axis=1, keepdims=True)
+    c2w = np.tile(np.eye(4), (len(eyes), 1, 1))
+    c2w[:, :3, 0], c2w[:, :3, 2], c2w[:, :3, 3] = right, forward, eyes
+    c2w[:, :3, 1] = np.cross(forward, right)  # +y down completes the right-handed frame
+    return c2w
+
+
+def pinhole(fov_deg: float, resolution: int) -> Float[np.ndarray, "3 3"]:
+    """Intrinsics of a square image whose side spans `fov_deg` degrees."""
+    focal = resolution / 2 / np.tan(np.radians(fov_deg) / 2)
+    return np.array([[focal, 0, resolution / 2], [0, focal, resolution / 2], [0, 0, 1.0]])
+
+
+def framed_ball(cameras: Cameras) -> tuple[Float[np.ndarray, "3"], float]:
+    """Centre and radius (mm) of the ball that every camera has in frame.
+
+    The centre is the point nearest to all optical axes in the least-squares sense, the radius
+    the smallest over the cameras of (distance x sin of half the field of view).  It is the
+    region of interest that a method may derive from its cameras alone.
+    """
+    axes, eyes = cameras.c2w[:, :3, 2], cameras.eyes
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # projections off each axis
+    centre = np.linalg.lstsq(across.sum(0), (across @ eyes[:, :, None]).sum(0)[:, 0], rcond=None)[0]
+    distance = np.linalg.norm(eyes - centre, axis=1)
+    half_width = np.minimum(
+        cameras.width / 2 / cameras.K[:, 0, 0], cameras.height / 2 / cameras.K[:, 1, 1]
+    )
+    return centre, float((distance * np.sin(np.arctan(half_width))).min())

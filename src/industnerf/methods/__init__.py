@@ -1,0 +1,21 @@
+"""Reconstruction methods, by name.  Each lives in a module of its own and imports no other."""
+
+from importlib import import_module
+
+from industnerf.errors import BadParams
+from industnerf.methods.base import Method
+
+MODULES = {
+    "hull": "industnerf.methods.hull",
+    "hull_rgb": "industnerf.methods.hull",
+    "ball": "industnerf.methods.nulls",
+    "box": "industnerf.methods.nulls",
+    "oracle": "industnerf.methods.oracle",
+}
+
+
+def load_method(name: str) -> Method:
+    """The method called `name`; raises BadParams that lists the known ones."""
+    if name not in MODULES:
+        raise BadParams(f"methods: {name!r} is unknown, known are {', '.join(MODULES)}")
+    return import_module(MODULES[name]).METHODS[name]

@@ -1,0 +1,134 @@
+"""What every method is: two functions, a scope, and the inputs that it declares.
+
+    fit(train parts, settings, seed) -> state            scope `dataset` only
+    reconstruct(given, settings, state, seed) -> Reconstruction
+
+A method is handed its training cameras and what it declares, and nothing else.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float, Float32, UInt8
+
+from industnerf.artifacts.part import Mesh, load_mesh
+from industnerf.artifacts.views import load_views
+from industnerf.errors import ReconstructionFailed, UndeclaredInput
+from industnerf.geometry.cameras import Cameras
+
+
+class Input(StrEnum):
+    """What a method may ask for beside its cameras."""
+
+    RGB = "rgb"
+    BACKGROUND = "background"  # the colour behind the part
+    MASK = "mask"
+    DEPTH = "depth"
+    OTHER_MESHES = "other meshes"
+    OWN_MESH = "own mesh"
+
+
+class Scope(StrEnum):
+    """What a method learns from."""
+
+    PART = "part"  # this part's own images
+    DATASET = "dataset"  # other parts
+
+
+class Role(StrEnum):
+    """How to read a method's row."""
+
+    METHOD = "method"
+    NULL = "null"  # knows nothing but the part's size: what any method must beat
+    BOUND = "bound"  # is given the answer: what no method can beat
+
+
+@dataclass(frozen=True)
+class Given:
+    """The training cameras of one part, and the declared inputs, one entry a training view."""
+
+    method: str
+    cameras: Cameras
+    handed: Mapping[Input, Any]
+
+    @property
+    def rgb(self) -> UInt8[np.ndarray, "n h w 3"]:
+        return self._declared(Input.RGB)
+
+    @property
+    def background(self) -> Float[np.ndarray, "3"]:
+        """In [0, 1]."""
+        return self._declared(Input.BACKGROUND)
+
+    @property
+    def mask(self) -> Bool[np.ndarray, "n h w"]:
+        return self._declared(Input.MASK)
+
+    @property
+    def depth_mm(self) -> Float32[np.ndarray, "n h w"]:
+        return self._declared(Input.DEPTH)
+
+    @property
+    def own_mesh(self) -> Mesh:
+        return self._declared(Input.OWN_MESH)
+
+    def _declared(self, name: Input) -> Any:
+        if name not in self.handed:
+            raise UndeclaredInput(
+                f"method {self.method!r} reaches for {name.value!r}, but declares only "
+                f"{sorted(self.handed)}; add it to the method's `inputs`."
+            )
+        return self.handed[name]
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """What a method returns; `colours` and `confidence` may be left out."""
+
+    points_mm: Float[np.ndarray, "n 3"]
+    colours: UInt8[np.ndarray, "n 3"] | None = None
+    confidence: Float[np.ndarray, "n"] | None = None
+    parameters: int = 0
+    steps: int = 0
+
+
+@dataclass(frozen=True)
+class Method:
+    """A declared algorithm.  `reconstruct(given, settings, state, seed)` does the work."""
+
+    name: str
+    scope: Scope
+    inputs: frozenset[Input]
+    reconstruct: Callable[[Given, Any, Any, int], Reconstruction]
+    fit: Callable[[Any, Any, int], Any] | None = None
+    role: Role = Role.METHOD
+    random: bool = False  # another seed gives another cloud
+
+
+def hand_over(method: Method, part: Path, views: Path) -> Given:
+    """Read from disk what `method` declares of one part, and nothing else."""
+    taken = load_views(views)
+    readers: dict[Input, Callable[[], Any]] = {
+        Input.RGB: lambda: taken.rgb(taken.train),
+        Input.BACKGROUND: lambda: taken.background,
+        Input.MASK: lambda: taken.mask(taken.train),
+        Input.DEPTH: lambda: taken.depth_mm(taken.train),
+        Input.OWN_MESH: lambda: load_mesh(part),
+    }
+    handed = {name: readers[name]() for name in sorted(method.inputs)}
+    return Given(method.name, taken.cameras[taken.train], handed)
+
+
+def checked(result: Reconstruction) -> Reconstruction:
+    """`result`, or ReconstructionFailed if it is empty or not finite."""
+    points = result.points_mm
+    if not len(points):
+        raise ReconstructionFailed("empty: the method returned no point")
+    bad = int((~np.isfinite(points).all(axis=1)).sum())
+    if bad:
+        raise ReconstructionFailed(f"not finite: {bad} of {len(points)} points")
+    return result

@@ -1,0 +1,153 @@
+"""Draw, mesh, check and write the embedded parts.  Needs the `[cad]` extra.
+
+Every part is drawn in a child process of its own: the CAD kernel can hang or crash on one part
+without taking the others along.
+"""
+
+import dataclasses
+import json
+import multiprocessing
+import os
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float32, UInt
+
+from industnerf.errors import BadPart
+from industnerf.geometry.raycast import Scene
+from industnerf.parts import checks
+from industnerf.parts.catalogue import SCHEMA, Entry, catalogue, digest
+from industnerf.parts.families import FAMILIES
+from industnerf.parts.recipe import Recipe
+from industnerf.parts.tessellate import tessellate
+
+PATIENCE_S = 300.0  # for one part; the slowest takes about 20 s
+
+
+@dataclass(frozen=True)
+class Baked:
+    entry: Entry
+    vertices: Float32[np.ndarray, "n 3"]
+    faces: UInt[np.ndarray, "m 3"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """`baked`, or else why not."""
+
+    part_id: str
+    seconds: float
+    baked: Baked | None
+    reason: str
+
+
+def bake(family: str, recipe: Recipe) -> Baked:
+    """Draw and mesh one part here and now.  Raises `BadPart` if the mesh is not sound."""
+    mesh = tessellate(recipe.shape())
+    stored = mesh.vertices.astype(np.float32)
+    narrow = np.uint16 if len(stored) <= 1 << 16 else np.uint32
+    # Everything below is said of the mesh as it is stored, after the rounding to float32.
+    vertices, faces = stored.astype(np.float64), mesh.faces
+    checks.require_sound(recipe.id, vertices, faces)
+    scene = Scene(vertices, faces)
+    behind = checks.back_face_share(
+        vertices, faces, lambda origins, directions: scene.cast(origins, directions).face
+    )
+    if behind > checks.MOST_BACK_FACES:
+        raise BadPart(
+            f"part {recipe.id!r} crosses itself: {behind:.2%} of the rays from outside meet a "
+            f"face from behind, at most {checks.MOST_BACK_FACES:.2%} may. Draw it otherwise, or "
+            "unite its solids as meshes (MeshBoolean)."
+        )
+    volume = checks.volume_mm3(vertices, faces)
+    exact = mesh.brep_volume_mm3
+    x, y, z = (round(float(side), 4) for side in checks.extents_mm(vertices))
+    entry = Entry(
+        id=recipe.id,
+        designation=recipe.designation,
+        family=family,
+        library=recipe.library,
+        parameters=recipe.parameters,
+        volume_mm3=round(volume, 4),
+        area_mm2=round(checks.area_mm2(vertices, faces), 4),
+        extents_mm=(x, y, z),
+        faces=len(faces),
+        bodies=checks.bodies(faces),
+        back_face_share=round(behind, 6),
+        brep_volume_mm3=None if exact is None else round(exact, 4),
+        volume_deviation=None if exact is None else round(volume / exact - 1, 6),
+        sha256=digest(stored, faces),
+    )
+    return Baked(entry, stored, faces.astype(narrow))
+
+
+def bake_all(parts: list[tuple[str, Recipe]], workers: int) -> Iterator[Outcome]:
+    """Bake every (family, recipe), `workers` at a time, in the order in which they finish."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([__name__])  # the CAD kernel takes seconds to import: once
+    with ThreadPoolExecutor(workers) as pool:
+        waiting = [pool.submit(_in_child, context, family, recipe.id) for family, recipe in parts]
+        for done in as_completed(waiting):
+            yield done.result()
+
+
+def _in_child(
+    context: multiprocessing.context.ForkServerContext, family: str, part_id: str
+) -> Outcome:
+    started = time.monotonic()
+    ours, theirs = context.Pipe(duplex=False)
+    child = context.Process(target=_child, args=(theirs, family, part_id))
+    child.start()
+    theirs.close()
+    try:
+        if ours.poll(PATIENCE_S):
+            baked, reason = ours.recv()
+        else:
+            baked, reason = None, f"not done after {PATIENCE_S:.0f} s"
+            child.terminate()
+    except EOFError:  # the child died without a word
+        child.join()
+        baked, reason = None, f"its process died with exit code {child.exitcode}"
+    child.join()
+    return Outcome(part_id, time.monotonic() - started, baked, reason)
+
+
+def _child(answer: Connection, family: str, part_id: str) -> None:
+    (recipe,) = (recipe for recipe in FAMILIES[family] if recipe.id == part_id)
+    try:
+        answer.send((bake(family, recipe), ""))
+    except Exception as error:  # the CAD kernel raises anything; the parent lists it
+        answer.send((None, f"{type(error).__name__}: {error}"))
+
+
+def write(baked: list[Baked], folder: Path) -> None:
+    """Write the meshes, and the catalogue of these and of what it already held.
+
+    Entries and files whose recipe is gone are dropped.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = {recipe.id for recipes in FAMILIES.values() for recipe in recipes}
+    kept = catalogue(folder) if (folder / "catalogue.json").exists() else ()
+    entries = {entry.id: entry for entry in kept if entry.id in drawn}
+    for part in baked:
+        entries[part.entry.id] = part.entry
+        _replace(folder / f"{part.entry.id}.npz", part)
+    for path in folder.glob("*.npz"):
+        if path.stem not in entries:
+            path.unlink()
+    ordered = sorted(entries.values(), key=lambda entry: (entry.family, entry.id))
+    rows = [dataclasses.asdict(entry) for entry in ordered]
+    text = json.dumps({"schema": SCHEMA, "unit": "mm", "parts": rows}, indent=1) + "\n"
+    (folder / "catalogue.json").write_text(text, encoding="utf-8")
+
+
+def _replace(path: Path, part: Baked) -> None:
+    """Equal meshes give equal bytes: numpy writes no time stamp into the archive."""
+    half_written = path.with_suffix(".tmp.npz")
+    np.savez_compressed(half_written, vertices=part.vertices, faces=part.faces)
+    os.replace(half_written, path)

@@ -1,0 +1,78 @@
+"""Wheels, pulleys and hand wheels."""
+
+from build123d import Pos, Rot, Shape, Sphere, Torus
+
+from industnerf.parts.families.drawing import around, hub_keyway, rod, turned
+from industnerf.parts.recipe import MeshBoolean, Recipe
+
+
+def handwheel(diameter: float, bore: float, key: float, spokes: int) -> MeshBoolean:
+    """Dished hand wheel with a revolving handle, after DIN 950 and DIN 39.
+
+    The rim lies in the plane z = 0, the hub below.  United as meshes: OpenCASCADE loses the rim.
+    """
+    rim = 0.1 * diameter  # thickness
+    rim_circle = diameter - rim
+    hub, hub_length, dish = 0.24 * diameter, 0.19 * diameter, 0.16 * diameter
+    handle, handle_length = 0.15 * diameter, 0.44 * diameter
+
+    spoke_length = rim_circle / 2
+    spoke = turned([(0, 0), (0.042 * diameter, 0), (0.032 * diameter, spoke_length), (0, spoke_length)])
+    # from the middle of the hub outwards, climbing to the rim
+    spoke = Pos(0, 0, -0.5 * dish) * Rot(0, 81, 0) * spoke
+    grip = turned(
+        [
+            (0, -0.3 * rim),
+            (0.3 * handle, -0.3 * rim),
+            (0.3 * handle, 0.6 * rim),
+            (0.34 * handle, 0.65 * rim),
+            (0.45 * handle, 0.4 * handle_length),
+            (0.5 * handle, 0.65 * handle_length),
+            (0.42 * handle, 0.92 * handle_length),
+            (0.25 * handle, handle_length),
+            (0, handle_length),
+        ]
+    )
+    return MeshBoolean(
+        join=[
+            Torus(rim_circle / 2, rim / 2),
+            rod(hub, hub_length, (0, 0, -dish)),
+            *around(spokes, spoke),
+            Rot(0, 0, 180 / spokes) * Pos(rim_circle / 2, 0, 0) * grip,
+        ],
+        cut=[
+            rod(bore, 2 * diameter, (0, 0, -diameter)),
+            hub_keyway(bore, key, 0.45 * key, 2 * diameter, -diameter),
+        ],
+    )
+
+
+def caster_wheel(diameter: float, width: float, hub_length: float, bore: float) -> Shape:
+    """Ribbed plastic castor wheel with a crowned tread, proportions after ISO 22881."""
+    rim, crown, hub, web, ribs = 0.78 * diameter, 0.96 * diameter, 2.4 * bore, 0.2 * width, 6
+    profile = [
+        (bore / 2, hub_length / 2),
+        (hub / 2, hub_length / 2),
+        (0.56 * hub, web / 2),
+        (0.47 * rim, web / 2),
+        (0.49 * rim, 0.42 * width),
+        (0.49 * rim, 0.5 * width),
+        (0.45 * diameter, 0.5 * width),
+        (crown / 2, 0.4 * width),
+        (0.497 * diameter, 0.2 * width),
+        (diameter / 2, 0.06 * width),
+    ]
+    wheel = turned(profile + [(radius, -z) for radius, z in reversed(profile)])
+    rib = turned_rib = None
+    return wheel
+
+
+RECIPES = [
+    Recipe(
+        "handwheel-din950-d160",
+        "DIN 950 D160-like",
+        "build123d",
+        handwheel,
+        {"diameter": 160, "bore": 16, "key": 5, "spokes": 5},
+    ),
+]

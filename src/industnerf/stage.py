@@ -1,0 +1,123 @@
+"""One stage over all parts: reuse what is stored, make the rest, place the results, say so.
+
+    <out>/<part id>/...      the results
+    <out>/index.json         part id -> key in the store, so that costs can be looked up
+    <out>/failures.json      part id -> why
+"""
+
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from industnerf.artifacts.files import write_json
+from industnerf.errors import PartsFailed
+from industnerf.progress import Progress
+from industnerf.runner import runner_from_environment
+from industnerf.store import Cost, Store, key_of
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to do for one part: `make(target)` fills the folder `target`.
+
+    `settings` and the content of `inputs` are all that the result may depend on, beside the code
+    of the module in which `make` is defined.
+    """
+
+    part_id: str
+    make: "partial[None]"
+    settings: Any
+    inputs: tuple[Path, ...]
+
+
+def run_stage(
+    step: str,
+    tasks: Sequence[Task],
+    out: Path,
+    on_failure: str,
+    *,
+    failed_before: dict[str, str] | None = None,
+    limit_s: float = math.inf,
+) -> None:
+    """Bring every task's result to `out`, finished ones from the store.
+
+    Raises PartsFailed, after everything else is stored and placed, if a part failed and
+    `on_failure` is `strict`, or if not one part succeeded.
+    """
+    store = Store.from_environment()
+    keys = [_key(step, task) for task in tasks]
+    todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
+    failures = dict(failed_before or {})
+    works = [partial(_make, store, step, keys[i], tasks[i].make) for i in todo]
+    with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
+        for outcome in runner_from_environment().map(works, limit_s):
+            part_id = tasks[todo[outcome.index]].part_id
+            if outcome.error is not None:
+                failures[part_id] = outcome.error
+            progress.advance(part_id, outcome.error)
+    for task, key in zip(tasks, keys, strict=True):
+        if task.part_id not in failures:
+            store.place(step, key, out / task.part_id)
+    index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
+    write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
+    write_json(out / "failures.json", {"schema": SCHEMA, "failures": failures})
+    _refuse(step, failures, len(index), on_failure)
+
+
+def read_index(folder: Path) -> dict[str, str]:
+    """Part id -> key in the store of each result in the stage output `folder`."""
+    return json.loads((folder / "index.json").read_text())["keys"]
+
+
+def read_failures(folder: Path) -> dict[str, str]:
+    """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
+    return json.loads((folder / "failures.json").read_text())["failures"]
+
+
+def _key(step: str, task: Task) -> str:
+    return key_of(step, task.settings, task.make.func.__module__, task.inputs)
+
+
+def _make(store: Store, step: str, key: str, make: Callable[[Path], None]) -> None:
+    store.put(step, key, partial(_measured, make))
+
+
+def _measured(make: Callable[[Path], None], target: Path) -> Cost:
+    _reset_peak()
+    start = time.perf_counter()
+    make(target)
+    return Cost(round(time.perf_counter() - start, 4), _peak_mb(), "cpu")
+
+
+def _reset_peak() -> None:
+    if sys.platform == "linux" and os.access("/proc/self/clear_refs", os.W_OK):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak_mb() -> float:
+    import resource
+
+    if sys.platform == "linux":
+        for line in Path("/proc/self/status").read_text().splitlines():
+            if line.startswith("VmHWM"):
+                return round(int(line.split()[1]) / 1024, 1)
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
+
+
+def _refuse(step: str, failures: dict[str, str], succeeded: int, on_failure: str) -> None:
+    if failures and (on_failure == "strict" or not succeeded):
+        shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
+        raise PartsFailed(
+            f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
+            f"the others are stored:\n{shown}\n"
+            "Mend or deselect them (parts.select), or set on_failure: report."
+        )
