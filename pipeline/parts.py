@@ -11,8 +11,8 @@ from industnerf.stage import Task, run_stage
 
 def main(cfg: Masked, source: str, out: str) -> None:
     tasks = [
-        Task(found.part_id, found.work(cfg.parts, cfg.seed), [cfg.parts, cfg.seed], found.files)
-        for found in find_sources(Path(source), cfg.parts)
+        Task(found.part_id, found.make, found.settings, found.files)
+        for found in find_sources(Path(source), cfg.parts, cfg.seed)
     ]
     run_stage("parts", tasks, Path(out), cfg.on_failure)
     write_manifest(Path(out))

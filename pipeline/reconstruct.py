@@ -15,9 +15,9 @@ def main(cfg: Masked, name: str, parts: str, views: str, out: str) -> None:
     tasks = []
     for part_id in read_index(Path(views)):
         part, taken = Path(parts) / part_id, Path(views) / part_id
-        make = partial(reconstruct_part, name, part, taken, settings=settings, seed=cfg.seed)
+        make = partial(reconstruct_part, method, part, taken, settings=settings, seed=cfg.seed)
         inputs = files_of(method, part, taken)
-        tasks.append(Task(part_id, make, [name, settings, cfg.seed], inputs, method.module))
+        tasks.append(Task(part_id, make, [name, settings, cfg.seed], inputs, (method.module,)))
     run_stage(
         "reconstruct",
         tasks,

@@ -16,15 +16,12 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from industnerf.errors import BadParams, SuiteError
 
 Work = Callable[[], None]
-ONE_THREAD = {
-    name: "1"
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-}
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -35,6 +32,7 @@ class Outcome:
     error: str | None
 
 
+@runtime_checkable
 class Runner(Protocol):
     def map(self, works: Sequence[Work], limit_s: float) -> Iterator[Outcome]:
         """Do every piece of work, and yield each outcome as soon as it is known.
@@ -72,7 +70,9 @@ class ProcessRunner:
     workers: int
 
     def map(self, works: Sequence[Work], limit_s: float) -> Iterator[Outcome]:
-        os.environ.update(ONE_THREAD)  # inherited by the workers, before they import numpy
+        os.environ.update(
+            dict.fromkeys(THREADS, "1")
+        )  # inherited by the workers, before they import numpy
         todo = list(enumerate(works))[::-1]
         busy: dict[Connection, _Worker] = {}
         try:

@@ -130,9 +130,7 @@ class ReconstructParams:
     time_limit_s: float
 
     def __post_init__(self) -> None:
-        require(
-            self.time_limit_s > 0, "reconstruct.time_limit_s", self.time_limit_s, "more than 0"
-        )
+        require(self.time_limit_s > 0, "reconstruct.time_limit_s", self.time_limit_s, "more than 0")
 
 
 @dataclass(frozen=True)
@@ -144,13 +142,10 @@ class EvaluateParams:
     rig_radius: float
     hidden: float
     fscore: float
-    within_mm: list[float]
 
     def __post_init__(self) -> None:
         require(self.points >= 1, "evaluate.points", self.points, "at least 1")
-        require(
-            self.dense >= self.points, "evaluate.dense", self.dense, f"at least {self.points}"
-        )
+        require(self.dense >= self.points, "evaluate.dense", self.dense, f"at least {self.points}")
         require(self.cap >= self.points, "evaluate.cap", self.cap, f"at least {self.points}")
         require(self.rig >= 1, "evaluate.rig", self.rig, "at least 1")
         require(self.rig_radius > 1, "evaluate.rig_radius", self.rig_radius, "more than 1")

@@ -1,8 +1,8 @@
 """One stage over all parts: reuse what is stored, make the rest, place the results, say so.
 
-    <out>/<part id>/...      the results
-    <out>/index.json         part id -> key in the store, so that costs can be looked up
-    <out>/failures.json      part id -> why
+<out>/<part id>/...      the results
+<out>/index.json         part id -> key in the store, so that costs can be looked up
+<out>/failures.json      part id -> why
 """
 
 import json
@@ -30,13 +30,14 @@ class Task:
     """What to do for one part: `make(target)` fills the folder `target`.
 
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
-    of the module in which `make` is defined.
+    of the module in which `make` is defined, and of `modules`.
     """
 
     part_id: str
     make: "partial[None]"
     settings: Any
     inputs: tuple[Path, ...]
+    modules: tuple[str, ...] = ()
 
 
 def run_stage(
@@ -84,7 +85,8 @@ def read_failures(folder: Path) -> dict[str, str]:
 
 
 def _key(step: str, task: Task) -> str:
-    return key_of(step, task.settings, task.make.func.__module__, task.inputs)
+    modules = (task.make.func.__module__, *task.modules)
+    return key_of(step, task.settings, modules, task.inputs)
 
 
 def _make(store: Store, step: str, key: str, make: Callable[[Path], None]) -> None:

@@ -39,10 +39,10 @@ def content_digest(paths: Iterable[Path]) -> str:
     return digest.hexdigest()
 
 
-def key_of(step: str, settings: Any, module: str, inputs: Iterable[Path]) -> str:
-    """The key of the result that `module` makes in `step` from `settings` and `inputs`."""
+def key_of(step: str, settings: Any, modules: Iterable[str], inputs: Iterable[Path]) -> str:
+    """The key of the result that the code of `modules` makes from `settings` and `inputs`."""
     text = json.dumps(
-        [step, settings, code_digest(module), content_digest(inputs)],
+        [step, settings, [code_digest(name) for name in modules], content_digest(inputs)],
         sort_keys=True,
         default=asdict,
     )

@@ -56,3 +56,9 @@ class Cloud:
             raise BadArtifact(
                 f"{path}: {error}; `dvc repro -f reconstruct` writes it anew."
             ) from None
+
+    @staticmethod
+    def training(folder: Path) -> tuple[int, int]:
+        """`parameters` and `steps` of the cloud in `folder`, without reading its points."""
+        with np.load(folder / "cloud.npz") as file:
+            return int(file["parameters"]), int(file["steps"])

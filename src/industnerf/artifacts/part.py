@@ -1,12 +1,14 @@
 """A part: one solid, its mesh in mm and what is known about it."""
 
+import csv
+import io
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int32
 
-from industnerf.artifacts.files import read_json, write_json
+from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
@@ -76,3 +78,20 @@ def load_mesh(folder: Path) -> Mesh:
     if mesh.vertices.shape[1:] != (3,) or mesh.faces.shape[1:] != (3,):
         raise BadArtifact(f"{path}: shapes {mesh.vertices.shape} and {mesh.faces.shape}")
     return mesh
+
+
+def load_parts(folder: Path) -> list[Part]:
+    """Every part below `folder`, by id."""
+    return [load_part(path.parent) for path in sorted(folder.glob("*/part.json"))]
+
+
+def write_manifest(folder: Path) -> None:
+    """Write `manifest.csv`, one row a part, for people and spreadsheets."""
+    columns = [name for name in Part.__dataclass_fields__ if name not in ("extents_mm", "defects")]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*columns, "x_mm", "y_mm", "z_mm", "defects"])
+    for part in load_parts(folder):
+        values = [getattr(part, name) for name in columns]
+        table.writerow([*values, *part.extents_mm, "; ".join(part.defects)])
+    write_text(folder / "manifest.csv", text.getvalue())

@@ -33,17 +33,38 @@ def pixel_centres(width: int, height: int) -> Float[np.ndarray, "pixels 2"]:
     return np.stack([u.ravel(), v.ravel()], axis=-1)
 
 
+def back_projection(
+    K: Float[np.ndarray, "3 3"], c2w: Float[np.ndarray, "4 4"]
+) -> Float[np.ndarray, "3 3"]:
+    """The matrix that takes (u, v, 1) to a ray direction in the world with z = 1 in the camera.
+
+    Along such a direction, the length of the ray counted in directions is the depth in mm.
+    """
+    return c2w[:3, :3] @ np.linalg.inv(K)
+
+
 def ray_directions(
     uv: Float[np.ndarray, "pixels 2"],
     K: Float[np.ndarray, "3 3"],
     c2w: Float[np.ndarray, "4 4"],
 ) -> Float[np.ndarray, "pixels 3"]:
     """Unit directions in the world of the rays through the pixels `uv`; they start at the eye."""
-    image_plane = np.concatenate([uv, np.ones_like(uv[:, :1])], axis=1)
-    directions = image_plane @ (c2w[:3, :3] @ np.linalg.inv(K)).T
+    towards = back_projection(K, c2w)
+    directions = uv @ towards[:, :2].T + towards[:, 2]
     # vector norm by einsum: several times faster than linalg.norm on three columns
     length = np.sqrt(np.einsum("ij,ij->i", directions, directions))
     return directions / length[:, None]
+
+
+def unproject(
+    uv: Float[np.ndarray, "n 2"],
+    depth_mm: Float[np.ndarray, "n"],
+    K: Float[np.ndarray, "3 3"],
+    c2w: Float[np.ndarray, "4 4"],
+) -> Float[np.ndarray, "n 3"]:
+    """World points (mm) that the pixels `uv` show at `depth_mm`: the inverse of `project`."""
+    towards = back_projection(K, c2w)
+    return c2w[:3, 3] + depth_mm[:, None] * (uv @ towards[:, :2].T + towards[:, 2])
 
 
 def project(

@@ -10,7 +10,7 @@ from jaxtyping import Float, Float32, Int32
 class Hits:
     """First intersections, one per ray; a ray that misses has face -1 and t = inf."""
 
-    t: Float32[np.ndarray, "rays"]  # mm along the unit direction
+    t: Float32[np.ndarray, "rays"]  # lengths of `directions`: mm if they are unit vectors
     face: Int32[np.ndarray, "rays"]
     uv: Float32[np.ndarray, "rays 2"]  # barycentric weights of the face's 2nd and 3rd corner
 
@@ -22,34 +22,38 @@ class Scene:
     far from the origin loses no digits.  Results agree with float64 to about 1e-6 of the size.
     """
 
-    def __init__(
-        self, vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]
-    ) -> None:
+    def __init__(self, vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]) -> None:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
 
         self._origin = vertices.min(axis=0)
-        self._scale = 1.0 / max(float(np.ptp(vertices, axis=0).max()), 1e-300)
+        self._size = max(float(np.ptp(vertices, axis=0).max()), 1e-30)
         # robust: no ray slips between two faces that share an edge
         self._scene = EmbreeScene(robust=True)
         TriangleMesh(self._scene, self._to_box(vertices), np.ascontiguousarray(faces, np.int32))
 
     def _to_box(self, points: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
-        return ((points - self._origin) * self._scale).astype(np.float32)
+        return ((points - self._origin) / self._size).astype(np.float32)
 
     def cast(
-        self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
+        self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]
     ) -> Hits:
-        """Where the rays from `origins` (mm) along unit `directions` first meet the mesh."""
+        """Where the rays from `origins` (mm; one for all, or one each) first meet the mesh.
+
+        `directions` may have any length; `t` counts in it.
+        """
+        starts = np.empty(directions.shape, np.float32)
+        starts[:] = self._to_box(origins)
         found = self._scene.run(
-            self._to_box(origins), directions.astype(np.float32), query="INTERSECT", output=True
+            starts, directions.astype(np.float32, copy=False), query="INTERSECT", output=True
         )
-        face = found["primID"]
-        t = np.where(face >= 0, found["tfar"] / np.float32(self._scale), np.float32(np.inf))
+        t, face = found["tfar"], found["primID"]
+        t[face < 0] = np.inf
+        t *= np.float32(self._size)
         return Hits(t, face, np.stack([found["u"], found["v"]], axis=1))
 
     def distance(
-        self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
+        self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]
     ) -> Float32[np.ndarray, "rays"]:
         """`cast(...).t` alone."""
         return self.cast(origins, directions).t

@@ -108,6 +108,11 @@ class Method:
     role: Role = Role.METHOD
     random: bool = False  # another seed gives another cloud
 
+    @property
+    def module(self) -> str:
+        """Where its code is: results depend on what that module imports."""
+        return self.reconstruct.__module__
+
 
 def hand_over(method: Method, part: Path, views: Path) -> Given:
     """Read from disk what `method` declares of one part, and nothing else."""

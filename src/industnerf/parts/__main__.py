@@ -37,7 +37,9 @@ def main() -> int:
 
 def show(console: Console) -> int:
     entries = catalogue()
-    table = Table(title=f"{len(entries)} parts in {len({entry.family for entry in entries})} families")
+    table = Table(
+        title=f"{len(entries)} parts in {len({entry.family for entry in entries})} families"
+    )
     for heading in ("part", "designation", "family", "drawn with"):
         table.add_column(heading)
     for heading in ("size, mm", "volume, cm³", "faces", "bodies"):
@@ -54,7 +56,9 @@ def build(console: Console, family: str | None) -> int:
     try:
         from industnerf.parts import bake
     except ModuleNotFoundError as error:
-        print(f"{error}: drawing parts needs the CAD extra, `pip install -e .[cad]`", file=sys.stderr)
+        print(
+            f"{error}: drawing parts needs the CAD extra, `pip install -e .[cad]`", file=sys.stderr
+        )
         return 1
     if family is not None and family not in bake.FAMILIES:
         print(f"no family {family!r}, only {', '.join(bake.FAMILIES)}", file=sys.stderr)
@@ -67,13 +71,14 @@ def build(console: Console, family: str | None) -> int:
     ]
     outcomes = bake.bake_all(parts, workers=len(os.sched_getaffinity(0)))
     finished = list(track(outcomes, "Baking", total=len(parts), console=console))
-    bake.write([outcome.baked for outcome in finished if outcome.baked], EMBEDDED)
-    failed = [outcome for outcome in finished if not outcome.baked]
+    baked = [outcome.answer for outcome in finished if isinstance(outcome.answer, bake.Baked)]
+    failed = [outcome for outcome in finished if isinstance(outcome.answer, str)]
+    bake.write(baked, EMBEDDED)
     for outcome in failed:
-        print(f"{outcome.part_id}: {outcome.reason}", file=sys.stderr)
+        print(f"{outcome.part_id}: {outcome.answer}", file=sys.stderr)
     slowest = max(finished, key=lambda outcome: outcome.seconds)
     console.print(
-        f"{len(finished) - len(failed)} of {len(parts)} parts baked into {EMBEDDED}; "
+        f"{len(baked)} of {len(parts)} parts baked into {EMBEDDED}; "
         f"the slowest, {slowest.part_id}, took {slowest.seconds:.1f} s"
     )
     return 1 if failed else 0

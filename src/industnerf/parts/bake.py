@@ -1,7 +1,7 @@
 """Draw, mesh, check and write the embedded parts.  Needs the `[cad]` extra.
 
-Every part is drawn in a child process of its own: the CAD kernel can hang or crash on one part
-without taking the others along.
+Parts are drawn in child processes: the CAD kernel can hang or crash on one without taking the
+others along.
 """
 
 import dataclasses
@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from queue import SimpleQueue
 
 import numpy as np
 from jaxtyping import Float32, UInt
@@ -38,12 +39,9 @@ class Baked:
 
 @dataclass(frozen=True)
 class Outcome:
-    """`baked`, or else why not."""
-
     part_id: str
     seconds: float
-    baked: Baked | None
-    reason: str
+    answer: Baked | str  # or else why not
 
 
 def bake(family: str, recipe: Recipe) -> Baked:
@@ -88,41 +86,58 @@ def bake(family: str, recipe: Recipe) -> Baked:
 
 def bake_all(parts: list[tuple[str, Recipe]], workers: int) -> Iterator[Outcome]:
     """Bake every (family, recipe), `workers` at a time, in the order in which they finish."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([__name__])  # the CAD kernel takes seconds to import: once
-    with ThreadPoolExecutor(workers) as pool:
-        waiting = [pool.submit(_in_child, context, family, recipe.id) for family, recipe in parts]
+    idle: SimpleQueue[Workshop] = SimpleQueue()
+    for _ in range(workers):
+        idle.put(Workshop())
+
+    def bake_in_turn(family: str, recipe: Recipe) -> Outcome:
+        workshop, started = idle.get(), time.monotonic()
+        answer = workshop.bake(family, recipe.id)
+        idle.put(workshop if workshop.process.is_alive() else Workshop())
+        return Outcome(recipe.id, time.monotonic() - started, answer)
+
+    with ThreadPoolExecutor(workers) as lanes:
+        waiting = [lanes.submit(bake_in_turn, family, recipe) for family, recipe in parts]
         for done in as_completed(waiting):
             yield done.result()
 
 
-def _in_child(
-    context: multiprocessing.context.ForkServerContext, family: str, part_id: str
-) -> Outcome:
-    started = time.monotonic()
-    ours, theirs = context.Pipe(duplex=False)
-    child = context.Process(target=_child, args=(theirs, family, part_id))
-    child.start()
-    theirs.close()
-    try:
-        if ours.poll(PATIENCE_S):
-            baked, reason = ours.recv()
-        else:
-            baked, reason = None, f"not done after {PATIENCE_S:.0f} s"
-            child.terminate()
-    except EOFError:  # the child died without a word
-        child.join()
-        baked, reason = None, f"its process died with exit code {child.exitcode}"
-    child.join()
-    return Outcome(part_id, time.monotonic() - started, baked, reason)
+class Workshop:
+    """A child process that bakes part after part until it crashes or hangs.
+
+    Spawned, never forked: the CAD kernel starts threads when it is imported, and a fork of it
+    waits for them forever.  That import takes seconds, hence one child for many parts.
+    """
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.wire, theirs = context.Pipe()
+        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def bake(self, family: str, part_id: str) -> Baked | str:
+        """The baked part, or why there is none; in the worst case the process is dead after it."""
+        try:
+            self.wire.send((family, part_id))
+            if self.wire.poll(PATIENCE_S):
+                return self.wire.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            return f"its process died with exit code {self.process.exitcode}"
+        self.process.kill()
+        self.process.join()
+        return f"not done after {PATIENCE_S:.0f} s"
 
 
-def _child(answer: Connection, family: str, part_id: str) -> None:
-    (recipe,) = (recipe for recipe in FAMILIES[family] if recipe.id == part_id)
-    try:
-        answer.send((bake(family, recipe), ""))
-    except Exception as error:  # the CAD kernel raises anything; the parent lists it
-        answer.send((None, f"{type(error).__name__}: {error}"))
+def _serve(wire: Connection) -> None:
+    while True:
+        family, part_id = wire.recv()
+        (recipe,) = (recipe for recipe in FAMILIES[family] if recipe.id == part_id)
+        try:
+            wire.send(bake(family, recipe))
+        except Exception as error:  # the CAD kernel raises anything; the parent lists it
+            wire.send(f"{type(error).__name__}: {error}")
 
 
 def write(baked: list[Baked], folder: Path) -> None:

@@ -87,9 +87,7 @@ def load(
     return vertices.astype(np.float64), faces.astype(np.int32)
 
 
-def digest(
-    vertices: Float32[np.ndarray, "n 3"], faces: Integer[np.ndarray, "m 3"]
-) -> str:
+def digest(vertices: Float32[np.ndarray, "n 3"], faces: Integer[np.ndarray, "m 3"]) -> str:
     """SHA-256 of the vertices as little-endian float32, then the faces as little-endian int32.
 
     It names the mesh: the file's compression and its index type do not enter.

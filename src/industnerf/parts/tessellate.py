@@ -26,7 +26,9 @@ from industnerf.parts.recipe import MeshBoolean
 # Shares of the part's bounding-box diagonal.  The chord error is 0.2 px of a 512 px view.
 CHORD = 5e-4
 WELD = 1e-6
-SIMPLIFY = 2e-5
+SIMPLIFY = 5e-5
+
+FILM = 1e-12  # share of the diagonal's cube
 
 TURN = 0.25  # rad, the most that neighbouring facets of a curved face may turn
 
@@ -61,7 +63,10 @@ def tessellate(shape: Shape | MeshBoolean) -> Mesh:
     )
     for solid in (solid for piece in cut for solid in piece.solids()):
         united -= manifold(solid, diagonal)
-    mesh = united.simplify(SIMPLIFY * diagonal).to_mesh64()
+    # Surfaces that coincide can leave a film behind: a closed piece that holds nothing.
+    pieces = united.simplify(SIMPLIFY * diagonal).decompose()
+    solid_pieces = [piece for piece in pieces if abs(piece.volume()) > FILM * diagonal**3]
+    mesh = manifold3d.Manifold.compose(solid_pieces).to_mesh64()
     return Mesh(mesh.vert_properties[:, :3].copy(), mesh.tri_verts.astype(np.int32), None)
 
 

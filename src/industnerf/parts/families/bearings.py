@@ -30,7 +30,9 @@ def square_flange_unit(
 
     housing = rounded_block(side, side, flange, 0.16 * side)
     housing = fillet(housing.faces().sort_by(Axis.Z)[-1].edges(), 2.0)
-    housing += turned([(0, 0), (0.74 * insert, 0), (0.74 * insert, flange), (0.66 * insert, neck), (0, neck)])
+    housing += turned(
+        [(0, 0), (0.74 * insert, 0), (0.74 * insert, flange), (0.66 * insert, neck), (0, neck)]
+    )
     housing -= rods(on_grid(bolt_pitch, bolt_pitch), bolt_hole, neck)
     housing -= rod(insert, neck)
 

@@ -2,7 +2,15 @@
 
 from build123d import Shape
 
-from industnerf.parts.families.drawing import bar, block, rod, turned
+from industnerf.parts.families.drawing import (
+    bar,
+    block,
+    on_grid,
+    rod,
+    slot,
+    turned,
+    upright,
+)
 from industnerf.parts.recipe import Recipe
 
 
@@ -31,6 +39,31 @@ def clevis(pin: float, slot_length: float, thread_core: float) -> Shape:
     return fork - rod(thread_core, reach - slot_length, (0, 0, -reach))
 
 
+def motor_mount(pilot: float, bolt_pitch: float, bolt: float, sheet: float) -> Shape:
+    """Welded angle for a motor of NEMA ICS 16: face plate in x < 0, foot with slots, two gussets.
+
+    The shaft's axis is along x; the underside of the foot lies at z = 0.
+    """
+    width, foot, height = 1.75 * bolt_pitch, 1.7 * bolt_pitch, 1.75 * bolt_pitch
+    axis_height, gusset = sheet + 0.88 * bolt_pitch, 0.75 * sheet
+    mount = block(foot, width, sheet, (foot / 2 - sheet, 0, 0))
+    mount += block(sheet, width, height, (-sheet / 2, 0, 0))
+    for side in (1, -1):
+        triangle = [
+            (0, sheet),
+            (0.8 * foot, sheet),
+            (0.8 * foot, sheet + 4),
+            (4, 0.92 * height),
+            (0, 0.92 * height),
+        ]
+        mount += upright(triangle, gusset, side * (width - gusset) / 2)
+    mount -= bar(pilot, 4 * sheet, "x", (0, 0, axis_height))
+    for y, z in on_grid(bolt_pitch, bolt_pitch):
+        mount -= bar(bolt, 4 * sheet, "x", (0, y, axis_height + z))
+    slots = [(x, y) for x in (0.3 * foot, 0.72 * foot) for y in (-0.24 * width, 0.24 * width)]
+    return mount - [slot(4 * sheet, 6.6, 4 * sheet, (x, y, -sheet)) for x, y in slots]
+
+
 RECIPES = [
     Recipe(
         "clevis-din71752-g12x24",
@@ -38,5 +71,12 @@ RECIPES = [
         "build123d",
         clevis,
         {"pin": 12, "slot_length": 24, "thread_core": 10.2},
+    ),
+    Recipe(
+        "motor-mount-nema23",
+        "NEMA 23 motor mount",
+        "build123d",
+        motor_mount,
+        {"pilot": 38.5, "bolt_pitch": 47.14, "bolt": 5.3, "sheet": 5},
     ),
 ]

@@ -13,19 +13,15 @@ from build123d import (
     Box,
     Circle,
     Cylinder,
-    Line,
     Plane,
     Polyline,
     Pos,
-    Rectangle,
     RectangleRounded,
     RegularPolygon,
     Rot,
     Shape,
     Sketch,
     SlotOverall,
-    Solid,
-    Spline,
     extrude,
     make_face,
     make_hull,
@@ -83,9 +79,7 @@ def upright(profile: Sequence[Point], width: float, centre_y: float = 0.0) -> Sh
     return Pos(0, centre_y, 0) * extrude(Plane.XZ * polygon(profile), width / 2, both=True)
 
 
-def tangent_hull(
-    centre: Point, radius: float, other_centre: Point, other_radius: float
-) -> Sketch:
+def tangent_hull(centre: Point, radius: float, other_centre: Point, other_radius: float) -> Sketch:
     """Two circles and their outer tangents."""
     one, other = Pos(*centre) * Circle(radius), Pos(*other_centre) * Circle(other_radius)
     return make_hull(one.edges() + other.edges())
@@ -107,9 +101,7 @@ def around(count: int, body: Shape, start: float = 0.0) -> list[Shape]:
     return [Rot(0, 0, start + 360 * i / count) * body for i in range(count)]
 
 
-def rods(
-    points: Iterable[Point], diameter: float, height: float, base: float = 0.0
-) -> list[Shape]:
+def rods(points: Iterable[Point], diameter: float, height: float, base: float = 0.0) -> list[Shape]:
     """Equal rods, or drills, on the points of a pattern."""
     return [rod(diameter, height, (x, y, base)) for x, y in points]
 

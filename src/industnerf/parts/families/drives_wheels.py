@@ -1,8 +1,19 @@
 """Wheels, pulleys and hand wheels."""
 
-from build123d import Pos, Rot, Shape, Sphere, Torus
+import math
 
-from industnerf.parts.families.drawing import around, hub_keyway, rod, turned
+from build123d import Pos, Rot, Shape, Torus
+
+from industnerf.parts.families.drawing import (
+    around,
+    bar,
+    block,
+    hub_keyway,
+    on_circle,
+    rod,
+    rods,
+    turned,
+)
 from industnerf.parts.recipe import MeshBoolean, Recipe
 
 
@@ -17,7 +28,9 @@ def handwheel(diameter: float, bore: float, key: float, spokes: int) -> MeshBool
     handle, handle_length = 0.15 * diameter, 0.44 * diameter
 
     spoke_length = rim_circle / 2
-    spoke = turned([(0, 0), (0.042 * diameter, 0), (0.032 * diameter, spoke_length), (0, spoke_length)])
+    spoke = turned(
+        [(0, 0), (0.042 * diameter, 0), (0.032 * diameter, spoke_length), (0, spoke_length)]
+    )
     # from the middle of the hub outwards, climbing to the rim
     spoke = Pos(0, 0, -0.5 * dish) * Rot(0, 81, 0) * spoke
     grip = turned(
@@ -63,16 +76,63 @@ def caster_wheel(diameter: float, width: float, hub_length: float, bore: float) 
         (diameter / 2, 0.06 * width),
     ]
     wheel = turned(profile + [(radius, -z) for radius, z in reversed(profile)])
-    rib = turned_rib = None
-    return wheel
+    inside, outside = 0.45 * hub, 0.47 * rim
+    rib = block(
+        outside - inside, 0.1 * width, 0.66 * width, ((inside + outside) / 2, 0, -0.33 * width)
+    )
+    return wheel + around(ribs, rib)
+
+
+def timing_pulley(teeth: int, belt: float, bore: float) -> Shape:
+    """HTD 5M pulley of ISO 13050 with two flanges and a hub with set screws.
+
+    Tooth spaces are drawn as circular arcs without their tip rounding.
+    """
+    pitch, pitch_line, space_depth, space_radius = 5.0, 1.143, 2.06, 1.49
+    outside = teeth * pitch / math.pi - pitch_line
+    face, disc, hub, hub_length = belt + 2.5, 1.2, 0.72 * outside, 8.0
+    rim = turned(
+        [
+            (0, 0),
+            (outside / 2 + 2.2, -0.6),
+            (outside / 2 + 2.2, disc - 0.6),
+            (outside / 2 - 0.3, disc),
+            (outside / 2 - 2.5, disc),
+            (0, disc),
+        ]
+    )
+    toothed = rod(outside, face)
+    centres = on_circle(teeth, outside - 2 * (space_depth - space_radius))
+    toothed -= rods(centres, 2 * space_radius, face)
+    pulley = toothed + Pos(0, 0, -disc) * rim + Pos(0, 0, face + disc) * Rot(180, 0, 0) * rim
+    pulley += rod(hub, hub_length + disc, (0, 0, -hub_length - disc))
+    screws = [
+        bar(4.2, hub, axis, place)
+        for axis, place in (("x", (hub / 2, 0, -5.0)), ("y", (0, hub / 2, -5.0)))
+    ]
+    return pulley - rod(bore, 2 * face + 2 * hub_length, (0, 0, -hub_length - 2 * disc)) - screws
 
 
 RECIPES = [
+    Recipe(
+        "caster-wheel-d100",
+        "ISO 22881 castor wheel D100-like",
+        "build123d",
+        caster_wheel,
+        {"diameter": 100, "width": 32, "hub_length": 44, "bore": 12},
+    ),
     Recipe(
         "handwheel-din950-d160",
         "DIN 950 D160-like",
         "build123d",
         handwheel,
         {"diameter": 160, "bore": 16, "key": 5, "spokes": 5},
+    ),
+    Recipe(
+        "pulley-htd-5m-30",
+        "ISO 13050 HTD 30-5M-15",
+        "build123d",
+        timing_pulley,
+        {"teeth": 30, "belt": 15, "bore": 10},
     ),
 ]

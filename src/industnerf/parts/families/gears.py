@@ -1,9 +1,10 @@
 """Toothed wheels."""
 
+import py_gearworks
 from bd_warehouse.gear import HelicalGear
 from build123d import Shape
 
-from industnerf.parts.families.drawing import hub_keyway, rod
+from industnerf.parts.families.drawing import hub_keyway, on_circle, rod, rods
 from industnerf.parts.recipe import Recipe
 
 
@@ -20,6 +21,16 @@ def helical_gear(
     return gear - hub_keyway(bore, key, 0.42 * key, height, top + hub_length - height)
 
 
+def ring_gear(module: float, teeth: int, width: float, bolts: int, bolt_hole: float) -> Shape:
+    """Internal gear of 20 degrees, bolted through its rim."""
+    rim = 8.0  # modules from the pitch circle to the outside
+    ring = py_gearworks.SpurRingGear(
+        teeth, height=width, module=module, outside_ring_coefficient=rim
+    ).build_part()
+    bolt_circle = module * (teeth + 1.2 * rim)
+    return ring - rods(on_circle(bolts, bolt_circle), bolt_hole, 2 * width, -width / 2)
+
+
 RECIPES = [
     Recipe(
         "gear-helical-m3-z30",
@@ -27,5 +38,12 @@ RECIPES = [
         "bd_warehouse",
         helical_gear,
         {"module": 3, "teeth": 30, "helix_angle": 20, "face_width": 25, "bore": 24, "key": 8},
+    ),
+    Recipe(
+        "gear-ring-m1-5-z60",
+        "ISO 53 internal, m1.5 z60, 15 wide",
+        "py_gearworks",
+        ring_gear,
+        {"module": 1.5, "teeth": 60, "width": 15, "bolts": 6, "bolt_hole": 5.5},
     ),
 ]

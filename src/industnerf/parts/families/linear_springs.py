@@ -1,8 +1,7 @@
 """Linear motion and springs."""
 
-import math
-
-from build123d import Circle, Edge, Plane, Pos, Shape, Wire, sweep
+import numpy as np
+from build123d import Circle, Edge, Plane, Pos, Shape, Spline, Wire, sweep
 
 from industnerf.parts.families.drawing import bar, block, on_circle, rod, rods, turned
 from industnerf.parts.recipe import MeshBoolean, Recipe
@@ -53,6 +52,32 @@ def ball_screw_nut(
     return MeshBoolean(join=[nut], cut=[track])
 
 
+def compression_spring(wire: float, mean: float, active: float, pitch: float) -> MeshBoolean:
+    """Cylindrical spring of EN 15800: closed and ground ends, one and a half dead coils at each.
+
+    `mean` is the coils' mean diameter, `active` their number, `pitch` the rise of one of them.
+    The ground ends lie at z = 0 and above.
+    """
+    closed = 1.04 * wire  # pitch of the end coils: all but touching
+    dead, ramp, steps = 1.25, 0.5, 8  # turns, turns, points per turn
+    turns = active + 2 * dead
+    count = round(turns * steps)
+    turn = np.linspace(0, turns, count + 1)
+    inside = np.minimum(turn, turns - turn)  # turns from the nearer end
+    opening = np.clip((inside - dead + ramp / 2) / ramp, 0, 1)
+    slope = closed + (pitch - closed) * opening**2 * (3 - 2 * opening)
+    rise = np.concatenate([[0.0], np.cumsum((slope[1:] + slope[:-1]) / 2 * np.diff(turn))])
+    z = rise - wire / 4  # the tip is ground to a quarter of the wire
+    top = rise[-1] - wire / 2
+    angle = 2 * np.pi * turn
+    path = Spline(*zip(mean / 2 * np.cos(angle), mean / 2 * np.sin(angle), z, strict=True))
+    coil = sweep(Plane(path @ 0, z_dir=path % 0) * Circle(wire / 2), path=path, is_frenet=True)
+    far = 2 * mean
+    return MeshBoolean(
+        join=[coil], cut=[block(far, far, wire, (0, 0, -wire)), block(far, far, wire, (0, 0, top))]
+    )
+
+
 RECIPES = [
     Recipe(
         "ballscrew-nut-sfu1605",
@@ -69,5 +94,12 @@ RECIPES = [
             "flats": 40,
             "length": 50,
         },
+    ),
+    Recipe(
+        "spring-compression-4x32",
+        "EN 15800 compression spring 4x32, 4.5 active coils",
+        "build123d",
+        compression_spring,
+        {"wire": 4, "mean": 32, "active": 4.5, "pitch": 9.5},
     ),
 ]

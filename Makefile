@@ -1,0 +1,41 @@
+# Every target sets up .venv first: with uv where it is installed, else with venv and pip.
+PYTHON ?= python3
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+INSTALLED := .venv/.installed
+
+.PHONY: demo test smoke repro ui lint clean
+
+demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
+	@python -m pipeline.preset demo
+
+test: $(INSTALLED)  ## the test suite
+	@python -m pytest
+
+smoke: $(INSTALLED)  ## two parts at 64x64 through every stage
+	@python -m pipeline.preset smoke
+
+repro: $(INSTALLED)  ## the full study of params.yaml, resumable
+	@python -m pipeline.check && dvc repro
+
+ui: $(INSTALLED)  ## compare runs in the browser
+	@python -m industnerf.tracking
+	@MLFLOW_SERVER_ENABLE_JOB_EXECUTION=false MLFLOW_DISABLE_TELEMETRY=true mlflow ui --workers 1 \
+	  --backend-store-uri "sqlite:///$(CURDIR)/mlflow.db"
+
+lint: $(INSTALLED)  ## style and import contracts
+	@ruff check . && ruff format --check . && lint-imports
+
+clean:  ## remove the environment, the store and every result
+	rm -rf .venv .store runs reports mlruns mlflow.db mlflow.db.lock
+
+# uv does not read pip's configuration: hand its find-links on, so that both choose the same torch.
+$(INSTALLED): pyproject.toml constraints.txt
+	@if command -v uv >/dev/null; then \
+	  links="$${UV_FIND_LINKS:-$${PIP_FIND_LINKS:-$$($(PYTHON) -m pip config get global.find-links 2>/dev/null)}}"; \
+	  uv venv -q --allow-existing --python $(PYTHON) .venv && \
+	  UV_FIND_LINKS="$$links" uv pip install -q --python .venv/bin/python -c constraints.txt -e '.[test]'; \
+	else \
+	  echo "uv is not installed: setting up with pip, which takes some minutes (pip install uv: seconds)"; \
+	  $(PYTHON) -m venv .venv && .venv/bin/python -m pip install -q -c constraints.txt -e '.[test]'; \
+	fi
+	@touch $@

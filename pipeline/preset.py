@@ -1,0 +1,54 @@
+"""Run a preset of conf/experiment/ through DVC, beside your own study: runs/<preset>/.
+
+python -m pipeline.preset demo
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from industnerf.cli import exit_with_message
+from industnerf.config import build
+from industnerf.errors import BadParams, SuiteError
+from industnerf.schema import Params
+
+SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded")
+
+
+def main(preset: str) -> None:
+    root = Path.cwd()
+    known = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
+    if preset not in known:
+        raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(known)}")
+    project = root / "runs" / preset
+    lay_out(root, project, [f"experiment={preset}"])
+    places = {"INDUSTNERF_STORE": root / ".store", "INDUSTNERF_MLFLOW": root}
+    environment = {**{name: str(path) for name, path in places.items()}, **os.environ}
+    if subprocess.run(["dvc", "repro"], cwd=project, env=environment).returncode:
+        raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
+
+
+def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
+    """A DVC project that shares code and catalogue with `root` and has a params.yaml of its own."""
+    (project / "data").mkdir(parents=True, exist_ok=True)
+    os.environ["INDUSTNERF_ROOT"] = str(root)  # where conf/config.yaml looks for params.yaml
+    with initialize_config_dir(str(root / "conf"), version_base="1.3"):
+        values = OmegaConf.to_container(compose("config", overrides))
+    build(Params, values, " ".join(overrides))
+    OmegaConf.save(values, project / "params.yaml")
+    for name in SHARED:
+        link = project / name
+        if not link.is_symlink():
+            link.symlink_to(os.path.relpath(root / name, link.parent))
+    if not (project / ".dvc").is_dir():
+        for command in (["init", "--no-scm", "-q"], ["config", "core.analytics", "false"]):
+            subprocess.run(["dvc", *command], cwd=project, check=True)
+        subprocess.run(["dvc", "config", "cache.type", "hardlink,copy"], cwd=project, check=True)
+
+
+if __name__ == "__main__":
+    exit_with_message(lambda: main(*sys.argv[1:]))

@@ -1,0 +1,21 @@
+"""Tables, contact sheet and one page that opens offline.  DVC stage `report`."""
+
+import sys
+from pathlib import Path
+
+from industnerf.cli import run_as_stage
+from industnerf.config import PARAMS, Masked, read_yaml
+from industnerf.report.build import build_report
+from industnerf.report.gather import Folders, gather
+from industnerf.tracking import log_report
+
+
+def main(cfg: Masked, *paths: str) -> None:
+    *folders, out = map(Path, paths)
+    study = gather(Folders(*folders), cfg.preset, cfg.seed, cfg.views.count, cfg.methods)
+    build_report(study, cfg.report, out)
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "report")
+    log_report(Path(sys.argv[-1]), read_yaml(PARAMS))

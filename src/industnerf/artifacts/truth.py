@@ -1,0 +1,40 @@
+"""What every method is scored against: samples of the true surface, and the floors."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float32
+
+from industnerf.artifacts.files import read_json, write_json
+from industnerf.errors import BadArtifact
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Area-uniform samples of one part's surface."""
+
+    points_mm: Float32[np.ndarray, "n 3"]
+    visible: Bool[np.ndarray, "n"]  # to at least one camera of the reference rig
+    floors: dict[str, float]  # "metric protocol" -> value between two samples of the truth
+
+    def save(self, folder: Path) -> None:
+        """Write `samples.npz` and `floors.json` into `folder`."""
+        np.savez_compressed(folder / "samples.npz", points_mm=self.points_mm, visible=self.visible)
+        share = float(self.visible.mean())
+        write_json(
+            folder / "floors.json",
+            {"schema": SCHEMA, "visible_share": share, "floors": self.floors},
+        )
+
+    @staticmethod
+    def load(folder: Path) -> "Truth":
+        """Read what `save` wrote; raises BadArtifact if it is missing or torn."""
+        floors = read_json(folder / "floors.json", SCHEMA, "truth")["floors"]
+        try:
+            with np.load(folder / "samples.npz") as file:
+                return Truth(file["points_mm"], file["visible"], floors)
+        except (OSError, ValueError, KeyError) as error:
+            raise BadArtifact(f"{folder}/samples.npz: {error}; `dvc repro -f truth`") from None

@@ -1,0 +1,1 @@
+"""Photographs of a part: where the cameras stand, how the part is lit, what each pixel shows."""

@@ -1,0 +1,60 @@
+"""Where the cameras stand: on a sphere around the part, all looking at its centre."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from industnerf.errors import BadParams
+from industnerf.geometry.cameras import Cameras, look_at, pinhole
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.schema import ViewsParams
+
+TURNS = 360  # candidates for the turn between held-out and training cameras
+
+
+def bounding_ball(vertices: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
+    """Centre of the bounding box, and the distance (mm) of the vertex farthest from it."""
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return centre, float(np.linalg.norm(vertices - centre, axis=1).max())
+
+
+def cameras_around(
+    centre: Float[np.ndarray, "3"], radius_mm: float, settings: ViewsParams
+) -> tuple[Cameras, Bool[np.ndarray, "n"]]:
+    """Training cameras, then held-out ones, that frame the ball; and which are held out.
+
+    Raises BadParams if the ball is larger than the field of view.
+    """
+    require_in_frame(settings.radius, settings.fov_deg)
+    train = fibonacci_sphere(settings.count)
+    held_out = fibonacci_sphere(settings.held_out, best_turn(train, settings.held_out))
+    eyes = centre + settings.radius * radius_mm * np.concatenate([train, held_out])
+    K = np.tile(pinhole(settings.fov_deg, settings.resolution), (len(eyes), 1, 1))
+    cameras = Cameras(K, look_at(eyes, centre), settings.resolution, settings.resolution)
+    return cameras, np.arange(len(eyes)) >= settings.count
+
+
+def require_in_frame(radius: float, fov_deg: float) -> None:
+    """Raise BadParams unless a ball fits the view from `radius` times its own radius."""
+    needed_radius = 1 / np.sin(np.radians(fov_deg) / 2)
+    if radius >= needed_radius:
+        return
+    spans = np.degrees(2 * np.arcsin(1 / radius)) if radius > 1 else 180.0
+    raise BadParams(
+        f"params.yaml: from views.radius = {radius:g} the part's bounding ball spans "
+        f"{spans:.2f} degrees, {spans - fov_deg:.2f} more than views.fov_deg = {fov_deg:g}. "
+        f"Raise views.radius to at least {np.ceil(needed_radius * 1000) / 1000:g}"
+        + (
+            f", or views.fov_deg to at least {np.ceil(spans * 100) / 100:g}."
+            if spans < 120
+            else "."
+        )
+    )
+
+
+def best_turn(train: Float[np.ndarray, "n 3"], held_out: int) -> float:
+    """The turn (radians) of `held_out` cameras that keeps them farthest from `train`."""
+    if not held_out:
+        return 0.0
+    turns = np.arange(TURNS) * (2 * np.pi / TURNS)
+    nearest = [(fibonacci_sphere(held_out, turn) @ train.T).max() for turn in turns]
+    return float(turns[np.argmin(nearest)])

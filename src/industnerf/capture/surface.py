@@ -1,0 +1,76 @@
+"""The lit surface of a part: what light leaves it towards a ray.
+
+Lights are fixed to the part and the material is matte, so a point is as bright from every side
+that sees it (photo-consistency).  A face is lit on the side that the viewer sees.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+
+from industnerf.artifacts.part import Mesh
+from industnerf.capture.normals import corner_normals, face_normals
+from industnerf.geometry.raycast import Scene
+from industnerf.schema import LightParams
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the rays that hit the part show."""
+
+    ray: Int[np.ndarray, "hits"]  # which rays
+    t: Float32[np.ndarray, "hits"]  # in lengths of their directions
+    irradiance: Float32[np.ndarray, "hits"]  # times albedo = radiance
+
+
+class Surface:
+    """A mesh under lights, ready to be looked at from anywhere."""
+
+    def __init__(self, mesh: Mesh, crease_deg: float, light: LightParams) -> None:
+        self.vertices = mesh.vertices
+        self._scene = Scene(mesh.vertices, mesh.faces)
+        triangles = mesh.triangles
+        self._facing = face_normals(triangles)
+        self._offset = np.einsum("ij,ij->i", self._facing, triangles[:, 0])
+        # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0), the last two rows stored as differences
+        self._normals = corner_normals(mesh.vertices, mesh.faces, crease_deg)
+        self._normals[:, 1:] -= self._normals[:, :1]
+        self._lamps = Lamps.of(light)
+
+    def look(self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]) -> Seen:
+        """What the rays from `eye` show."""
+        hits = self._scene.cast(eye[None], directions)
+        ray = np.flatnonzero(hits.face >= 0)
+        face, uv = hits.face[ray], hits.uv[ray]
+        corner = self._normals.take(face, axis=0)
+        normal = corner[:, 0] + uv[:, :1] * corner[:, 1] + uv[:, 1:] * corner[:, 2]
+        behind = (self._facing @ eye < self._offset).take(face)
+        normal[behind] *= -1
+        return Seen(ray, hits.t[ray], self._lamps.irradiance(normal))
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """Ambient light and distant lamps."""
+
+    ambient: np.float32
+    towards: Float32[np.ndarray, "lamps 3"]  # unit
+    intensity: Float32[np.ndarray, "lamps"]
+
+    @staticmethod
+    def of(light: LightParams) -> "Lamps":
+        towards = np.array(light.directions, float).reshape(-1, 3)
+        towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+        return Lamps(
+            np.float32(light.ambient),
+            towards.astype(np.float32),
+            np.array(light.intensities, np.float32),
+        )
+
+    def irradiance(self, normals: Float32[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n"]:
+        """Lambert's law: ambient + sum of intensity * max(0, cosine); normals of any length."""
+        length = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+        cosine = normals @ self.towards.T
+        lit = np.maximum(cosine, 0) @ self.intensity
+        return self.ambient + lit / np.maximum(length, np.float32(1e-12))

@@ -1,0 +1,63 @@
+"""All metrics of protocol P1 between two sampled surfaces; bounding-box diagonal 1.
+
+P1-even   both sides reduced by farthest points: geometry alone
+P1-iid    the prediction reduced by random choice: geometry and density (paper, 4.3)
+P1-full   as P1-even, but of the whole surface, hidden parts too
+P1-dense  all samples of both sides
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from industnerf.metrics.chamfer import chamfer
+from industnerf.metrics.emd import emd
+from industnerf.metrics.fscore import fscore
+from industnerf.metrics.reduce import farthest_points, random_points
+from jaxtyping import Bool, Float
+
+from industnerf.schema import EvaluateParams
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Points in diagonals, and which of them count against the visible surface."""
+
+    points: Float[np.ndarray, "n 3"]
+    kept: Bool[np.ndarray, "n"]
+
+
+@dataclass(frozen=True)
+class Value:
+    """One metric under one protocol."""
+
+    metric: str
+    protocol: str
+    value: float
+    unit: str
+    smaller_is_better: bool = True
+
+
+def compare(
+    truth: Sampled, predicted: Sampled, settings: EvaluateParams, rng: np.random.Generator
+) -> list[Value]:
+    """Every metric of `predicted` against `truth`.
+
+    Raises MetricError if a distance cannot be computed exactly.
+    """
+    n = settings.points
+    seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
+    even_truth, even_shown = farthest_points(seen, n), farthest_points(shown, n)
+    even = emd(even_truth, even_shown)
+    everything = truth.kept.all() and predicted.kept.all()
+    full = (
+        even
+        if everything
+        else emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
+    )
+    return [
+        Value("emd", "P1-even", even, "diagonal"),
+        Value("emd", "P1-iid", emd(even_truth, random_points(shown, n, rng)), "diagonal"),
+        Value("emd", "P1-full", full, "diagonal"),
+        Value("chamfer", "P1-dense", chamfer(seen, shown), "diagonal"),
+        Value("fscore", "P1-dense", fscore(seen, shown, settings.fscore), "share", False),
+    ]

@@ -1,0 +1,155 @@
+"""Impellers, propellers and other bladed wheels."""
+
+import math
+
+from build123d import Line, Plane, Sketch, Spline, extrude, loft, make_face
+
+from industnerf.parts.families.drawing import Point, around, hub_keyway, rod, turned
+from industnerf.parts.recipe import MeshBoolean, Recipe
+
+
+def aerofoil(chord: float, thickness: float, camber: float) -> list[Point]:
+    """Outline of a NACA 4-digit section about its half-chord point, trailing edge first.
+
+    `thickness` and `camber` are shares of the chord; the trailing edge is 1 % thick.
+    """
+    stations = [0.5 * (1 - math.cos(math.pi * i / 12)) for i in range(13)]
+
+    def half(x: float) -> float:
+        root = 0.2969 * math.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1015 * x**4
+        return 5 * thickness * root + 0.005 * x
+
+    line = [4 * camber * x * (1 - x) for x in stations]
+    upper = [(x, y + half(x)) for x, y in zip(stations, line, strict=True)]
+    lower = [(x, y - half(x)) for x, y in zip(stations, line, strict=True)]
+    return [((x - 0.5) * chord, y * chord) for x, y in [*reversed(upper), *lower[1:]]]
+
+
+def blade_section(
+    radius: float, pitch_angle: float, chord: float, thickness: float, camber: float
+) -> Sketch:
+    """An aerofoil across the x axis at `radius`, turned by `pitch_angle` out of the xy plane."""
+    a = math.radians(pitch_angle)
+    plane = Plane((radius, 0, 0), x_dir=(0, math.cos(a), math.sin(a)), z_dir=(1, 0, 0))
+    outline = aerofoil(chord, thickness, camber)
+    return plane * make_face([Spline(*outline), Line(outline[-1], outline[0])])
+
+
+def propeller(diameter: float, blades: int, pitch: float, hub: float, bore: float) -> MeshBoolean:
+    """Fixed-pitch screw propeller about z; the pitch is the same at all radii.
+
+    Chords and thicknesses are of the Wageningen B kind, without its skew and rake.
+    """
+    stations = [  # radius, chord, thickness, camber: shares of the diameter, then of the chord
+        (0.06, 0.20, 0.20, 0.02),
+        (0.15, 0.27, 0.13, 0.03),
+        (0.25, 0.33, 0.08, 0.035),
+        (0.35, 0.35, 0.055, 0.035),
+        (0.43, 0.30, 0.045, 0.03),
+        (0.48, 0.19, 0.045, 0.02),
+        (0.50, 0.09, 0.06, 0.0),
+    ]
+    sections = [
+        blade_section(
+            r * diameter,
+            math.degrees(math.atan(pitch / (2 * math.pi * r * diameter))),
+            chord * diameter,
+            thickness,
+            camber,
+        )
+        for r, chord, thickness, camber in stations
+    ]
+    half_hub = 0.5 * hub
+    body = turned(
+        [
+            (0, -1.2 * half_hub),
+            (0.8 * half_hub, -1.2 * half_hub),
+            (half_hub, 0.9 * half_hub),
+            (0, 0.9 * half_hub),
+        ]
+    )
+    return MeshBoolean(
+        join=[body, *around(blades, loft(sections))],
+        cut=[
+            rod(bore, 4 * hub, (0, 0, -2 * hub)),
+            hub_keyway(bore, 0.3 * bore, 0.15 * bore, 4 * hub, -2 * hub),
+        ],
+    )
+
+
+def pump_impeller(diameter: float, bore: float, key: float, vanes: int) -> MeshBoolean:
+    """Semi-open radial impeller: backward-curved vanes of constant angle on a curved back plate.
+
+    The vane's line is a logarithmic spiral, r = r1 exp(theta tan(beta)), beta = 27 degrees.
+    """
+    outer, eye, hub = diameter / 2, 0.25 * diameter, 0.16 * diameter
+    vane, tan_beta = 0.026 * diameter, math.tan(math.radians(27))
+    plate, hub_height, inlet, outlet = (
+        0.035 * diameter,
+        0.27 * diameter,
+        0.25 * diameter,
+        0.12 * diameter,
+    )
+    back = turned(
+        [
+            (0, 0),
+            (outer, 0),
+            (outer, plate),
+            (0.7 * outer, 1.5 * plate),
+            (0.48 * outer, 2.7 * plate),
+            (1.1 * hub, 0.8 * hub_height),
+            (hub, hub_height),
+            (0, hub_height),
+        ]
+    )
+    radii = [0.9 * hub + (1.02 * outer - 0.9 * hub) * i / 11 for i in range(12)]
+
+    def side(offset: float) -> Spline:
+        angles = [math.log(r / radii[0]) / tan_beta for r in radii]
+        # across the line, whose direction is beta from the circle's
+        normal = [a + math.atan(tan_beta) - math.pi for a in angles]
+        return Spline(
+            *[
+                (r * math.cos(a) + offset * math.cos(n), r * math.sin(a) + offset * math.sin(n))
+                for r, a, n in zip(radii, angles, normal, strict=True)
+            ]
+        )
+
+    left, right = side(vane / 2), side(-vane / 2)
+    strip = make_face([left, right, Line(left @ 0, right @ 0), Line(left @ 1, right @ 1)])
+    envelope = turned(
+        [
+            (0, 0),
+            (outer, 0),
+            (outer, outlet),
+            (0.72 * outer, 1.25 * outlet),
+            (eye, inlet),
+            (0, 1.08 * inlet),
+        ]
+    )
+    blade = extrude(strip, hub_height) & envelope
+    return MeshBoolean(
+        join=[back, *around(vanes, blade)],
+        cut=[
+            rod(bore, 2 * diameter, (0, 0, -diameter)),
+            hub_keyway(bore, key, 0.45 * key, 2 * diameter, -diameter),
+        ],
+    )
+
+
+RECIPES = [
+    Recipe(
+        "impeller-d140",
+        "semi-open pump impeller D140, 6 vanes",
+        "build123d",
+        pump_impeller,
+        {"diameter": 140, "bore": 20, "key": 6, "vanes": 6},
+    ),
+    Recipe(
+        "propeller-4-blade-d200",
+        "4-blade propeller D200 P160",
+        "build123d",
+        propeller,
+        {"diameter": 200, "blades": 4, "pitch": 160, "hub": 40, "bore": 16},
+    ),
+]

@@ -1,0 +1,78 @@
+"""Write the report's folder.
+
+table1.csv scores.csv      results
+contact_sheet.png report.html
+summary.json               the means, for `dvc metrics` and MLflow
+cost.csv table1.md         with timings, so they differ from run to run
+"""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from industnerf.artifacts.files import write_json, write_text
+from industnerf.report.costs import costs_csv, read_costs, seconds_per_part
+from industnerf.report.gather import Study
+from industnerf.report.page import page
+from industnerf.report.sheet import choose_parts, contact_sheet
+from industnerf.report.tables import (
+    COLUMNS,
+    Extra,
+    cells,
+    scores_csv,
+    table1,
+    table1_csv,
+    table1_md,
+    without_failures,
+)
+from industnerf.schema import ReportParams
+from industnerf.store import content_digest
+
+
+def build_report(study: Study, settings: ReportParams, out: Path) -> None:
+    """Write every file of the report into `out`, and print Table 1."""
+    costs = read_costs(study.folders, list(study.methods))
+    rows = table1(study, settings)
+    extras = [
+        Extra(without_failures(study, row), seconds_per_part(costs, row.method)) for row in rows
+    ]
+    untimed = [Extra(extra.emd_without_failures, None) for extra in extras]
+    sheet = contact_sheet(study, choose_parts(study, settings.sheet_parts))
+    write_text(out / "table1.csv", table1_csv(rows))
+    write_text(out / "table1.md", table1_md(rows, extras, settings.interval))
+    write_text(out / "scores.csv", scores_csv(study))
+    write_text(out / "cost.csv", costs_csv(costs))
+    write_text(out / "report.html", page(study, rows, untimed, sheet))
+    (out / "contact_sheet.png").write_bytes(sheet)
+    write_json(out / "summary.json", _summary(study, rows, out))
+    _show(rows, extras, out)
+
+
+def _summary(study: Study, rows, out: Path) -> dict:
+    means = {
+        f"{row.method}.{row.split}.{name}": getattr(row, name)
+        for row in rows
+        for name in ("emd_even", "emd_iid", "emd_full", "floor", "ratio_to_floor", "failures")
+    }
+    return {
+        "schema": 1,
+        "inputs": content_digest([out / "table1.csv", out / "scores.csv"]),
+        "preset": study.preset,
+        "parts": len(study.parts),
+        "metrics": means,
+    }
+
+
+def _show(rows, extras, out: Path) -> None:
+    shown = Table(title="Table 1: EMD in bounding-box diagonals; lower is better")
+    left_out = {"inputs", "paper", "without failures"}
+    wanted = [i for i, name in enumerate(COLUMNS) if name not in left_out]
+    for i in wanted:
+        shown.add_column(COLUMNS[i], justify="left" if i == 0 else "right")
+    for row, extra in zip(rows, extras, strict=True):
+        texts = cells(row, extra)
+        shown.add_row(*[texts[i] for i in wanted])
+    console = Console()
+    console.print(shown)
+    console.print(f"open {out / 'report.html'}", markup=False)

@@ -1,0 +1,56 @@
+"""What each result cost, from the store's side-cars; unknown where the store is not at hand."""
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.report.gather import Folders
+from industnerf.stage import read_index
+from industnerf.store import Cost, Store
+
+
+@dataclass(frozen=True)
+class CostRow:
+    """Cost of one part in one stage; `method` is empty in stages that are not per method."""
+
+    stage: str
+    method: str
+    part_id: str
+    cost: Cost
+
+
+def read_costs(folders: Folders, methods: list[str]) -> list[CostRow]:
+    """All costs that the store still knows."""
+    rows = [*_rows("parts", "", folders.parts), *_rows("views", "", folders.views)]
+    rows += _rows("truth", "", folders.truth)
+    for method in methods:
+        rows += _rows("reconstruct", method, folders.clouds / method)
+        rows += _rows("evaluate", method, folders.scores / method)
+    return rows
+
+
+def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
+    store = Store.from_environment()
+    for part_id, key in read_index(folder).items():
+        cost = store.cost(stage, key)
+        if cost:
+            yield CostRow(stage, method, part_id, cost)
+
+
+def costs_csv(rows: list[CostRow]) -> str:
+    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["stage", "method", "part_id", *Cost.__dataclass_fields__])
+    for row in rows:
+        table.writerow([row.stage, row.method, row.part_id, *vars(row.cost).values()])
+    return text.getvalue()
+
+
+def seconds_per_part(rows: list[CostRow], method: str) -> float | None:
+    """Mean seconds that `method` takes for a part."""
+    mine = [r.cost.seconds for r in rows if r.stage == "reconstruct" and r.method == method]
+    return fmean(mine) if mine else None

@@ -1,0 +1,63 @@
+"""Everything the report is made of, read once."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import Part, load_parts
+from industnerf.artifacts.scores import PartScore, load_method_scores
+from industnerf.artifacts.split import Place, load_split
+from industnerf.methods import load_method
+from industnerf.methods.base import Method
+from industnerf.stage import read_failures, read_index
+
+
+@dataclass(frozen=True)
+class Folders:
+    """Where the stages before the report wrote."""
+
+    parts: Path
+    views: Path
+    split: Path
+    truth: Path
+    clouds: Path
+    scores: Path
+
+
+@dataclass(frozen=True)
+class Study:
+    """One run of the pipeline."""
+
+    preset: str
+    seed: int
+    views: int  # training views a part
+    methods: dict[str, Method]
+    parts: dict[str, Part]
+    places: dict[str, Place]
+    scores: list[PartScore]
+    failures: dict[str, dict[str, str]]  # stage or method -> part id -> why
+    training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part
+    folders: Folders
+
+
+def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[str]) -> Study:
+    """Read every artefact; raises BadArtifact that names the first one missing or torn."""
+    known = {name: load_method(name) for name in methods}
+    return Study(
+        preset,
+        seed,
+        views,
+        known,
+        {part.part_id: part for part in load_parts(folders.parts)},
+        load_split(folders.split),
+        [row for name in methods for row in load_method_scores(folders.scores / name, name)],
+        {"parts": read_failures(folders.parts)}
+        | {name: read_failures(folders.clouds / name) for name in methods},
+        {name: _training(folders.clouds / name) for name in methods},
+        folders,
+    )
+
+
+def _training(clouds: Path) -> tuple[int, int]:
+    made = list(read_index(clouds))
+    return Cloud.training(clouds / made[0]) if made else (0, 0)

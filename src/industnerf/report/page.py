@@ -1,0 +1,109 @@
+"""One page that opens offline: everything it shows is inside it."""
+
+import base64
+from html import escape
+
+from industnerf.report.gather import Study
+from industnerf.report.tables import COLUMNS, Extra, Row, cells, scores_of
+
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 76rem; margin: 2rem auto;
+       padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .85rem; }
+th, td { padding: .25rem .6rem; text-align: right; border-bottom: 1px solid #ddd; }
+th:first-child, td:first-child, th:nth-child(2), td:nth-child(2) { text-align: left; }
+tr.failed td { color: #b00020; } img { max-width: 100%; } .wide { overflow-x: auto; }
+p.note { color: #555; max-width: 60rem; }
+"""
+
+
+def page(study: Study, rows: list[Row], extras: list[Extra], sheet: bytes) -> str:
+    """`report.html`."""
+    picture = base64.b64encode(sheet).decode()
+    return "".join(
+        [
+            "<!doctype html><html lang=en><meta charset=utf-8>",
+            "<meta name=viewport content='width=device-width'>",
+            f"<title>IndustNeRF: {escape(study.preset)}</title><style>{STYLE}</style>",
+            f"<h1>IndustNeRF suite: {escape(study.preset)}</h1>{_summary(study)}",
+            "<h2>Table 1</h2>",
+            _table(
+                list(COLUMNS),
+                [(cells(r, e), r.failures > 0) for r, e in zip(rows, extras, strict=True)],
+            ),
+            _notes(),
+            "<h2>Contact sheet</h2>",
+            f"<img alt='contact sheet' src='data:image/png;base64,{picture}'>",
+            f"<h2>Part by part</h2>{_by_part(study)}",
+            _failures(study),
+            "</html>\n",
+        ]
+    )
+
+
+def _summary(study: Study) -> str:
+    tested = sum(place.split == "test" for place in study.places.values())
+    families = len({part.family for part in study.parts.values()})
+    return (
+        f"<p>{len(study.parts)} parts of {families} families, {study.views} training views each; "
+        f"{tested} reported, {len(study.parts) - tested} set apart for tuning (dev).</p>"
+    )
+
+
+def _notes() -> str:
+    return (
+        "<p class=note>EMD is the exact Wasserstein-1 distance in units of the true bounding-box "
+        "diagonal, on what the reference rig sees; <i>full</i> is of the whole surface. "
+        "<i>floor</i> is the same metric between two independent samples of the truth: no method "
+        "can do better. <i>even</i> compares geometry alone, <i>iid</i> geometry and density. "
+        "The interval is a bootstrap over families. A failed part scores the worse of its ball "
+        "and its box. A row marked null knows only the part's size, a row marked bound is given "
+        "the answer. The paper's numbers have no published protocol.</p>"
+    )
+
+
+def _table(heads: list[str], lines: list[tuple[list[str], bool]]) -> str:
+    head = "".join(f"<th>{escape(text)}" for text in heads)
+    body = "".join(
+        f"<tr{' class=failed' if failed else ''}>"
+        + "".join(f"<td>{escape(text)}" for text in texts)
+        for texts, failed in lines
+    )
+    return f"<div class=wide><table><tr>{head}{body}</table></div>"
+
+
+def _by_part(study: Study) -> str:
+    """EMD (even) of every part and method, with its floor."""
+    even = {
+        (s.part_id, s.method): s.score
+        for split in ("test", "dev")
+        for method in study.methods
+        for s in scores_of(study, method, split)
+        if (s.score.metric, s.score.protocol) == ("emd", "P1-even")
+    }
+    lines = []
+    for part in sorted(study.parts.values(), key=lambda part: (part.family, part.part_id)):
+        scores = [even.get((part.part_id, method)) for method in study.methods]
+        known = next((score for score in scores if score), None)
+        texts = [part.designation, part.family, study.places[part.part_id].split]
+        texts += [f"{100 * part.visible_share:.0f} %", f"{known.floor:.4f}" if known else ""]
+        texts += [_value(score) for score in scores]
+        lines.append((texts, any(score and score.status != "ok" for score in scores)))
+    heads = ["part", "family", "split", "visible", "floor", *study.methods]
+    return _table(heads, lines)
+
+
+def _value(score) -> str:
+    if score is None:
+        return ""
+    return f"{score.value:.4f}" + ("" if score.status == "ok" else " (failed)")
+
+
+def _failures(study: Study) -> str:
+    items = [
+        f"<li><b>{escape(where)}</b>, {escape(part)}: {escape(why)}"
+        for where, failed in study.failures.items()
+        for part, why in failed.items()
+    ]
+    return f"<h2>Failures</h2><ul>{''.join(items)}</ul>" if items else ""

@@ -1,0 +1,89 @@
+"""The contact sheet: truth, a photograph, and every method's cloud coloured by its error."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import Part
+from industnerf.artifacts.truth import Truth
+from industnerf.artifacts.views import load_views
+from industnerf.report.gather import Study
+from industnerf.report.pictures import distance_to, nicest_view, splat
+
+SIZE = 220  # px of one picture
+WORST = 0.05  # error in diagonals at the end of the colour scale
+SEEN, HIDDEN = np.array([70, 90, 120], np.uint8), np.array([225, 150, 60], np.uint8)
+
+
+def contact_sheet(study: Study, parts: list[Part]) -> bytes:
+    """A PNG with a row for each of `parts` and a column for each method."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    mpl.rcParams["svg.hashsalt"] = "industnerf"
+    colour_map = mpl.colormaps["turbo"]
+    heads = ["truth (orange: hidden)", "a view", *study.methods]
+    figure = Figure(figsize=(1.7 * len(heads), 1.75 * len(parts) + 0.9), layout="constrained")
+    axes = figure.subplots(len(parts), len(heads), squeeze=False)
+    for row, part in zip(axes, parts, strict=True):
+        for axis, picture in zip(row, _pictures(study, part, colour_map), strict=True):
+            axis.set(xticks=[], yticks=[], frame_on=False)
+            if picture is not None:
+                axis.imshow(picture)
+            else:
+                axis.text(0.5, 0.5, "failed", ha="center", va="center", transform=axis.transAxes)
+        row[0].set_ylabel(f"{part.designation}\n{part.family}", fontsize=6)
+    for axis, head in zip(axes[0], heads, strict=True):
+        axis.set_title(head, fontsize=8)
+    scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 100 * WORST), colour_map)
+    figure.colorbar(
+        scale,
+        ax=axes,
+        location="bottom",
+        fraction=0.02,
+        aspect=60,
+        label="distance to the true surface, % of the bounding-box diagonal",
+    )
+    png = io.BytesIO()
+    figure.savefig(png, dpi=130, metadata={"Software": None})
+    return png.getvalue()
+
+
+def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h w 3"] | None]:
+    views = load_views(study.folders.views / part.part_id)
+    view = nicest_view(views.cameras[views.train])
+    truth = Truth.load(study.folders.truth / part.part_id)
+    shown = np.where(truth.visible[:, None], SEEN, HIDDEN)
+    pictures = [splat(truth.points_mm, shown, views.cameras, view, SIZE)]
+    pictures.append(views.rgb(np.array([view]))[0])
+    for method in study.methods:
+        folder = study.folders.clouds / method / part.part_id
+        if not folder.is_dir():
+            pictures.append(None)
+            continue
+        points = Cloud.load(folder).points_mm
+        error = distance_to(points, truth.points_mm, part.diagonal_mm)
+        colours = colour_map(np.clip(error / WORST, 0, 1), bytes=True)[:, :3]
+        pictures.append(splat(points, colours, views.cameras, view, SIZE))
+    return pictures
+
+
+def choose_parts(study: Study, count: int) -> list[Part]:
+    """Up to `count` parts that every stage reached, spread evenly over the list by family."""
+    ready = [
+        part
+        for part in study.parts.values()
+        if (study.folders.views / part.part_id).is_dir()
+        and (study.folders.truth / part.part_id).is_dir()
+    ]
+    ready.sort(key=lambda part: (part.family, part.part_id))
+    chosen = np.unique(np.linspace(0, len(ready) - 1, min(count, len(ready))).round().astype(int))
+    return [ready[i] for i in chosen]
+
+
+def write_sheet(path: Path, study: Study, count: int) -> None:
+    """Write the contact sheet of up to `count` parts to `path`."""
+    path.write_bytes(contact_sheet(study, choose_parts(study, count)))

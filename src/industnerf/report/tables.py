@@ -1,0 +1,232 @@
+"""Table 1 (the paper's, with floors and intervals) and the scores behind it."""
+
+import csv
+import io
+from dataclasses import astuple, dataclass, fields
+from statistics import fmean
+
+from industnerf.artifacts.scores import PartScore
+from industnerf.methods.base import Method, Role
+from industnerf.report import paper
+from industnerf.report.gather import Study
+from industnerf.report.statistics import bootstrap_interval
+from industnerf.schema import ReportParams
+from industnerf.seeds import generator
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method over the parts of one split."""
+
+    method: str
+    scope: str
+    inputs: str
+    split: str
+    preset: str
+    views: int
+    emd_even: float
+    ci_low: float
+    ci_high: float
+    floor: float
+    ratio_to_floor: float
+    emd_iid: float
+    emd_full: float
+    parts: int
+    failures: int
+    parameters: int
+    steps: int
+    paper_emd: float | None
+
+
+@dataclass(frozen=True)
+class Extra:
+    """What Table 1 shows beside its columns."""
+
+    emd_without_failures: float | None
+    seconds: float | None
+
+
+def table1(study: Study, settings: ReportParams) -> list[Row]:
+    """A row per split and method, reported parts first, best method first within a split."""
+    rows = [
+        _row(study, settings, method, split, scores)
+        for split in ("test", "dev")
+        for method in study.methods.values()
+        if (scores := scores_of(study, method.name, split))
+    ]
+    return sorted(rows, key=lambda row: (row.split != "test", row.emd_even))
+
+
+def scores_of(study: Study, method: str, split: str) -> list[PartScore]:
+    """The scores of `method` on the parts of `split`."""
+    return [
+        row
+        for row in study.scores
+        if row.method == method and study.places[row.part_id].split == split
+    ]
+
+
+def _row(
+    study: Study, settings: ReportParams, method: Method, split: str, scores: list[PartScore]
+) -> Row:
+    even = [row for row in scores if (row.score.metric, row.score.protocol) == ("emd", "P1-even")]
+    values = [row.score.value for row in even]
+    low, high = bootstrap_interval(
+        values,
+        [study.parts[row.part_id].family for row in even],
+        settings.resamples,
+        settings.interval,
+        generator(study.seed, "bootstrap"),  # the same draws of families for every method
+    )
+    floor = fmean(row.score.floor for row in even)
+    parameters, steps = study.training[method.name]
+    return Row(
+        method.name,
+        method.scope.value,
+        inputs_of(method),
+        split,
+        study.preset,
+        study.views,
+        fmean(values),
+        low,
+        high,
+        floor,
+        fmean(values) / floor,
+        _mean(scores, "P1-iid"),
+        _mean(scores, "P1-full"),
+        len(even),
+        sum(row.score.status != "ok" for row in even),
+        parameters,
+        steps,
+        paper.EMD.get(method.name),
+    )
+
+
+def inputs_of(method: Method) -> str:
+    """Declared inputs; a null or a bound says so, for its row is no competitor's."""
+    names = " + ".join(sorted(method.inputs))
+    return names if method.role == Role.METHOD else f"{names} ({method.role.value})"
+
+
+def _mean(scores: list[PartScore], protocol: str) -> float:
+    return fmean(
+        row.score.value
+        for row in scores
+        if (row.score.metric, row.score.protocol) == ("emd", protocol)
+    )
+
+
+def table1_csv(rows: list[Row]) -> str:
+    """`table1.csv`, one column a field of Row."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([field.name for field in fields(Row)])
+    table.writerows(
+        [f"{cell:.6f}" if isinstance(cell, float) else cell for cell in astuple(row)]
+        for row in rows
+    )
+    return text.getvalue()
+
+
+def without_failures(study: Study, row: Row) -> float | None:
+    """Mean EMD (even) over the parts that did not fail."""
+    values = [
+        s.score.value
+        for s in scores_of(study, row.method, row.split)
+        if (s.score.metric, s.score.protocol, s.score.status) == ("emd", "P1-even", "ok")
+    ]
+    return fmean(values) if values else None
+
+
+COLUMNS = (
+    "method",
+    "inputs",
+    "split",
+    "EMD (even)",
+    "95 %",
+    "floor",
+    "x floor",
+    "EMD (iid)",
+    "EMD (full)",
+    "parts",
+    "failed",
+    "without failures",
+    "s a part",
+    "paper",
+)
+
+
+def cells(row: Row, extra: Extra) -> list[str]:
+    """`row` as people read it, one text for each of COLUMNS."""
+
+    def short(value: float | None, digits: int = 4) -> str:
+        return "" if value is None else f"{value:.{digits}f}"
+
+    return [
+        row.method,
+        row.inputs,
+        row.split,
+        short(row.emd_even),
+        f"{row.ci_low:.4f} to {row.ci_high:.4f}",
+        short(row.floor),
+        short(row.ratio_to_floor, 2),
+        short(row.emd_iid),
+        short(row.emd_full),
+        str(row.parts),
+        str(row.failures),
+        short(extra.emd_without_failures),
+        short(extra.seconds, 2),
+        short(row.paper_emd),
+    ]
+
+
+def table1_md(rows: list[Row], extras: list[Extra], interval: float) -> str:
+    """`table1.md`: Table 1 with the seconds of cost.csv."""
+    heads = [name.replace("95 %", f"{100 * interval:g} %") for name in COLUMNS]
+    lines = [heads, ["---"] * len(heads)]
+    lines += [cells(row, extra) for row, extra in zip(rows, extras, strict=True)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+SCORE_COLUMNS = (
+    "part_id",
+    "family",
+    "method",
+    "scope",
+    "split",
+    "preset",
+    "seed",
+    "metric",
+    "protocol",
+    "value",
+    "floor",
+    "unit",
+    "status",
+)
+
+
+def scores_csv(study: Study) -> str:
+    """`scores.csv`: every score with its family, split, preset and seed."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(SCORE_COLUMNS)
+    for row in study.scores:
+        score, method = row.score, study.methods[row.method]
+        table.writerow(
+            [
+                row.part_id,
+                study.parts[row.part_id].family,
+                row.method,
+                method.scope.value,
+                study.places[row.part_id].split,
+                study.preset,
+                study.seed,
+                score.metric,
+                score.protocol,
+                f"{score.value:.9g}",
+                f"{score.floor:.9g}",
+                score.unit,
+                score.status,
+            ]
+        )
+    return text.getvalue()

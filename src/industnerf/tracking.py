@@ -1,0 +1,134 @@
+"""MLflow: one run per distinct result.  Never fatal: the result is safe on disk before it.
+
+INDUSTNERF_MLFLOW    the folder of mlflow.db and mlruns; default: the current one
+"""
+
+import fcntl
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+EXPERIMENT = "industnerf"
+
+
+def home() -> Path:
+    """Where the tracking database lives: an absolute path, or a run elsewhere would start anew."""
+    return Path(os.environ.get("INDUSTNERF_MLFLOW", ".")).absolute()
+
+
+def prepare() -> None:
+    """Create database and experiment if they are not there.
+
+    MLflow's first connection corrupts the database if two processes make it at once, so it is
+    made under a lock; call this before any fan-out.
+    """
+    with _quiet(), _locked():
+        _client()
+
+
+def log_report(
+    report: Path, params: Mapping[str, Any], name: str | None = None, **tags: str
+) -> None:
+    """Log the report in `report` as one run, unless one with the same results is there."""
+    try:
+        with _quiet(), _locked():
+            _log(report, params, name, tags)
+    except Exception as error:  # whatever MLflow or SQLite throws, the results are on disk
+        print(
+            f"MLflow: not logged ({type(error).__name__}: {error}). The result is safe in {report};"
+            " `make ui` logs it later.",
+            file=sys.stderr,
+        )
+
+
+def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[str, str]) -> None:
+    import pandas as pd
+
+    summary = json.loads((report / "summary.json").read_text())
+    mlflow, experiment = _client()
+    inputs = summary["inputs"] + tags.get("point", "")
+    same = mlflow.search_runs(
+        [experiment], f"tags.inputs = '{inputs}'", max_results=1, output_format="list"
+    )
+    if same:
+        return
+    mlflow.set_experiment(experiment_id=experiment)
+    with mlflow.start_run(run_name=name or summary["preset"]):
+        mlflow.set_tags({"inputs": inputs, **git_state(), **tags})
+        mlflow.log_params(flat(params))
+        mlflow.log_metrics(summary["metrics"])
+        mlflow.log_table(pd.read_csv(report / "scores.csv"), "per_part.json")
+        mlflow.log_artifacts(str(report), "report")
+
+
+def _client() -> tuple[Any, str]:
+    import mlflow
+
+    mlflow.set_tracking_uri(f"sqlite:///{home() / 'mlflow.db'}")
+    found = mlflow.get_experiment_by_name(EXPERIMENT)
+    if found:
+        return mlflow, found.experiment_id
+    return mlflow, mlflow.create_experiment(EXPERIMENT, (home() / "mlruns").as_uri())
+
+
+@contextmanager
+def _locked() -> Iterator[None]:
+    home().mkdir(parents=True, exist_ok=True)
+    with (home() / "mlflow.db.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """No telemetry, and none of the hundred lines that a fresh database prints."""
+    import logging
+
+    os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
+    for name in ("alembic", "mlflow"):
+        logging.getLogger(name).setLevel(logging.WARNING)
+    yield
+
+
+def git_state() -> dict[str, str]:
+    """Commit, and whether the tree differs from it; empty outside a repository."""
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", *arguments], capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    try:
+        return {
+            "git.commit": git("rev-parse", "HEAD"),
+            "git.dirty": str(bool(git("status", "--porcelain"))).lower(),
+        }
+    except (OSError, subprocess.CalledProcessError):
+        return {}
+
+
+def flat(params: Mapping[str, Any], at: str = "") -> dict[str, Any]:
+    """Nested sections to dotted keys."""
+    found: dict[str, Any] = {}
+    for key, value in params.items():
+        found |= flat(value, f"{at}{key}.") if isinstance(value, Mapping) else {f"{at}{key}": value}
+    return found
+
+
+def backfill(root: Path) -> None:
+    """Log every report below `root` that is not logged yet."""
+    from industnerf.config import read_yaml
+
+    prepare()
+    for summary in sorted([*root.glob("reports/summary.json"), *root.glob("runs/**/summary.json")]):
+        params = summary.parent.parent / "params.yaml"
+        log_report(summary.parent, read_yaml(params) if params.exists() else {})
+
+
+if __name__ == "__main__":
+    backfill(Path.cwd())

@@ -1,0 +1,126 @@
+"""Parts, clouds, truth and scores: what is written is what is read, or an error that names it."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import (
+    Mesh,
+    Part,
+    load_mesh,
+    load_part,
+    load_parts,
+    save_part,
+    write_manifest,
+)
+from industnerf.artifacts.scores import Score, gather_scores, load_method_scores, save_scores
+from industnerf.artifacts.truth import Truth
+from industnerf.errors import BadArtifact, MetricError
+
+PART = Part(
+    "p1", "gears", "m2 z24", "embedded", "ours", (3.0, 4.0, 0.0), 2.0, None, 1, 1, 0.5, ("a", "b")
+)
+MESH = Mesh(np.array([[0, 0, 0], [3, 0, 0], [0, 4, 0.1]]), np.array([[0, 1, 2]], np.int32))
+CLOUD = Cloud(
+    "p1",
+    np.arange(6, dtype=np.float32).reshape(2, 3),
+    np.array([[1, 2, 3], [4, 5, 6]], np.uint8),
+    np.array([0.5, 1], np.float32),
+    7,
+    8,
+)
+
+
+def test_a_part_survives_its_files(tmp_path):
+    save_part(tmp_path, PART, MESH)
+    mesh = load_mesh(tmp_path)
+    assert load_part(tmp_path) == PART
+    assert PART.diagonal_mm == 5.0
+    np.testing.assert_array_equal(mesh.vertices, MESH.vertices)
+    np.testing.assert_array_equal(mesh.faces, MESH.faces)
+
+
+def test_the_ply_beside_it_opens_in_other_tools(tmp_path):
+    save_part(tmp_path, PART, MESH)
+    other = trimesh.load_mesh(tmp_path / "mesh.ply", process=False)
+    np.testing.assert_allclose(other.vertices, MESH.vertices, rtol=1e-7)
+    np.testing.assert_array_equal(other.faces, MESH.faces)
+
+
+def test_a_cloud_survives_its_files(tmp_path):
+    CLOUD.save(tmp_path)
+    read = Cloud.load(tmp_path)
+    for name, value in vars(CLOUD).items():
+        np.testing.assert_array_equal(getattr(read, name), value)
+    assert Cloud.training(tmp_path) == (7, 8)
+    other = trimesh.load(tmp_path / "cloud.ply")
+    np.testing.assert_array_equal(other.vertices, CLOUD.points_mm)
+    np.testing.assert_array_equal(other.colors[:, :3], CLOUD.colours)
+
+
+def test_equal_content_is_equal_bytes(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        CLOUD.save(tmp_path / name)
+        save_part(tmp_path / name, PART, MESH)
+    for file in (tmp_path / "a").iterdir():
+        assert file.read_bytes() == (tmp_path / "b" / file.name).read_bytes()
+
+
+def test_truth_survives_its_files(tmp_path):
+    truth = Truth(np.zeros((2, 3), np.float32), np.array([True, False]), {"emd P1-even": 0.1})
+    truth.save(tmp_path)
+    read = Truth.load(tmp_path)
+    assert read.floors == truth.floors
+    np.testing.assert_array_equal(read.visible, truth.visible)
+
+
+@pytest.mark.parametrize(
+    ("load", "file"),
+    [
+        (load_part, "part.json"),
+        (load_mesh, "mesh.npz"),
+        (Cloud.load, "cloud.npz"),
+        (Truth.load, "floors.json"),
+    ],
+)
+def test_a_missing_or_torn_file_is_named_with_the_stage_that_mends_it(tmp_path, load, file):
+    with pytest.raises(BadArtifact, match=rf"{file}.*dvc repro"):
+        load(tmp_path)
+    (tmp_path / file).write_bytes(b"torn")
+    with pytest.raises(BadArtifact, match=rf"{file}.*dvc repro"):
+        load(tmp_path)
+
+
+def test_another_schema_is_refused(tmp_path):
+    save_part(tmp_path, PART, MESH)
+    path = tmp_path / "part.json"
+    path.write_text(path.read_text().replace('"schema": 1', '"schema": 99'))
+    with pytest.raises(BadArtifact, match="schema 99, this code reads 1"):
+        load_part(tmp_path)
+
+
+def test_the_manifest_has_a_row_a_part(tmp_path):
+    save_part_in = tmp_path / "p1"
+    save_part_in.mkdir()
+    save_part(save_part_in, PART, MESH)
+    write_manifest(tmp_path)
+    head, row = (tmp_path / "manifest.csv").read_text().splitlines()
+    assert head.startswith("part_id,family,designation")
+    assert row.endswith("3.0,4.0,0.0,a; b")
+    assert load_parts(tmp_path) == [PART]
+
+
+def test_scores_survive_their_files_and_never_hold_nan(tmp_path):
+    score = Score("emd", "P1-even", 0.1, 0.05, "diagonal", "ok")
+    (tmp_path / "p1").mkdir()
+    save_scores(tmp_path / "p1", [score])
+    (row,) = load_method_scores(tmp_path, "hull")
+    assert (row.part_id, row.method, row.score) == ("p1", "hull", score)
+    gather_scores(tmp_path, "hull")
+    assert (tmp_path / "scores.csv").read_text().splitlines()[1] == (
+        "p1,hull,emd,P1-even,0.1,0.05,diagonal,ok"
+    )
+    with pytest.raises(MetricError, match="nan"):
+        Score("emd", "P1-even", float("nan"), 0.05, "diagonal", "ok")

@@ -1,0 +1,132 @@
+"""The checks on solids whose volume, area and defects are known."""
+
+import numpy as np
+import pytest
+
+from industnerf.errors import BadPart
+from industnerf.geometry.raycast import Scene
+from industnerf.parts import checks
+
+SIDES = np.array([2.0, 3.0, 5.0])  # mm
+
+
+def box(sides=SIDES, corner=(0.0, 0.0, 0.0)):
+    """Vertices and outward faces of a box with its low corner at `corner`."""
+    bits = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
+    return bits * sides + corner, np.array(faces, dtype=np.int32)
+
+
+def ball(radius, rings, segments):
+    """A polyhedron inscribed in the ball of `radius` mm about the origin."""
+    polar = np.pi * np.arange(1, rings) / rings
+    azimuth = 2 * np.pi * np.arange(segments) / segments
+    p, a = np.meshgrid(polar, azimuth, indexing="ij")
+    belt = np.stack([np.sin(p) * np.cos(a), np.sin(p) * np.sin(a), np.cos(p)], -1).reshape(-1, 3)
+    vertices = radius * np.concatenate([belt, [[0, 0, 1], [0, 0, -1]]])
+    top, bottom = len(belt), len(belt) + 1
+    faces = []
+    for j in range(segments):
+        k = (j + 1) % segments
+        last = (rings - 2) * segments
+        faces += [(top, j, k), (bottom, last + k, last + j)]
+        for i in range(rings - 2):
+            a0, b0 = i * segments + j, i * segments + k
+            faces += [(a0, a0 + segments, b0), (b0, a0 + segments, b0 + segments)]
+    return vertices, np.array(faces, dtype=np.int32)
+
+
+def seen_from_behind(vertices, faces):
+    scene = Scene(vertices, faces)
+    return checks.back_face_share(vertices, faces, lambda o, d: scene.cast(o, d).face)
+
+
+@pytest.mark.parametrize("corner", [(0.0, 0.0, 0.0), (-1.0, 7.0, 2.0)])
+def test_box(corner):
+    vertices, faces = box(corner=corner)
+    assert len(checks.bad_edges(faces)) == 0
+    assert checks.volume_mm3(vertices, faces) == pytest.approx(2 * 3 * 5, rel=1e-14)
+    assert checks.area_mm2(vertices, faces) == pytest.approx(2 * (6 + 10 + 15), rel=1e-14)
+    assert checks.extents_mm(vertices) == pytest.approx(SIDES)
+    assert checks.bodies(faces) == 1
+    checks.require_sound("box", vertices, faces)
+
+
+def test_volume_survives_a_far_origin():
+    vertices, faces = box(corner=(1e6, -1e6, 1e6))
+    # A coordinate of 1e6 mm is rounded by 1e-10 mm, of a side of at least 2 mm.
+    assert checks.volume_mm3(vertices, faces) == pytest.approx(30, rel=1e-9)
+
+
+@pytest.mark.parametrize("rings", [16, 64])
+def test_inscribed_ball_is_smaller_by_the_order_of_its_steps(rings):
+    vertices, faces = ball(10.0, rings, 2 * rings)
+    volume, area = 4 / 3 * np.pi * 10**3, 4 * np.pi * 10**2
+    # Inscribed: always below.  A facet that spans the angle h lies at cos(h / 2) of the radius or
+    # farther out, and both of its directions do: at least cos(h / 2)^2 of the radius.
+    nearest = np.cos(np.pi / rings / 2) ** 2
+    assert nearest**3 * volume < checks.volume_mm3(vertices, faces) < volume
+    assert nearest**2 * area < checks.area_mm2(vertices, faces) < area
+
+
+def test_two_boxes_are_two_bodies():
+    a, faces = box()
+    b, _ = box(corner=(10.0, 0.0, 0.0))
+    assert checks.bodies(np.concatenate([faces, faces + len(a)])) == 2
+    assert checks.volume_mm3(np.concatenate([a, b]), np.concatenate([faces, faces + 8])) == (
+        pytest.approx(60)
+    )
+
+
+def test_a_missing_face_leaves_its_three_edges_open():
+    vertices, faces = box()
+    a, b, c = sorted(faces[-1].tolist())
+    assert checks.bad_edges(faces[:-1]).tolist() == [[a, b], [a, c], [b, c]]
+    with pytest.raises(BadPart, match=r"'lid' is not closed: 3 edges .* near \(.*\) mm"):
+        checks.require_sound("lid", vertices, faces[:-1])
+
+
+def test_one_flipped_face_is_not_oriented():
+    vertices, faces = box()
+    faces[3] = faces[3, ::-1]
+    assert len(checks.bad_edges(faces)) == 3
+    with pytest.raises(BadPart, match="one orientation"):
+        checks.require_sound("flipped", vertices, faces)
+
+
+def test_a_doubled_face_is_not_closed():
+    _, faces = box()
+    assert len(checks.bad_edges(np.concatenate([faces, faces[:1]]))) == 3
+
+
+def test_inside_out_is_closed_but_not_sound():
+    vertices, faces = box()
+    inverted = np.ascontiguousarray(faces[:, ::-1])
+    assert len(checks.bad_edges(inverted)) == 0
+    assert checks.volume_mm3(vertices, inverted) == pytest.approx(-30)
+    with pytest.raises(BadPart, match="inside out"):
+        checks.require_sound("inverted", vertices, inverted)
+
+
+def test_a_sound_solid_shows_no_back_face_and_an_inverted_one_nothing_else():
+    vertices, faces = ball(10.0, 16, 32)
+    assert seen_from_behind(vertices, faces) == 0
+    assert seen_from_behind(vertices, np.ascontiguousarray(faces[:, ::-1])) == 1
+
+
+def test_a_solid_that_crosses_itself_shows_its_inside():
+    """A prism over a figure of eight: closed and of positive volume, one lobe inside out."""
+    outline = np.array([[0.0, 0.0], [4.0, 3.0], [4.0, -3.0], [0.0, 0.0], [-2.0, 1.5], [-2.0, -1.5]])
+    low = np.concatenate([np.c_[outline, np.full(6, z)] for z in (0.0, 1.0)])
+    vertices = np.delete(low, [3, 9], axis=0)  # the crossing is one vertex of each end
+    loop = [0, 2, 1, 0, 3, 4]
+    sides = [
+        face
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True)
+        for face in ((a, b, b + 5), (a, b + 5, a + 5))
+    ]
+    ends = [(0, 1, 2), (0, 4, 3), (5, 7, 6), (5, 8, 9)]
+    faces = np.array([*sides, *ends], dtype=np.int32)
+    assert checks.volume_mm3(vertices, faces) == pytest.approx(12 - 3)
+    assert seen_from_behind(vertices, faces) > 0.1

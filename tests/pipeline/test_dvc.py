@@ -1,0 +1,106 @@
+"""The real dvc.yaml: what each stage depends on, and what reruns when a parameter changes."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+import yaml
+
+from industnerf import code, config
+from industnerf.methods import MODULES
+from industnerf.schema import MethodSettings
+
+# Corridors that move results about and log them: they are no dependency of any result.
+CORRIDORS = {
+    f"industnerf.{name}"
+    for name in ("cli", "config", "stage", "store", "code", "runner", "progress", "tracking")
+} | {"industnerf.seeds"}
+
+
+@pytest.mark.parametrize("name", config.load_stages(config.Path(__file__).parents[2] / "dvc.yaml"))
+def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
+    deps = config.stage(name, "hull", root / "dvc.yaml").deps
+    covered = [root / dep for dep in deps]
+    needed = code.closure(f"pipeline.{name}") - CORRIDORS
+    if name == "reconstruct":
+        needed |= set().union(*(code.closure(module) for module in MODULES.values())) - CORRIDORS
+    for module in sorted(needed):
+        source = code.source_of(module)
+        assert any(source == dep or dep in source.parents for dep in covered), (
+            f"stage {name!r} imports {module}, but lists neither it nor its folder under deps"
+        )
+
+
+def test_every_method_has_settings_and_a_module():
+    assert list(MethodSettings.__dataclass_fields__) == list(MODULES)
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """dvc.yaml and params.yaml as they are, with commands that only touch their outputs."""
+    root, here = config.Path(__file__).parents[2], tmp_path_factory.mktemp("project")
+    raw = yaml.safe_load((root / "dvc.yaml").read_text())
+    for stage in raw["stages"].values():
+        out = stage["outs"][0]
+        stage["cmd"] = f"mkdir -p $(dirname {out}) && echo same > {out}"
+        for dep in stage["deps"]:
+            if dep.startswith(("src", "pipeline")):
+                file = here / dep if dep.endswith(".py") else here / dep / "module.py"
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.touch()
+        # a folder of outputs is made of files here, so `report` depends on each of them
+        stage["deps"] = [d for d in stage["deps"] if d not in ("data/clouds", "data/scores")]
+    (here / "dvc.yaml").write_text(yaml.safe_dump(raw))
+    shutil.copy(root / "params.yaml", here)
+    shutil.copytree(root / "data" / "embedded", here / "data" / "embedded")
+    set_params(here, "methods", ["hull", "oracle"])
+    for command in (["init", "--no-scm", "-q"], ["repro", "-q"]):
+        subprocess.run(["dvc", *command], cwd=here, check=True)
+    return here
+
+
+def set_params(here, key, value):
+    """Set one dotted key of params.yaml; returns what it was."""
+    params = yaml.safe_load((here / "params.yaml").read_text())
+    *sections, name = key.split(".")
+    target = params
+    for section in sections:
+        target = target[section]
+    target[name], before = value, target[name]
+    (here / "params.yaml").write_text(yaml.safe_dump(params))
+    return before
+
+
+def outdated(here):
+    status = subprocess.run(
+        ["dvc", "status", "--json"], cwd=here, check=True, capture_output=True, text=True
+    )
+    return set(json.loads(status.stdout))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "stages"),
+    [
+        ("views.count", 8, {"views", "report"}),
+        ("views.light.ambient", 0.5, {"views"}),
+        ("parts.eyes", 7, {"parts"}),
+        ("split.folds", 5, {"split"}),
+        ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
+        ("method.box.points", 5, set()),
+        ("reconstruct.time_limit_s", 5.0, {"reconstruct@hull", "reconstruct@oracle"}),
+        ("evaluate.fscore", 0.02, {"truth", "evaluate@hull", "evaluate@oracle", "report"}),
+        ("report.resamples", 5, {"report"}),
+        ("preset", "mine", {"report"}),
+    ],
+)
+def test_one_parameter_outdates_just_the_stages_that_read_it(project, key, value, stages):
+    before = set_params(project, key, value)
+    try:
+        assert outdated(project) == stages
+    finally:
+        set_params(project, key, before)
+
+
+def test_nothing_is_outdated_after_a_run(project):
+    assert outdated(project) == set()

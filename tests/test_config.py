@@ -1,0 +1,97 @@
+"""params.yaml to dataclasses: every wrong key and type is an error that names it."""
+
+import copy
+
+import pytest
+from dvc.api import params_show
+
+from industnerf import config
+from industnerf.errors import BadParams, UndeclaredParameter
+from industnerf.schema import Params
+
+
+@pytest.fixture
+def values(root):
+    return config.read_yaml(root / "params.yaml")
+
+
+def changed(values, path, value):
+    """A copy of `values` with one dotted key set, or removed if `value` is ..."""
+    values = copy.deepcopy(values)
+    *sections, name = path.split(".")
+    target = values
+    for section in sections:
+        target = target[section]
+    if value is ...:
+        del target[name]
+    else:
+        target[name] = value
+    return values
+
+
+def test_params_yaml_is_a_whole_set_of_values(values):
+    assert config.build(Params, values).views.count == values["views"]["count"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        ("views.count", "forty", "views.count is 'forty', must be a whole number"),
+        ("views.count", 40.0, "views.count is 40.0, must be a whole number"),
+        ("views.count", True, "views.count is True, must be a whole number"),
+        ("views.count", 0, "views.count is 0, must be at least 1"),
+        ("views.count", ..., "views.count is missing"),
+        ("views.cuont", 40, "views.cuont is unknown"),
+        ("views", 3, "views is 3, must be a section with keys"),
+        ("views.fov_deg", "wide", "views.fov_deg is 'wide', must be a number"),
+        ("views.fov_deg", 180, "views.fov_deg is 180.0, must be between 0 and 120"),
+        ("views.background", [1.0, 1.0], "views.background is [1.0, 1.0], must be three numbers"),
+        ("views.background", [1.0, 1.0, "x"], "views.background[2] is 'x', must be a number"),
+        ("views.light.intensities", [1.0], "views.light.intensities is [1.0], must be one number"),
+        ("parts.source", "cloud", "parts.source is 'cloud', must be one of embedded, path"),
+        ("parts.select", "gear", "parts.select is 'gear', must be a list"),
+        ("methods", ["hul"], "methods is 'hul', must be one of hull"),
+        ("methods", [], "methods is [], must be a list of at least one method"),
+        ("on_failure", True, "on_failure is True, must be one of strict, report"),
+        ("evaluate.dense", 1, "evaluate.dense is 1, must be at least 4096"),
+        ("method.hull.cell_px", 0, "method.hull.cell_px is 0.0, must be in (0, 8] px"),
+        ("method.nerf", {}, "method.nerf is unknown"),
+    ],
+)
+def test_a_wrong_value_is_named(values, path, value, said):
+    with pytest.raises(BadParams) as refusal:
+        config.build(Params, changed(values, path, value))
+    assert said in str(refusal.value)
+    assert "params.yaml" in str(refusal.value)
+
+
+def test_a_whole_number_will_do_for_a_number(values):
+    fov = config.build(Params, changed(values, "views.fov_deg", 30)).views.fov_deg
+    assert isinstance(fov, float)
+
+
+def test_a_missing_or_torn_file_is_named(tmp_path):
+    with pytest.raises(BadParams, match="is missing; run from the root"):
+        config.read_yaml(tmp_path / "params.yaml")
+    (tmp_path / "params.yaml").write_text("views: [1, 2")
+    with pytest.raises(BadParams, match="is not readable"):
+        config.read_yaml(tmp_path / "params.yaml")
+    (tmp_path / "params.yaml").write_text("views: 1\nviews: 2\n")
+    with pytest.raises(BadParams, match="duplicate key views"):
+        config.read_yaml(tmp_path / "params.yaml")
+
+
+def test_a_stage_reads_what_dvc_yaml_lists_and_nothing_else(root):
+    stage = config.stage("reconstruct", "hull", root / "dvc.yaml")
+    cfg = stage.mask(config.load_params(root / "params.yaml"))
+    assert cfg.method.hull.points > 0
+    with pytest.raises(UndeclaredParameter, match=r"stage 'reconstruct' reads 'method\.ball'"):
+        cfg.method.ball  # noqa: B018
+    with pytest.raises(UndeclaredParameter, match="stage 'reconstruct' reads 'views'"):
+        cfg.views  # noqa: B018
+
+
+def test_dvc_and_we_read_params_yaml_alike(values, root, monkeypatch):
+    """YAML readers differ on 1e-3, no, 0777, 12:30: none of that may stand in the file."""
+    monkeypatch.chdir(root)
+    assert params_show("params.yaml", deps=False) == values

@@ -1,0 +1,93 @@
+"""A stage over all parts: reuse, failures, and what it writes."""
+
+import json
+from functools import partial
+
+import pytest
+
+from industnerf.errors import BadPart, PartsFailed
+from industnerf.stage import Task, read_failures, read_index, run_stage
+
+
+def double(source, target, *, log):
+    """Write twice the number in `source`; refuse 13.  Every call leaves a line in `log`."""
+    number = int(source.read_text())
+    with log.open("a") as file:
+        file.write(f"{number}\n")
+    if number == 13:
+        raise BadPart("thirteen")
+    (target / "twice").write_text(str(2 * number))
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
+    return tmp_path
+
+
+def tasks(place, numbers, settings=0):
+    for number in numbers:
+        (place / f"in{number}").write_text(str(number))
+    log = place / "log"
+    return [
+        Task(f"p{n}", partial(double, place / f"in{n}", log=log), settings, (place / f"in{n}",))
+        for n in numbers
+    ]
+
+
+def calls(place):
+    log = place / "log"
+    made = log.read_text().split() if log.exists() else []
+    log.unlink(missing_ok=True)
+    return made
+
+
+def test_finished_parts_are_reused(place):
+    run_stage("s", tasks(place, [1, 2]), place / "out", "strict")
+    assert calls(place) == ["1", "2"]
+    run_stage("s", tasks(place, [1, 2, 3]), place / "out", "strict")
+    assert calls(place) == ["3"]
+    assert (place / "out" / "p1" / "twice").read_text() == "2"
+    assert list(read_index(place / "out")) == ["p1", "p2", "p3"]
+
+
+def test_changed_settings_are_made_anew(place):
+    run_stage("s", tasks(place, [1], settings=0), place / "out", "strict")
+    run_stage("s", tasks(place, [1], settings=1), place / "out", "strict")
+    assert calls(place) == ["1", "1"]
+
+
+def test_report_lists_a_failure_and_goes_on(place, capsys):
+    run_stage("s", tasks(place, [1, 13, 2]), place / "out", "report")
+    assert read_failures(place / "out") == {"p13": "thirteen"}
+    assert list(read_index(place / "out")) == ["p1", "p2"]
+    assert "p13 failed: thirteen" in capsys.readouterr().out
+
+
+def test_strict_ends_after_everything_else_is_stored(place):
+    with pytest.raises(PartsFailed, match=r"(?s)1 of 3 parts failed.*p13: thirteen"):
+        run_stage("s", tasks(place, [1, 13, 2]), place / "out", "strict")
+    calls(place)
+    with pytest.raises(PartsFailed):
+        run_stage("s", tasks(place, [1, 13, 2]), place / "out", "strict")
+    assert calls(place) == ["13"]
+
+
+def test_a_stage_without_one_result_ends_even_in_report_mode(place):
+    with pytest.raises(PartsFailed, match="1 of 1 parts failed"):
+        run_stage("s", tasks(place, [13]), place / "out", "report")
+
+
+def test_failures_of_earlier_stages_are_carried_on(place):
+    run_stage("s", tasks(place, [1]), place / "out", "report", failed_before={"p0": "unreadable"})
+    assert read_failures(place / "out") == {"p0": "unreadable"}
+
+
+def test_costs_stay_out_of_what_is_hashed(place):
+    run_stage("s", tasks(place, [1]), place / "out", "strict")
+    assert json.loads((place / "out" / "index.json").read_text()).keys() == {
+        "schema",
+        "step",
+        "keys",
+    }

@@ -1,0 +1,118 @@
+"""The store: whole results or none, whatever happens to the process that makes them."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from industnerf.store import Cost, Store, content_digest, key_of
+
+COST = Cost(1.0, 2.0, "cpu")
+
+
+def maker(text="hello"):
+    def make(target):
+        (target / "deep").mkdir()
+        (target / "deep" / "a.txt").write_text(text)
+        return COST
+
+    return make
+
+
+def test_what_is_put_can_be_placed_and_its_cost_is_known(tmp_path):
+    store = Store(tmp_path / "store")
+    assert not store.has("step", "k")
+    store.put("step", "k", maker())
+    store.place("step", "k", tmp_path / "out")
+    assert (tmp_path / "out" / "deep" / "a.txt").read_text() == "hello"
+    assert store.cost("step", "k") == COST
+    assert store.cost("step", "other") is None
+
+
+def test_a_placed_result_replaces_what_was_there(tmp_path):
+    store = Store(tmp_path / "store")
+    store.put("step", "k", maker())
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "stale").write_text("")
+    store.place("step", "k", tmp_path / "out")
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["deep"]
+
+
+def test_results_are_read_only(tmp_path):
+    store = Store(tmp_path)
+    store.put("step", "k", maker())
+    assert (store.out("step", "k") / "deep" / "a.txt").stat().st_mode & 0o222 == 0
+
+
+def test_the_first_of_two_workers_wins(tmp_path):
+    store = Store(tmp_path)
+    store.put("step", "k", maker("first"))
+    store.put("step", "k", maker("second"))
+    assert (store.out("step", "k") / "deep" / "a.txt").read_text() == "first"
+    assert [p.name for p in (tmp_path / "step").iterdir()] == ["k"]
+
+
+def test_a_failed_make_leaves_nothing(tmp_path):
+    def fail(target):
+        (target / "half").write_text("")
+        raise ValueError("no")
+
+    store = Store(tmp_path)
+    with pytest.raises(ValueError, match="no"):
+        store.put("step", "k", fail)
+    assert not store.has("step", "k")
+    assert list((tmp_path / "step").iterdir()) == []
+
+
+def test_a_full_disk_is_an_error_not_a_result(tmp_path):
+    def fail(target):
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left"):
+        Store(tmp_path).put("step", "k", fail)
+
+
+def test_sigkill_while_making_leaves_no_result(tmp_path):
+    script = textwrap.dedent("""
+        import os, signal, sys
+        from pathlib import Path
+        from industnerf.store import Store
+
+        def die(target):
+            (target / "half").write_text("x")
+            os.kill(os.getpid(), signal.SIGKILL)
+
+        Store(Path(sys.argv[1])).put("step", "k", die)
+    """)
+    ended = subprocess.run([sys.executable, "-c", script, str(tmp_path)], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert not Store(tmp_path).has("step", "k")
+
+
+def test_a_key_depends_on_settings_code_and_content(tmp_path):
+    file = tmp_path / "a"
+    file.write_text("1")
+
+    def key(step="s", settings=1, module="industnerf.seeds"):
+        return key_of(step, settings, [module], [file])
+
+    first = key()
+    assert key() == first
+    others = [key(step="t"), key(settings=2), key(module="industnerf.errors")]
+    file.write_text("2")
+    others.append(key())
+    assert len({first, *others}) == 5
+
+
+def test_a_digest_does_not_depend_on_where_or_when(tmp_path):
+    for name in ("here", "there"):
+        (tmp_path / name / "views" / "b").mkdir(parents=True)
+        (tmp_path / name / "views" / "b" / "x").write_text("1")
+    os.utime(tmp_path / "here" / "views" / "b" / "x", (0, 0))
+    here, there = (content_digest([tmp_path / name / "views"]) for name in ("here", "there"))
+    assert here == there
+    (tmp_path / "there" / "views" / "b" / "x").rename(tmp_path / "there" / "views" / "b" / "y")
+    assert content_digest([tmp_path / "there" / "views"]) != here
