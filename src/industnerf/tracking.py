@@ -27,14 +27,21 @@ def prepare() -> None:
     MLflow's first connection corrupts the database if two processes make it at once, so it is
     made under a lock; call this before any fan-out.
     """
-    with _quiet(), _locked():
-        _client()
+    if _is_on():
+        with _quiet(), _locked():
+            _client()
+
+
+def _is_on() -> bool:
+    return os.environ.get("INDUSTNERF_MLFLOW") != "off"
 
 
 def log_report(
     report: Path, params: Mapping[str, Any], name: str | None = None, **tags: str
 ) -> None:
     """Log the report in `report` as one run, unless one with the same results is there."""
+    if not _is_on():
+        return
     try:
         with _quiet(), _locked():
             _log(report, params, name, tags)

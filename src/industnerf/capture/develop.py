@@ -1,11 +1,11 @@
-"""One photograph: rays through the pixel centres, then more of them where there is an edge."""
+"""One photograph: what each pixel's centre shows, then its mean over the pixels on an edge."""
 
 import numpy as np
-from jaxtyping import Float, Float32, Int, UInt8
+from jaxtyping import Float, Float32, UInt8
 
 from industnerf.artifacts.views import Frame
-from industnerf.capture.pixels import may_show, on_edge, sample_pattern
-from industnerf.capture.surface import Surface
+from industnerf.capture.pixels import may_show, on_edge, pixel_means
+from industnerf.capture.surface import BACKGROUND, Surface
 from industnerf.geometry.cameras import back_projection, project
 from industnerf.schema import ViewsParams
 
@@ -20,21 +20,21 @@ def develop(
 
     Mask and depth are those of the pixel centres; colour is the mean over the pixel.
     """
-    side, towards = settings.resolution, back_projection(K, c2w).astype(np.float32)
+    side, eye = settings.resolution, c2w[:3, 3]
+    towards = back_projection(K, c2w).astype(np.float32)
     corners, _ = project(surface.vertices, K, c2w)
     candidates = np.flatnonzero(may_show(corners, side))
-    seen = surface.look(c2w[:3, 3], through_centres(towards, side).take(candidates, axis=0))
-    shown = candidates[seen.ray]
-    depth, light, cover = np.zeros((3, side, side), np.float32)
-    depth.flat[shown], light.flat[shown], cover.flat[shown] = seen.t, seen.irradiance, 1
-    mask = depth > 0
+    hits = surface.look(eye, through_centres(towards, side).take(candidates, axis=0))
+    depth, light = np.zeros((side, side), np.float32), np.full((side, side), BACKGROUND)
+    shown = candidates[hits.ray]
+    depth.flat[shown], light.flat[shown] = hits.t, hits.light
+
+    def light_at(uv: Float32[np.ndarray, "n 2"]) -> Float32[np.ndarray, "n"]:
+        return surface.light(eye, uv @ towards[:, :2].T + towards[:, 2])
+
     edge = np.flatnonzero(on_edge(depth, light, K[0, 0]))
-    samples = settings.edge_samples
-    within = surface.look(c2w[:3, 3], through_pixels(towards, edge, side, samples))
-    pixel = within.ray // samples
-    cover.flat[edge] = np.bincount(pixel, minlength=len(edge)) / samples
-    light.flat[edge] = np.bincount(pixel, within.irradiance, len(edge)) / samples
-    return Frame(composed(light, cover, settings), mask, depth)
+    mean, cover = pixel_means(light, edge, light_at, settings.edge_samples)
+    return Frame(composed(mean, cover, settings), depth > 0, depth)
 
 
 def through_centres(
@@ -46,16 +46,6 @@ def through_centres(
     for axis, (u, v, one) in enumerate(towards):
         np.add.outer(v * at + one, u * at, out=grid[..., axis])
     return grid.reshape(-1, 3)
-
-
-def through_pixels(
-    towards: Float32[np.ndarray, "3 3"], pixels: Int[np.ndarray, "n"], side: int, samples: int
-) -> Float32[np.ndarray, "rays 3"]:
-    """Directions through `samples` points of each of `pixels`, pixel by pixel."""
-    v, u = np.divmod(pixels, side)
-    first = np.stack([u, v, np.ones_like(u)], axis=1).astype(np.float32) @ towards.T
-    offsets = sample_pattern(samples).astype(np.float32) @ towards[:, :2].T
-    return (first[:, None] + offsets).reshape(-1, 3)
 
 
 def composed(

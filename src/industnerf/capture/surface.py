@@ -15,39 +15,53 @@ from industnerf.geometry.raycast import Scene
 from industnerf.schema import LightParams
 
 
+BACKGROUND = np.float32(-1)  # where there is no part: darker than anything
+
+
 @dataclass(frozen=True)
 class Seen:
     """What the rays that hit the part show."""
 
     ray: Int[np.ndarray, "hits"]  # which rays
     t: Float32[np.ndarray, "hits"]  # in lengths of their directions
-    irradiance: Float32[np.ndarray, "hits"]  # times albedo = radiance
+    light: Float32[np.ndarray, "hits"]  # times albedo = radiance
 
 
 class Surface:
-    """A mesh under lights, ready to be looked at from anywhere."""
+    """A mesh under lamps, ready to be looked at from anywhere."""
 
     def __init__(self, mesh: Mesh, crease_deg: float, light: LightParams) -> None:
-        self.vertices = mesh.vertices
+        self.vertices, triangles = mesh.vertices, mesh.triangles
         self._scene = Scene(mesh.vertices, mesh.faces)
-        triangles = mesh.triangles
+        self._lamps = Lamps.of(light)
         self._facing = face_normals(triangles)
         self._offset = np.einsum("ij,ij->i", self._facing, triangles[:, 0])
-        # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0), the last two rows stored as differences
-        self._normals = corner_normals(mesh.vertices, mesh.faces, crease_deg)
-        self._normals[:, 1:] -= self._normals[:, :1]
-        self._lamps = Lamps.of(light)
+        # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0): for each axis n0 and the two differences
+        normals = corner_normals(mesh.vertices, mesh.faces, crease_deg)
+        normals[:, 1:] -= normals[:, :1]
+        self._normals = np.ascontiguousarray(normals.transpose(2, 1, 0))
 
-    def look(self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]) -> Seen:
+    def look(
+        self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
+    ) -> Seen:
         """What the rays from `eye` show."""
         hits = self._scene.cast(eye[None], directions)
         ray = np.flatnonzero(hits.face >= 0)
-        face, uv = hits.face[ray], hits.uv[ray]
-        corner = self._normals.take(face, axis=0)
-        normal = corner[:, 0] + uv[:, :1] * corner[:, 1] + uv[:, 1:] * corner[:, 2]
-        behind = (self._facing @ eye < self._offset).take(face)
-        normal[behind] *= -1
-        return Seen(ray, hits.t[ray], self._lamps.irradiance(normal))
+        face, (u, v) = hits.face.take(ray), hits.uv.take(ray, axis=0).T
+        normal = np.empty((3, len(ray)), np.float32)
+        for axis, (n, du, dv) in enumerate(self._normals):
+            normal[axis] = n.take(face) + u * du.take(face) + v * dv.take(face)
+        normal[:, (self._facing @ eye < self._offset).take(face)] *= -1
+        return Seen(ray, hits.t.take(ray), self._lamps.light(normal))
+
+    def light(
+        self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
+    ) -> Float32[np.ndarray, "rays"]:
+        """The light that the rays from `eye` show, or BACKGROUND."""
+        seen = self.look(eye, directions)
+        light = np.full(len(directions), BACKGROUND)
+        light[seen.ray] = seen.light
+        return light
 
 
 @dataclass(frozen=True)
@@ -68,9 +82,8 @@ class Lamps:
             np.array(light.intensities, np.float32),
         )
 
-    def irradiance(self, normals: Float32[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n"]:
+    def light(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
         """Lambert's law: ambient + sum of intensity * max(0, cosine); normals of any length."""
-        length = np.sqrt(np.einsum("ij,ij->i", normals, normals))
-        cosine = normals @ self.towards.T
-        lit = np.maximum(cosine, 0) @ self.intensity
+        length = np.sqrt(np.einsum("ij,ij->j", normals, normals))
+        lit = self.intensity @ np.maximum(self.towards @ normals, 0)
         return self.ambient + lit / np.maximum(length, np.float32(1e-12))

@@ -71,7 +71,7 @@ def load(
     """
     path = folder / f"{entry.id}.npz"
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             vertices, faces = arrays["vertices"], arrays["faces"]
     except FileNotFoundError:
         raise BadArtifact(f"{path} is missing; {REBUILD}") from None

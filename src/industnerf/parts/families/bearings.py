@@ -57,6 +57,6 @@ RECIPES = [
         "ISO 3228 UCF205-like",
         "build123d",
         square_flange_unit,
-        {"bore": 25, "side": 95, "bolt_pitch": 70, "bolt_hole": 11.5, "insert": 52},
+        {"bore": 25.0, "side": 95.0, "bolt_pitch": 70.0, "bolt_hole": 11.5, "insert": 52.0},
     ),
 ]

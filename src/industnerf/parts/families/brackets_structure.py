@@ -70,13 +70,13 @@ RECIPES = [
         "DIN 71752 G12x24-like",
         "build123d",
         clevis,
-        {"pin": 12, "slot_length": 24, "thread_core": 10.2},
+        {"pin": 12.0, "slot_length": 24.0, "thread_core": 10.2},
     ),
     Recipe(
         "motor-mount-nema23",
         "NEMA 23 motor mount",
         "build123d",
         motor_mount,
-        {"pilot": 38.5, "bolt_pitch": 47.14, "bolt": 5.3, "sheet": 5},
+        {"pilot": 38.5, "bolt_pitch": 47.14, "bolt": 5.3, "sheet": 5.0},
     ),
 ]

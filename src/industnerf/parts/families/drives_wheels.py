@@ -119,20 +119,20 @@ RECIPES = [
         "ISO 22881 castor wheel D100-like",
         "build123d",
         caster_wheel,
-        {"diameter": 100, "width": 32, "hub_length": 44, "bore": 12},
+        {"diameter": 100.0, "width": 32.0, "hub_length": 44.0, "bore": 12.0},
     ),
     Recipe(
         "handwheel-din950-d160",
         "DIN 950 D160-like",
         "build123d",
         handwheel,
-        {"diameter": 160, "bore": 16, "key": 5, "spokes": 5},
+        {"diameter": 160.0, "bore": 16.0, "key": 5.0, "spokes": 5},
     ),
     Recipe(
         "pulley-htd-5m-30",
         "ISO 13050 HTD 30-5M-15",
         "build123d",
         timing_pulley,
-        {"teeth": 30, "belt": 15, "bore": 10},
+        {"teeth": 30, "belt": 15.0, "bore": 10.0},
     ),
 ]

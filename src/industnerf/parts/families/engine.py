@@ -113,13 +113,13 @@ RECIPES = [
         "connecting rod, 144 between centres",
         "build123d",
         connecting_rod,
-        {"centres": 144, "big_end": 50, "small_end": 22},
+        {"centres": 144.0, "big_end": 50.0, "small_end": 22.0},
     ),
     Recipe(
         "piston-d84",
         "petrol-engine piston D84",
         "build123d",
         piston,
-        {"bore": 84, "height": 56, "compression_height": 31, "pin": 21},
+        {"bore": 84.0, "height": 56.0, "compression_height": 31.0, "pin": 21.0},
     ),
 ]

@@ -37,13 +37,13 @@ RECIPES = [
         "ISO 53 m3 z30, helix 20 deg, 25 wide",
         "bd_warehouse",
         helical_gear,
-        {"module": 3, "teeth": 30, "helix_angle": 20, "face_width": 25, "bore": 24, "key": 8},
+        {"module": 3.0, "teeth": 30, "helix_angle": 20.0, "face_width": 25.0, "bore": 24.0, "key": 8.0},
     ),
     Recipe(
         "gear-ring-m1-5-z60",
         "ISO 53 internal, m1.5 z60, 15 wide",
         "py_gearworks",
         ring_gear,
-        {"module": 1.5, "teeth": 60, "width": 15, "bolts": 6, "bolt_hole": 5.5},
+        {"module": 1.5, "teeth": 60, "width": 15.0, "bolts": 6, "bolt_hole": 5.5},
     ),
 ]

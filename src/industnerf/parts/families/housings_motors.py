@@ -90,13 +90,13 @@ RECIPES = [
         "electronics enclosure 120x80x40",
         "build123d",
         enclosure,
-        {"length": 120, "width": 80, "height": 40, "wall": 3},
+        {"length": 120.0, "width": 80.0, "height": 40.0, "wall": 3.0},
     ),
     Recipe(
         "gearbox-housing-a75",
         "one-stage gearbox housing, centres 75, bearings 47 and 62",
         "build123d",
         gearbox_housing,
-        {"centre_distance": 75, "input_bearing": 47, "output_bearing": 62},
+        {"centre_distance": 75.0, "input_bearing": 47.0, "output_bearing": 62.0},
     ),
 ]

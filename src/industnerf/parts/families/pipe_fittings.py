@@ -76,13 +76,13 @@ RECIPES = [
         "build123d",
         flanged_elbow,
         {
-            "bore": 65,
-            "wall": 7,
-            "centre_to_face": 165,
-            "flange": 185,
-            "bolt_circle": 145,
+            "bore": 65.0,
+            "wall": 7.0,
+            "centre_to_face": 165.0,
+            "flange": 185.0,
+            "bolt_circle": 145.0,
             "bolts": 4,
-            "bolt_hole": 19,
+            "bolt_hole": 19.0,
         },
     ),
     Recipe(
@@ -90,6 +90,6 @@ RECIPES = [
         "ASME B16.9 cap NPS 4 schedule 40",
         "build123d",
         welding_cap,
-        {"outside": 114.3, "wall": 6.02, "length": 64},
+        {"outside": 114.3, "wall": 6.02, "length": 64.0},
     ),
 ]

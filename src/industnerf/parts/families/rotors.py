@@ -143,13 +143,13 @@ RECIPES = [
         "semi-open pump impeller D140, 6 vanes",
         "build123d",
         pump_impeller,
-        {"diameter": 140, "bore": 20, "key": 6, "vanes": 6},
+        {"diameter": 140.0, "bore": 20.0, "key": 6.0, "vanes": 6},
     ),
     Recipe(
         "propeller-4-blade-d200",
         "4-blade propeller D200 P160",
         "build123d",
         propeller,
-        {"diameter": 200, "blades": 4, "pitch": 160, "hub": 40, "bore": 16},
+        {"diameter": 200.0, "blades": 4, "pitch": 160.0, "hub": 40.0, "bore": 16.0},
     ),
 ]

@@ -22,13 +22,13 @@ RECIPES = [
         "ISO 4014 M12x80",
         "bd_warehouse",
         hexagon_head,
-        {"size": "M12-1.75", "length": 80},
+        {"size": "M12-1.75", "length": 80.0},
     ),
     Recipe(
         "screw-iso7380-m8x25",
         "ISO 7380-1 M8x25",
         "bd_warehouse",
         button_head,
-        {"size": "M8-1.25", "length": 25},
+        {"size": "M8-1.25", "length": 25.0},
     ),
 ]

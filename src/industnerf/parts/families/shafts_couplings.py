@@ -58,6 +58,6 @@ RECIPES = [
         "shaft d30 with keyways DIN 6885-1 A",
         "build123d",
         stepped_shaft,
-        {"seat": 30},
+        {"seat": 30.0},
     ),
 ]

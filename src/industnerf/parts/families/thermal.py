@@ -26,6 +26,6 @@ RECIPES = [
         "extruded heat sink 80x60x36, 16 fins",
         "build123d",
         plate_fin_sink,
-        {"width": 80, "length": 60, "height": 36, "base": 6, "fins": 16, "fin": 1.6},
+        {"width": 80.0, "length": 60.0, "height": 36.0, "base": 6.0, "fins": 16, "fin": 1.6},
     ),
 ]

@@ -77,13 +77,13 @@ RECIPES = [
         "ISO 15488 ER32 d12-like",
         "build123d",
         spring_collet,
-        {"bore": 12},
+        {"bore": 12.0},
     ),
     Recipe(
         "spanner-din3113-17",
         "DIN 3113 A 17-like",
         "build123d",
         combination_spanner,
-        {"size": 17, "length": 200},
+        {"size": 17.0, "length": 200.0},
     ),
 ]

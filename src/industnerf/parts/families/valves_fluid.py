@@ -88,7 +88,7 @@ RECIPES = [
         "2-piece ball valve DN15 G 1/2",
         "build123d",
         ball_valve,
-        {"bore": 15, "thread_core": 18.6, "length": 60, "lever": 95},
+        {"bore": 15.0, "thread_core": 18.6, "length": 60.0, "lever": 95.0},
     ),
     Recipe(
         "manifold-iso4401-03-3",

@@ -1,0 +1,26 @@
+"""The part's true surface, sampled anew: what no method can beat."""
+
+import numpy as np
+
+from industnerf.geometry.sampling import sample_surface
+from industnerf.methods.base import Given, Input, Method, Reconstruction, Role, Scope
+from industnerf.schema import SampleSettings
+
+
+def reconstruct(given: Given, settings: SampleSettings, state: None, seed: int) -> Reconstruction:
+    """Area-uniform points of the part's own mesh, hidden surface included."""
+    mesh, rng = given.own_mesh, np.random.default_rng(seed)
+    points, _ = sample_surface(mesh.vertices, mesh.faces, settings.points, rng)
+    return Reconstruction(points)
+
+
+METHODS = {
+    "oracle": Method(
+        "oracle",
+        Scope.PART,
+        frozenset({Input.OWN_MESH}),
+        reconstruct,
+        role=Role.BOUND,
+        random=True,
+    )
+}

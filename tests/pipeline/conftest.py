@@ -1,0 +1,108 @@
+"""Small projects that run the real pipeline through DVC."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.preset import lay_out
+
+SMALL = (
+    "experiment=smoke",
+    "methods=[hull,oracle]",
+    "views.resolution=32",
+    "views.count=6",
+    "views.held_out=1",
+    "method.hull.points=2048",
+    "method.oracle.points=2048",
+    "evaluate.points=128",
+    "evaluate.dense=2048",
+    "evaluate.cap=2048",
+)
+TIMED = {"cost.csv", "table1.md"}  # the only files that may differ between two runs
+
+
+class Project:
+    """A DVC project of its own in `folder`, with a store of its own."""
+
+    def __init__(self, root: Path, folder: Path, *overrides: str) -> None:
+        self.folder = folder
+        lay_out(root, folder, [*SMALL, *overrides])
+        self.environment = {
+            **os.environ,
+            "INDUSTNERF_STORE": str(folder / "store"),
+            "INDUSTNERF_MLFLOW": "off",
+            "INDUSTNERF_WORKERS": "1",
+        }
+
+    def start(self, *command: str) -> subprocess.Popen:
+        """Start `command` as the leader of a process group of its own."""
+        return subprocess.Popen(
+            command,
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+
+    def run(self, *command: str) -> tuple[int, str]:
+        """Exit code and output of `command`, dvc repro by default."""
+        process = self.start(*(command or ("dvc", "repro")))
+        output, _ = process.communicate()
+        return process.returncode, output
+
+    def stop_at(self, step: str, how: signal.Signals) -> tuple[int, str]:
+        """Start dvc repro, and send `how` to the whole group once `step` is at its first part."""
+        process = self.start("dvc", "repro")
+        deadline = time.monotonic() + 120
+        while not list(self.folder.glob(f"store/{step}/*")):
+            assert time.monotonic() < deadline, f"{step} never began"
+            assert process.poll() is None, process.communicate()[0]
+            time.sleep(0.005)
+        os.killpg(process.pid, how)
+        output, _ = process.communicate()
+        return process.returncode, output
+
+    def finished(self) -> dict[str, int]:
+        """When each finished result was made: unchanged means not redone."""
+        return {
+            str(path.relative_to(self.folder)): path.stat().st_mtime_ns
+            for path in self.folder.glob("store/*/*/cost.json")
+            if ".draft" not in path.parent.name
+        }
+
+    def outputs(self) -> dict[str, bytes]:
+        """Every output file but the timed ones."""
+        files = [p for name in ("data", "reports") for p in (self.folder / name).rglob("*")]
+        return {
+            str(path.relative_to(self.folder)): path.read_bytes()
+            for path in files
+            if path.is_file() and path.name not in TIMED and "embedded" not in path.parts
+        }
+
+    def set(self, **changes: object) -> None:
+        """Change top-level keys of params.yaml, or keys of a section given as a dict."""
+        path = self.folder / "params.yaml"
+        params = yaml.safe_load(path.read_text())
+        for key, value in changes.items():
+            if isinstance(value, dict):
+                params[key] |= value
+            else:
+                params[key] = value
+        path.write_text(yaml.safe_dump(params))
+
+
+@pytest.fixture(scope="session")
+def finished_run(tmp_path_factory):
+    """A project that ran to its end, undisturbed.  Tests must leave it as it is."""
+    root = Path(__file__).parents[2]
+    project = Project(root, tmp_path_factory.mktemp("finished") / "project")
+    code, output = project.run()
+    assert code == 0, output
+    return project

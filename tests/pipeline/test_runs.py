@@ -1,0 +1,142 @@
+"""The pipeline as a user meets it: finished, interrupted, killed, and given bad input."""
+
+import csv
+import signal
+
+import pytest
+import trimesh
+
+from tests.pipeline.conftest import Project
+
+REPORT = {
+    "contact_sheet.png",
+    "cost.csv",
+    "report.html",
+    "scores.csv",
+    "summary.json",
+    "table1.csv",
+    "table1.md",
+}
+TABLE1 = (
+    "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
+    "emd_full,parts,failures,parameters,steps,paper_emd"
+)
+SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
+COST = "stage,method,part_id,seconds,peak_mb,device"
+
+
+def rows(path):
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_run_ends_with_the_report(finished_run):
+    reports = finished_run.folder / "reports"
+    assert {path.name for path in reports.iterdir()} == REPORT
+    heads = {name: (reports / name).read_text().splitlines()[0] for name in REPORT if "csv" in name}
+    assert heads == {"table1.csv": TABLE1, "scores.csv": SCORES, "cost.csv": COST}
+    page = (reports / "report.html").read_text()
+    assert "http" not in page.replace("http-equiv", "")  # nothing is fetched: it opens offline
+
+
+def test_every_part_metric_and_protocol_has_a_score_and_a_cost(finished_run):
+    scores = rows(finished_run.folder / "reports" / "scores.csv")
+    kinds = {(row["metric"], row["protocol"]) for row in scores}
+    assert len(kinds) == 5
+    assert len(scores) == 2 * 2 * len(kinds)  # parts x methods x kinds
+    assert {row["status"] for row in scores} == {"ok"}
+    costs = rows(finished_run.folder / "reports" / "cost.csv")
+    assert len(costs) == 2 * 3 + 2 * 2 * 2  # parts, views, truth; reconstruct, evaluate per method
+    assert all(float(row["seconds"]) > 0 and float(row["peak_mb"]) > 0 for row in costs)
+
+
+def test_the_oracle_is_at_the_floor_and_no_method_beats_it(finished_run):
+    table = {row["method"]: row for row in rows(finished_run.folder / "reports" / "table1.csv")}
+    # floor and oracle are the same protocol between independent samples of one surface; over two
+    # parts and 128 points they agree to some per cent
+    assert float(table["oracle"]["ratio_to_floor"]) == pytest.approx(1, abs=0.15)
+    assert float(table["hull"]["emd_even"]) > float(table["oracle"]["emd_even"])
+
+
+def test_nothing_to_do_reruns_nothing(finished_run):
+    code, output = finished_run.run()
+    assert code == 0
+    assert "Data and pipelines are up to date." in output
+
+
+@pytest.mark.parametrize("step", ["parts", "views", "truth", "reconstruct", "evaluate"])
+def test_a_killed_run_goes_on_and_ends_with_equal_bytes(step, finished_run, root, tmp_path):
+    project = Project(root, tmp_path / "project")
+    code, _ = project.stop_at(step, signal.SIGKILL)
+    assert code == -signal.SIGKILL
+    before = project.finished()
+    code, output = project.run()
+    assert code == 0, output
+    after = project.finished()
+    assert before.items() <= after.items()  # finished parts were not redone
+    assert project.outputs() == finished_run.outputs()
+
+
+def test_ctrl_c_says_that_finished_parts_are_kept(root, tmp_path):
+    project = Project(root, tmp_path / "project")
+    code, output = project.stop_at("views", signal.SIGINT)
+    assert code != 0
+    assert "finished parts are kept" in output
+    assert "Traceback" not in output
+
+
+@pytest.fixture
+def own_files(tmp_path):
+    """A folder with two solids and two files that are none."""
+    folder = tmp_path / "cad"
+    folder.mkdir()
+    trimesh.creation.annulus(5, 10, 8).export(folder / "ring.stl")
+    trimesh.creation.box((10, 20, 5)).export(folder / "block.ply")
+    (folder / "text.stl").write_text("no mesh")
+    (folder / "empty.obj").write_text("")
+    return folder
+
+
+def test_own_files_replace_the_catalogue_and_broken_ones_are_listed(own_files, root, tmp_path):
+    project = Project(root, tmp_path / "project")
+    project.set(parts={"source": "path", "path": str(own_files), "select": []}, methods=["hull"])
+    code, output = project.run()
+    assert code == 0, output
+    assert "text failed: text.stl: " in output
+    assert "empty failed: empty.obj: " in output
+    table = rows(project.folder / "reports" / "table1.csv")
+    assert [(row["split"], row["parts"]) for row in table] == [("test", "2")]
+    assert "empty.obj" in (project.folder / "reports" / "report.html").read_text()
+
+
+def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
+    project = Project(root, tmp_path / "project")
+    project.set(
+        on_failure="strict",
+        parts={"source": "path", "path": str(own_files), "select": []},
+        methods=["hull"],
+    )
+    code, output = project.run()
+    assert code != 0
+    assert "error: stage parts: 2 of 4 parts failed, the others are stored:" in output
+    assert "Traceback" not in output
+    assert len(project.finished()) == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"views": {"count": "many"}}, "views.count is 'many', must be a whole number"),
+        ({"views": {"cuont": 3}}, "views.cuont is unknown"),
+        ({"parts": {"select": ["gaer"]}}, "parts.select: 'gaer' is not among"),
+        ({"views": {"radius": 1.5}}, "views.radius"),
+    ],
+)
+def test_bad_parameters_end_with_one_message(finished_run, root, tmp_path, changes, said):
+    project = Project(root, tmp_path / "project")
+    project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
+    project.set(**changes)
+    code, output = project.run()
+    assert code != 0
+    assert said in output
+    assert "Traceback" not in output

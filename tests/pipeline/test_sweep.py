@@ -1,0 +1,62 @@
+"""Sweeps share the store with `dvc repro`, and end with a table and a plot."""
+
+import csv
+
+import pytest
+
+from tests.pipeline.conftest import SMALL, Project
+
+
+def sweep(project, *overrides):
+    return project.run("python", "-m", "pipeline.sweep", "--multirun", *SMALL, *overrides)
+
+
+@pytest.fixture
+def project(root, tmp_path, finished_run):
+    """A project whose store is that of the finished run."""
+    project = Project(root, tmp_path / "project")
+    project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
+    return project
+
+
+def test_a_sweep_reuses_what_dvc_made_and_ends_with_a_table_and_a_plot(project):
+    code, output = sweep(project, "views.count=6,4", "methods=[hull]")
+    assert code == 0, output
+    # the first point is the finished run: it makes nothing at all
+    assert "views: done, 0 made, 2 reused, 0 failed" in output
+    assert "views: done, 2 made, 0 reused, 0 failed" in output
+    (folder,) = (project.folder / "runs" / "sweeps").iterdir()
+    with (folder / "sweep.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert [row["views.count"] for row in table] == ["6", "4"]
+    assert (folder / "sweep.png").stat().st_size > 1000
+    assert "EMD over the sweep" in output
+
+
+def test_a_failed_point_is_said_and_the_others_stand(project):
+    code, output = sweep(project, "views.fov_deg=30.0,150.0", "methods=[oracle]")
+    assert code != 0
+    assert "views.fov_deg is 150.0, must be between 0 and 120" in output
+    assert "Traceback" not in output
+    (folder,) = (project.folder / "runs" / "sweeps").iterdir()
+    assert len((folder / "sweep.csv").read_text().splitlines()) == 2
+
+
+def test_an_unknown_key_ends_at_once(project):
+    code, output = sweep(project, "views.cuont=3,4")
+    assert code != 0
+    assert "views.cuont" in output
+    assert "Traceback" not in output
+
+
+def test_every_point_is_one_mlflow_run(project):
+    project.environment["INDUSTNERF_MLFLOW"] = str(project.folder / "mlflow")
+    sweep(project, "seed=0,1", "methods=[oracle]")
+    script = (
+        "import mlflow, sys; mlflow.set_tracking_uri(sys.argv[1]);"
+        "runs = mlflow.search_runs(experiment_names=['industnerf'], output_format='list');"
+        "print(sorted((r.info.run_name.split()[-2], r.data.params['seed']) for r in runs))"
+    )
+    database = f"sqlite:///{project.folder / 'mlflow' / 'mlflow.db'}"
+    _, output = project.run("python", "-c", script, database)
+    assert "[('seed=0', '0'), ('seed=1', '1')]" in output

@@ -1,0 +1,84 @@
+"""MLflow: one run per distinct result, safe under concurrency, never fatal."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from industnerf.tracking import flat, git_state, log_report
+
+LOG = """
+import sys
+from pathlib import Path
+from industnerf.tracking import log_report
+log_report(Path(sys.argv[1]), {"views": {"count": 6}, "seed": 0}, "a run")
+"""
+READ = """
+import sys, mlflow
+mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
+(run,) = mlflow.search_runs(experiment_names=["industnerf"], output_format="list")
+files = mlflow.MlflowClient().list_artifacts(run.info.run_id, "report")
+print(run.data.params, run.data.metrics, sorted(run.data.tags), [f.path for f in files])
+"""
+
+
+@pytest.fixture
+def report(tmp_path, monkeypatch):
+    folder = tmp_path / "reports"
+    folder.mkdir()
+    summary = {"schema": 1, "inputs": "abc", "preset": "smoke", "metrics": {"hull.test.emd": 0.1}}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    (folder / "scores.csv").write_text("part_id,value\np1,0.1\n")
+    (folder / "report.html").write_text("<html>")
+    monkeypatch.setenv("INDUSTNERF_MLFLOW", str(tmp_path / "mlflow"))
+    return folder
+
+
+def start(script, *arguments):
+    return subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def finish(process):
+    output, _ = process.communicate()
+    return process.returncode, output
+
+
+def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
+    """Without the lock MLflow's migrations collide and leave a database that never opens again."""
+    for process in [start(LOG, report) for _ in range(2)]:
+        assert finish(process)[0] == 0
+    code, output = finish(start(READ, tmp_path / "mlflow"))
+    assert code == 0, output
+    assert "{'views.count': '6', 'seed': '0'} {'hull.test.emd': 0.1}" in output
+    assert "'git.commit', 'git.dirty', 'inputs'" in output
+    assert "report/report.html" in output
+
+
+def test_a_broken_database_is_said_and_not_fatal(report, tmp_path):
+    (tmp_path / "mlflow").mkdir()
+    (tmp_path / "mlflow" / "mlflow.db").write_text("no database")
+    code, output = finish(start(LOG, report))
+    assert code == 0
+    assert "MLflow: not logged" in output
+    assert "The result is safe in" in output
+
+
+def test_tracking_can_be_switched_off(report, tmp_path, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_MLFLOW", "off")
+    log_report(report, {})
+    assert not (tmp_path / "mlflow").exists()
+
+
+def test_sections_become_dotted_keys():
+    assert flat({"a": {"b": {"c": 1}, "d": [2]}, "e": 3}) == {"a.b.c": 1, "a.d": [2], "e": 3}
+
+
+def test_outside_a_repository_there_is_no_commit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert git_state() == {}
