@@ -34,7 +34,11 @@ def digest() -> str:
 
 def test_late_imports_are_followed(package):
     digest()
-    assert code.closure("toy_suite.top") == {"toy_suite.top", "toy_suite.middle", "toy_suite.bottom"}
+    assert code.closure("toy_suite.top") == {
+        "toy_suite.top",
+        "toy_suite.middle",
+        "toy_suite.bottom",
+    }
 
 
 def test_a_change_anywhere_below_counts(package):

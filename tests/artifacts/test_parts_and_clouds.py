@@ -85,10 +85,13 @@ def test_truth_survives_its_files(tmp_path):
         (Truth.load, "floors.json"),
     ],
 )
-def test_a_missing_or_torn_file_is_named_with_the_stage_that_mends_it(tmp_path, load, file):
+@pytest.mark.parametrize("content", [b"torn", b"PK\x03\x04 torn in a zip", b""])
+def test_a_missing_or_torn_file_is_named_with_the_stage_that_mends_it(
+    tmp_path, load, file, content
+):
     with pytest.raises(BadArtifact, match=rf"{file}.*dvc repro"):
         load(tmp_path)
-    (tmp_path / file).write_bytes(b"torn")
+    (tmp_path / file).write_bytes(content)
     with pytest.raises(BadArtifact, match=rf"{file}.*dvc repro"):
         load(tmp_path)
 

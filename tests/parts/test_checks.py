@@ -54,8 +54,8 @@ def test_box(corner):
 
 
 def test_volume_survives_a_far_origin():
-    vertices, faces = box(corner=(1e6, -1e6, 1e6))
-    # A coordinate of 1e6 mm is rounded by 1e-10 mm, of a side of at least 2 mm.
+    vertices, faces = box(corner=(1e6 / 3, -1e6 / 7, 1e6 / 9))
+    # A coordinate of 1e6 mm is rounded by 1e-10 mm at most, of a side of at least 2 mm.
     assert checks.volume_mm3(vertices, faces) == pytest.approx(30, rel=1e-9)
 
 

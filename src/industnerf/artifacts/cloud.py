@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32, UInt8
 
+from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
@@ -36,29 +37,19 @@ class Cloud:
     @staticmethod
     def load(folder: Path) -> "Cloud":
         """Read `cloud.npz`; raises BadArtifact if it is missing or of another schema."""
-        path = folder / "cloud.npz"
-        try:
-            with np.load(path) as file:
-                if file["schema"] != SCHEMA:
-                    raise BadArtifact(
-                        f"{path} has schema {file['schema']}, this code reads {SCHEMA}; "
-                        "`dvc repro -f reconstruct` writes it anew."
-                    )
-                return Cloud(
-                    str(file["part_id"]),
-                    file["points_mm"],
-                    file["colours"],
-                    file["confidence"],
-                    int(file["parameters"]),
-                    int(file["steps"]),
-                )
-        except (OSError, ValueError, KeyError) as error:
+        path, names = folder / "cloud.npz", ("schema", *Cloud.__dataclass_fields__)
+        schema, part_id, points, colours, confidence, *training = read_npz(
+            path, names, "reconstruct"
+        )
+        if schema != SCHEMA:
             raise BadArtifact(
-                f"{path}: {error}; `dvc repro -f reconstruct` writes it anew."
-            ) from None
+                f"{path} has schema {schema}, this code reads {SCHEMA}; "
+                "`dvc repro -f reconstruct` writes it anew."
+            )
+        return Cloud(str(part_id), points, colours, confidence, *map(int, training))
 
     @staticmethod
     def training(folder: Path) -> tuple[int, int]:
         """`parameters` and `steps` of the cloud in `folder`, without reading its points."""
-        with np.load(folder / "cloud.npz") as file:
-            return int(file["parameters"]), int(file["steps"])
+        parameters, steps = read_npz(folder / "cloud.npz", ("parameters", "steps"), "reconstruct")
+        return int(parameters), int(steps)

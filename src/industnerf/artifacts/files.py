@@ -2,8 +2,11 @@
 
 import json
 import os
+import zipfile
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from industnerf.errors import BadArtifact
 
@@ -40,3 +43,14 @@ def read_json(path: Path, schema: int, stage: str) -> Any:
             f"{path} has schema {found}, this code reads {schema}; `dvc repro -f {stage}`"
         )
     return content
+
+
+def read_npz(path: Path, names: tuple[str, ...], stage: str) -> list[np.ndarray]:
+    """The arrays `names` of `path`; raises BadArtifact if one is missing or the file is torn."""
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            return [arrays[name] for name in names]
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
+        raise BadArtifact(
+            f"{path} cannot be read ({error}); `dvc repro -f {stage}` writes it anew."
+        ) from None

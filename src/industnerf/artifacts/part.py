@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int32
 
-from industnerf.artifacts.files import read_json, write_json, write_text
+from industnerf.artifacts.files import read_json, read_npz, write_json, write_text
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
@@ -70,11 +70,8 @@ def load_part(folder: Path) -> Part:
 def load_mesh(folder: Path) -> Mesh:
     """Read `mesh.npz`; raises BadArtifact if it is missing or not a triangle mesh."""
     path = folder / "mesh.npz"
-    try:
-        with np.load(path) as file:
-            mesh = Mesh(file["vertices"].astype(np.float64), file["faces"].astype(np.int32))
-    except (OSError, ValueError, KeyError) as error:
-        raise BadArtifact(f"{path}: {error}; `dvc repro -f parts` writes it anew.") from None
+    vertices, faces = read_npz(path, ("vertices", "faces"), "parts")
+    mesh = Mesh(vertices.astype(np.float64), faces.astype(np.int32))
     if mesh.vertices.shape[1:] != (3,) or mesh.faces.shape[1:] != (3,):
         raise BadArtifact(f"{path}: shapes {mesh.vertices.shape} and {mesh.faces.shape}")
     return mesh

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float32
 
-from industnerf.artifacts.files import read_json, write_json
-from industnerf.errors import BadArtifact
+from industnerf.artifacts.files import read_json, read_npz, write_json
 
 SCHEMA = 1
 
@@ -33,8 +32,4 @@ class Truth:
     def load(folder: Path) -> "Truth":
         """Read what `save` wrote; raises BadArtifact if it is missing or torn."""
         floors = read_json(folder / "floors.json", SCHEMA, "truth")["floors"]
-        try:
-            with np.load(folder / "samples.npz") as file:
-                return Truth(file["points_mm"], file["visible"], floors)
-        except (OSError, ValueError, KeyError) as error:
-            raise BadArtifact(f"{folder}/samples.npz: {error}; `dvc repro -f truth`") from None
+        return Truth(*read_npz(folder / "samples.npz", ("points_mm", "visible"), "truth"), floors)

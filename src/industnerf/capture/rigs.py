@@ -34,20 +34,16 @@ def cameras_around(
 
 
 def require_in_frame(radius: float, fov_deg: float) -> None:
-    """Raise BadParams unless a ball fits the view from `radius` times its own radius."""
-    needed_radius = 1 / np.sin(np.radians(fov_deg) / 2)
-    if radius >= needed_radius:
+    """Raise BadParams unless a ball is in frame from `radius` times its own radius."""
+    enough = 1 / np.sin(np.radians(fov_deg) / 2)
+    if radius >= enough:
         return
-    spans = np.degrees(2 * np.arcsin(1 / radius)) if radius > 1 else 180.0
+    spans = np.degrees(2 * np.arcsin(min(1 / radius, 1))) if radius > 0 else 180.0
     raise BadParams(
-        f"params.yaml: from views.radius = {radius:g} the part's bounding ball spans "
-        f"{spans:.2f} degrees, {spans - fov_deg:.2f} more than views.fov_deg = {fov_deg:g}. "
-        f"Raise views.radius to at least {np.ceil(needed_radius * 1000) / 1000:g}"
-        + (
-            f", or views.fov_deg to at least {np.ceil(spans * 100) / 100:g}."
-            if spans < 120
-            else "."
-        )
+        f"params.yaml: the cameras do not frame the part. From views.radius = {radius:g} its "
+        f"bounding ball spans {spans:.2f} degrees, {spans - fov_deg:.2f} more than views.fov_deg "
+        f"= {fov_deg:g}. Raise views.radius to {np.ceil(enough * 1000) / 1000:g} or views.fov_deg "
+        f"to {np.ceil(spans * 100) / 100:g}."
     )
 
 

@@ -1,4 +1,4 @@
-"""The lit surface of a part: what light leaves it towards a ray.
+"""The lit surface of a part: how much light it sends along a ray.
 
 Lights are fixed to the part and the material is matte, so a point is as bright from every side
 that sees it (photo-consistency).  A face is lit on the side that the viewer sees.
@@ -10,12 +10,10 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from industnerf.artifacts.part import Mesh
+from industnerf.capture.edges import BACKGROUND
 from industnerf.capture.normals import corner_normals, face_normals
 from industnerf.geometry.raycast import Scene
 from industnerf.schema import LightParams
-
-
-BACKGROUND = np.float32(-1)  # where there is no part: darker than anything
 
 
 @dataclass(frozen=True)
@@ -41,9 +39,7 @@ class Surface:
         normals[:, 1:] -= normals[:, :1]
         self._normals = np.ascontiguousarray(normals.transpose(2, 1, 0))
 
-    def look(
-        self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
-    ) -> Seen:
+    def look(self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]) -> Seen:
         """What the rays from `eye` show."""
         hits = self._scene.cast(eye[None], directions)
         ray = np.flatnonzero(hits.face >= 0)
@@ -52,9 +48,9 @@ class Surface:
         for axis, (n, du, dv) in enumerate(self._normals):
             normal[axis] = n.take(face) + u * du.take(face) + v * dv.take(face)
         normal[:, (self._facing @ eye < self._offset).take(face)] *= -1
-        return Seen(ray, hits.t.take(ray), self._lamps.light(normal))
+        return Seen(ray, hits.t.take(ray), self._lamps.shine(normal))
 
-    def light(
+    def light_along(
         self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
     ) -> Float32[np.ndarray, "rays"]:
         """The light that the rays from `eye` show, or BACKGROUND."""
@@ -74,16 +70,13 @@ class Lamps:
 
     @staticmethod
     def of(light: LightParams) -> "Lamps":
-        towards = np.array(light.directions, float).reshape(-1, 3)
+        """`light` as arrays."""
+        towards = np.array(light.directions, np.float32).reshape(-1, 3)
         towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-        return Lamps(
-            np.float32(light.ambient),
-            towards.astype(np.float32),
-            np.array(light.intensities, np.float32),
-        )
+        return Lamps(np.float32(light.ambient), towards, np.array(light.intensities, np.float32))
 
-    def light(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
+    def shine(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
         """Lambert's law: ambient + sum of intensity * max(0, cosine); normals of any length."""
         length = np.sqrt(np.einsum("ij,ij->j", normals, normals))
         lit = self.intensity @ np.maximum(self.towards @ normals, 0)
-        return self.ambient + lit / np.maximum(length, np.float32(1e-12))
+        return np.maximum(self.ambient + lit / np.maximum(length, np.float32(1e-12)), 0)

@@ -24,6 +24,6 @@ def seen_from(
             break
         sight = points[left] - eye
         reach = np.linalg.norm(sight, axis=1)
-        first = scene.distance(np.broadcast_to(eye, sight.shape), sight / reach[:, None])
+        first = scene.distance(eye[None], sight / reach[:, None])
         seen[left] = first >= reach - tolerance_mm
     return seen

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from industnerf.errors import SuiteError
+from industnerf.errors import BadParams, BadPart, SuiteError
 from industnerf.parts.catalogue import EMBEDDED, catalogue
 
 
@@ -29,17 +29,20 @@ def main() -> int:
     arguments = parser.parse_args()
     console = Console()
     try:
-        return show(console) if arguments.command == "list" else build(console, arguments.family)
+        if arguments.command == "list":
+            show(console)
+        else:
+            build(console, arguments.family)
     except SuiteError as error:
         print(error, file=sys.stderr)
         return 1
+    return 0
 
 
-def show(console: Console) -> int:
+def show(console: Console) -> None:
     entries = catalogue()
-    table = Table(
-        title=f"{len(entries)} parts in {len({entry.family for entry in entries})} families"
-    )
+    families = {entry.family for entry in entries}
+    table = Table(title=f"{len(entries)} parts in {len(families)} families")
     for heading in ("part", "designation", "family", "drawn with"):
         table.add_column(heading)
     for heading in ("size, mm", "volume, cm³", "faces", "bodies"):
@@ -49,20 +52,18 @@ def show(console: Console) -> int:
         counts = (f"{entry.volume_mm3 / 1000:.2f}", str(entry.faces), str(entry.bodies))
         table.add_row(entry.id, entry.designation, entry.family, entry.library, size, *counts)
     console.print(table)
-    return 0
 
 
-def build(console: Console, family: str | None) -> int:
+def build(console: Console, family: str | None) -> None:
+    """Bake all parts or those of one family; if one fails, nothing is written."""
     try:
         from industnerf.parts import bake
     except ModuleNotFoundError as error:
-        print(
-            f"{error}: drawing parts needs the CAD extra, `pip install -e .[cad]`", file=sys.stderr
-        )
-        return 1
+        raise SuiteError(
+            f"drawing parts needs the CAD libraries ({error}): `pip install -e '.[cad]'`"
+        ) from error
     if family is not None and family not in bake.FAMILIES:
-        print(f"no family {family!r}, only {', '.join(bake.FAMILIES)}", file=sys.stderr)
-        return 1
+        raise BadParams(f"--family: no family {family!r}, only {', '.join(bake.FAMILIES)}")
     parts = [
         (name, recipe)
         for name, recipes in bake.FAMILIES.items()
@@ -71,13 +72,12 @@ def build(console: Console, family: str | None) -> int:
     ]
     outcomes = bake.bake_all(parts, workers=len(os.sched_getaffinity(0)))
     finished = list(track(outcomes, "Baking", total=len(parts), console=console))
-    baked = [outcome.answer for outcome in finished if isinstance(outcome.answer, bake.Baked)]
-    failed = [outcome for outcome in finished if isinstance(outcome.answer, str)]
-    bake.write(baked, EMBEDDED)
-    for outcome in failed:
-        print(f"{outcome.part_id}: {outcome.answer}", file=sys.stderr)
-    console.print(f"{len(baked)} of {len(parts)} parts baked into {EMBEDDED}")
-    return 1 if failed else 0
+    failed = [f"{done.part_id}: {done.answer}" for done in finished if isinstance(done.answer, str)]
+    if failed:
+        raise BadPart("\n".join([*failed, f"{len(failed)} parts failed; nothing was written"]))
+    kept = [entry for entry in catalogue() if entry.family != family] if family else []
+    bake.write([done.answer for done in finished], kept, EMBEDDED)
+    console.print(f"{len(finished)} parts baked into {EMBEDDED}")
 
 
 if __name__ == "__main__":

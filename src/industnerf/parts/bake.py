@@ -21,7 +21,7 @@ from jaxtyping import Float32, UInt
 from industnerf.errors import BadPart
 from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
-from industnerf.parts.catalogue import SCHEMA, Entry, catalogue, digest
+from industnerf.parts.catalogue import SCHEMA, Entry, digest
 from industnerf.parts.families import FAMILIES
 from industnerf.parts.recipe import Recipe
 from industnerf.parts.tessellate import tessellate
@@ -141,22 +141,19 @@ def _serve(wire: Connection) -> None:
             wire.send(f"{type(error).__name__}: {error}")
 
 
-def write(baked: list[Baked], folder: Path) -> None:
-    """Write the meshes, and the catalogue of these and of what it already held.
+def write(baked: list[Baked], kept: list[Entry], folder: Path) -> None:
+    """Write the meshes, and a catalogue of them and of the entries `kept` as they are.
 
-    Entries and files whose recipe is gone are dropped.
+    Any other mesh in `folder` goes.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    drawn = {recipe.id for recipes in FAMILIES.values() for recipe in recipes}
-    kept = catalogue(folder) if (folder / "catalogue.json").exists() else ()
-    entries = {entry.id: entry for entry in kept if entry.id in drawn}
     for part in baked:
-        entries[part.entry.id] = part.entry
         _replace(folder / f"{part.entry.id}.npz", part)
+    entries = [part.entry for part in baked] + kept
     for path in folder.glob("*.npz"):
-        if path.stem not in entries:
+        if path.stem not in {entry.id for entry in entries}:
             path.unlink()
-    ordered = sorted(entries.values(), key=lambda entry: (entry.family, entry.id))
+    ordered = sorted(entries, key=lambda entry: (entry.family, entry.id))
     rows = [dataclasses.asdict(entry) for entry in ordered]
     text = json.dumps({"schema": SCHEMA, "unit": "mm", "parts": rows}, indent=1) + "\n"
     (folder / "catalogue.json").write_text(text, encoding="utf-8")

@@ -15,7 +15,7 @@ from industnerf.parts.recipe import Recipe
 
 
 def angular_contact(size: str) -> Shape:
-    """DIN 628-1 series 73: boundary dimensions of ISO 15, balls and cage as drawn there."""
+    """Boundary dimensions of ISO 15; races, balls and cage as bd_warehouse draws them."""
     return SingleRowAngularContactBallBearing(size)
 
 
@@ -47,7 +47,7 @@ def square_flange_unit(
 RECIPES = [
     Recipe(
         "bearing-angular-7304",
-        "DIN 628-1 7304 20x52x15",
+        "ISO 15 7304 20x52x15",
         "bd_warehouse",
         angular_contact,
         {"size": "M20-52-15"},

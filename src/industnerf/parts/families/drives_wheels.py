@@ -130,7 +130,7 @@ RECIPES = [
     ),
     Recipe(
         "pulley-htd-5m-30",
-        "ISO 13050 HTD 30-5M-15",
+        "ISO 13050 HTD 30-5M-15-like",
         "build123d",
         timing_pulley,
         {"teeth": 30, "belt": 15.0, "bore": 10.0},

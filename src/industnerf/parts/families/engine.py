@@ -38,14 +38,7 @@ def piston(bore: float, height: float, compression_height: float, pin: float) ->
     boss, boss_gap = 1.65 * pin, 0.3 * bore
     bosses = bar(boss, bore, "x") + block(bore, 0.9 * boss, top - 4, (0, 0, 0))
     bosses -= block(boss_gap, bore, 2 * height, (0, 0, bottom))
-    body = (
-        body
-        - inside
-        + (
-            bosses
-            & turned([(0, bottom), (hollow + 0.5, bottom), (hollow + 0.5, top - 3), (0, top - 3)])
-        )
-    )
+    body = body - inside + (bosses & rod(2 * hollow + 1, height - 3, (0, 0, bottom)))
     # the skirt is cut back beside the bosses
     for side in (1, -1):
         body -= block(0.22 * bore, 0.62 * bore, 0.5 * height, (side * bore / 2, 0, bottom))

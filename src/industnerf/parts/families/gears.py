@@ -37,7 +37,14 @@ RECIPES = [
         "ISO 53 m3 z30, helix 20 deg, 25 wide",
         "bd_warehouse",
         helical_gear,
-        {"module": 3.0, "teeth": 30, "helix_angle": 20.0, "face_width": 25.0, "bore": 24.0, "key": 8.0},
+        {
+            "module": 3.0,
+            "teeth": 30,
+            "helix_angle": 20.0,
+            "face_width": 25.0,
+            "bore": 24.0,
+            "key": 8.0,
+        },
     ),
     Recipe(
         "gear-ring-m1-5-z60",

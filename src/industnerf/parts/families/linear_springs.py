@@ -53,13 +53,13 @@ def ball_screw_nut(
 
 
 def compression_spring(wire: float, mean: float, active: float, pitch: float) -> MeshBoolean:
-    """Cylindrical spring of EN 15800: closed and ground ends, one and a half dead coils at each.
+    """Cylindrical spring of EN 15800: closed and ground ends, 1 1/4 dead coils at each.
 
     `mean` is the coils' mean diameter, `active` their number, `pitch` the rise of one of them.
     The ground ends lie at z = 0 and above.
     """
     closed = 1.04 * wire  # pitch of the end coils: all but touching
-    dead, ramp, steps = 1.25, 0.5, 8  # turns, turns, points per turn
+    dead, ramp, steps = 1.25, 0.5, 24  # turns, turns, points per turn
     turns = active + 2 * dead
     count = round(turns * steps)
     turn = np.linspace(0, turns, count + 1)
@@ -96,10 +96,10 @@ RECIPES = [
         },
     ),
     Recipe(
-        "spring-compression-4x32",
-        "EN 15800 compression spring 4x32, 4.5 active coils",
+        "spring-compression-3-2x20",
+        "EN 15800-like compression spring 3.2x20, 8.5 active coils",
         "build123d",
         compression_spring,
-        {"wire": 4.0, "mean": 32.0, "active": 4.5, "pitch": 9.5},
+        {"wire": 3.2, "mean": 20.0, "active": 8.5, "pitch": 7.0},
     ),
 ]

@@ -87,7 +87,7 @@ RECIPES = [
     ),
     Recipe(
         "pipe-cap-b16-9-nps4",
-        "ASME B16.9 cap NPS 4 schedule 40",
+        "ASME B16.9 cap NPS 4 schedule 40-like",
         "build123d",
         welding_cap,
         {"outside": 114.3, "wall": 6.02, "length": 64.0},

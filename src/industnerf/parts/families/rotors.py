@@ -83,13 +83,9 @@ def pump_impeller(diameter: float, bore: float, key: float, vanes: int) -> MeshB
     The vane's line is a logarithmic spiral, r = r1 exp(theta tan(beta)), beta = 27 degrees.
     """
     outer, eye, hub = diameter / 2, 0.25 * diameter, 0.16 * diameter
-    vane, tan_beta = 0.026 * diameter, math.tan(math.radians(27))
-    plate, hub_height, inlet, outlet = (
-        0.035 * diameter,
-        0.27 * diameter,
-        0.25 * diameter,
-        0.12 * diameter,
-    )
+    vane, tan_beta = 0.022 * diameter, math.tan(math.radians(27))
+    plate, hub_height = 0.035 * diameter, 0.27 * diameter
+    inlet, outlet = 0.25 * diameter, 0.12 * diameter  # heights of the vanes
     back = turned(
         [
             (0, 0),
@@ -106,8 +102,8 @@ def pump_impeller(diameter: float, bore: float, key: float, vanes: int) -> MeshB
 
     def side(offset: float) -> Spline:
         angles = [math.log(r / radii[0]) / tan_beta for r in radii]
-        # across the line, whose direction is beta from the circle's
-        normal = [a + math.atan(tan_beta) - math.pi for a in angles]
+        # the spiral leaves the circle by beta, so its normal leaves the radius by as much
+        normal = [a - math.atan(tan_beta) for a in angles]
         return Spline(
             *[
                 (r * math.cos(a) + offset * math.cos(n), r * math.sin(a) + offset * math.sin(n))

@@ -55,7 +55,7 @@ RECIPES = [
     ),
     Recipe(
         "shaft-stepped-d30",
-        "shaft d30 with keyways DIN 6885-1 A",
+        "shaft d30 with DIN 6885-1 A-like keyways",
         "build123d",
         stepped_shaft,
         {"seat": 30.0},

@@ -92,7 +92,7 @@ RECIPES = [
     ),
     Recipe(
         "manifold-iso4401-03-3",
-        "ISO 4401-03 (NG6) manifold, 3 stations",
+        "ISO 4401-03 (NG6) manifold-like, 3 stations",
         "build123d",
         valve_manifold,
         {"stations": 3},

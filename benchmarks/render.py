@@ -1,0 +1,124 @@
+"""How fast are views rendered, against bare ray casting of as many primary rays?
+
+python benchmarks/render.py [part ...]     ids of embedded parts; without any, a choice of ten
+
+Both are timed in turn, view by view, on one core (set OMP_NUM_THREADS=1), so that a busy machine
+slows both.  Shares are of rendering; PNG files are written, and timed, apart.
+"""
+
+import cProfile
+import pstats
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import trimesh
+from rich.console import Console
+from rich.table import Table
+
+from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.views import Views, save_views
+from industnerf.capture.develop import develop, through_centres
+from industnerf.capture.rigs import bounding_ball, cameras_around
+from industnerf.capture.surface import Surface
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact
+from industnerf.geometry.cameras import Cameras, back_projection
+from industnerf.geometry.raycast import Scene
+from industnerf.parts.catalogue import catalogue, load
+from industnerf.schema import ViewsParams
+
+# Each share: the functions that it counts, less those in them that another share counts.
+SHARES = {
+    "bounds": (("project", "may_show"), ()),
+    "rays": (("through_centres",), ()),
+    "casting": (("cast",), ()),
+    "shading": (("look",), ("cast",)),
+    "edges": (("on_edge", "pixel_means"), ("light_along",)),
+    "8 bits": (("composed",), ()),
+}
+
+
+def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
+    """The embedded parts `names`, or primitives and every so many-th embedded part."""
+    if not names:
+        yield "box", as_mesh(trimesh.creation.box((20, 30, 40)))
+        yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
+        yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
+    try:
+        entries = catalogue()
+    except BadArtifact:
+        entries = ()
+    chosen = [entry for entry in entries if entry.id in names] or entries[:: len(entries) // 7 + 1]
+    for entry in chosen:
+        yield entry.id, Mesh(*load(entry))
+
+
+def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
+    return Mesh(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+
+
+def bare(mesh: Mesh, cameras: Cameras) -> Iterator[float]:
+    """Seconds that embree takes for all primary rays of each camera, and nothing else."""
+    scene = Scene(mesh.vertices, mesh.faces)
+    for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
+        rays = through_centres(back_projection(K, c2w).astype(np.float32), cameras.width)
+        starts = np.repeat(scene._to_box(c2w[None, :3, 3]), len(rays), axis=0)
+        start = perf_counter()
+        scene._scene.run(starts, rays, query="INTERSECT", output=True)
+        yield perf_counter() - start
+
+
+def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
+    """One row: views a second rendered and bare, their ratio, PNG cost, and the shares."""
+    cameras, held_out = cameras_around(*bounding_ball(mesh.vertices), settings)
+    surface, profile, frames = Surface(mesh, settings.crease_deg, settings.light), None, []
+    seconds = np.zeros(2)
+    profile = cProfile.Profile()
+    for K, c2w, casting in zip(cameras.K, cameras.c2w, bare(mesh, cameras), strict=True):
+        start = perf_counter()
+        frames.append(develop(surface, K, c2w, settings))
+        seconds += perf_counter() - start, casting
+    for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
+        profile.runcall(develop, surface, K, c2w, settings)
+    with tempfile.TemporaryDirectory() as folder:
+        views = Views(Path(folder), "part", cameras, held_out, np.ones(3), 1.0)
+        start = perf_counter()
+        save_views(views, frames)
+        written = perf_counter() - start
+        size = sum(path.stat().st_size for path in Path(folder).glob("*/*.png"))
+    rendering, casting = len(frames) / seconds
+    row = [f"{len(mesh.faces)}", f"{rendering:.1f}", f"{casting:.1f}", f"{rendering / casting:.2f}"]
+    row += [f"{1000 * written / len(frames):.1f}", f"{size / 1e6:.1f}", f"{seconds[0] + written:.1f}"]
+    return row + [f"{100 * share:.0f}" for share in shares(profile)]
+
+
+def shares(profile: cProfile.Profile) -> list[float]:
+    """The share of `develop` that each of SHARES takes."""
+    spent: dict[str, float] = {}
+    for (_, _, name), (_, _, _, cumulative, _) in pstats.Stats(profile).stats.items():
+        spent[name] = spent.get(name, 0) + cumulative
+    return [
+        (sum(spent[name] for name in counted) - sum(spent[name] for name in less))
+        / spent["develop"]
+        for counted, less in SHARES.values()
+    ]
+
+
+def main(names: list[str]) -> None:
+    settings, console = load_params().views, Console(width=170)
+    table = Table(title=f"{settings.count + settings.held_out} views, {settings.resolution} px")
+    heads = ["faces", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
+    table.add_column("part")
+    for head in [*heads, *(f"{name} %" for name in SHARES)]:
+        table.add_column(head, justify="right")
+    for name, mesh in solids(names):
+        table.add_row(name, *measure(mesh, settings))
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

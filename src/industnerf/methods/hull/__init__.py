@@ -1,0 +1,78 @@
+"""The visual hull: all of space that no silhouette excludes -- Laurentini (1994).
+
+No method that looks at silhouettes alone can do better, and a pocket that no silhouette shows
+stays filled.  Every view must have the whole part in frame; where a silhouette touches the
+border of its image nothing is known beyond, and that view excludes nothing there.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, UInt8
+
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.cameras import Cameras
+from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
+from industnerf.methods.hull.octree import refine
+from industnerf.methods.hull.silhouettes import silhouettes
+from industnerf.methods.hull.surface import SEGMENT, draw
+from industnerf.schema import HullRgbSettings, HullSettings
+
+TOUCHED = 0.5  # px; a pixel that shows any of the part lies on average half outside it
+
+
+def reconstruct_from_masks(
+    given: Given, settings: HullSettings, state: None, seed: int
+) -> Reconstruction:
+    """The hull of the true masks."""
+    return Reconstruction(hull(given.mask, given.cameras, settings, seed, grown_px=0))
+
+
+def reconstruct_from_colour(
+    given: Given, settings: HullRgbSettings, state: None, seed: int
+) -> Reconstruction:
+    """The hull of all pixels that differ from the background.
+
+    A part of the background's own colour is taken for background and cut away.
+    """
+    mask = differs(given.rgb, given.background, settings.tolerance)
+    return Reconstruction(hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED))
+
+
+def differs(
+    rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "3"], tolerance: float
+) -> Bool[np.ndarray, "n h w"]:
+    """Whether any channel is farther than `tolerance` from the background's, in [0, 1]."""
+    level = np.arange(256)[:, None] / 255
+    table = np.abs(level - background) > tolerance
+    return table[rgb[..., 0], 0] | table[rgb[..., 1], 1] | table[rgb[..., 2], 2]
+
+
+def hull(
+    mask: Bool[np.ndarray, "n h w"],
+    cameras: Cameras,
+    settings: HullSettings,
+    seed: int,
+    *,
+    grown_px: float,
+) -> Float[np.ndarray, "points 3"]:
+    """Area-uniform points (mm) on the surface of the hull of `mask`.
+
+    Raises ReconstructionFailed if there is no such surface.
+    """
+    seen = silhouettes(mask, cameras, grown_px)
+    families = refine(seen, settings.cell_px, SEGMENT)
+    points = draw(seen, families, settings.points, np.random.default_rng(seed))
+    return seen.centre + seen.radius_mm * points.astype(np.float64)
+
+
+METHODS = {
+    "hull": Method(
+        "hull", Scope.PART, frozenset({Input.MASK}), reconstruct_from_masks, random=True
+    ),
+    "hull_rgb": Method(
+        "hull_rgb",
+        Scope.PART,
+        frozenset({Input.RGB, Input.BACKGROUND}),
+        reconstruct_from_colour,
+        random=True,
+    ),
+}

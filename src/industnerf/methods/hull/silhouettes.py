@@ -1,0 +1,97 @@
+"""Silhouettes as distance images, and how points in space are read from them.
+
+Unit frame: the region of interest is the ball of radius 1 about the origin.  Distances in an
+image are in px, positive inside the silhouette; (u, v) count from the first pixel's centre, so
+they are half a pixel less than the suite's, and whole numbers are pixel centres.
+
+All is float32: a coordinate below 4096 px is known to 1/4000 px, a position in the unit frame
+to 1e-7, where the smallest cell in use is some 1e-4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float32
+
+from industnerf.geometry.cameras import Cameras, framed_ball
+
+NEAR = 11  # px; distances are exact up to here, and 2 * NEAR^2 fits 8 bits
+REACH = 1.2  # no cell in use has its centre farther than this from the origin
+
+
+@dataclass(frozen=True)
+class Silhouettes:
+    """What all views know of the region of interest."""
+
+    distance: Float32[np.ndarray, "views h w"]  # px, never more than NEAR either way
+    projection: Float32[np.ndarray, "views 3 4"]  # (x, y, z, 1) to (u d, v d, d), d the depth
+    stretch: Float32[np.ndarray, "views"]  # a step s at the depth d spans at most stretch s / d px
+    pixel: float  # the step that spans a pixel of the nearest view at the ball's near end
+    centre: np.ndarray  # of the region of interest, mm
+    radius_mm: float
+
+
+def silhouettes(
+    mask: Bool[np.ndarray, "views h w"], cameras: Cameras, grown_px: float
+) -> Silhouettes:
+    """Distance images of `mask`, whose outlines run `grown_px` outside the part's."""
+    centre, radius_mm = framed_ball(cameras)
+    to_mm = np.diag([radius_mm, radius_mm, radius_mm, 1.0])
+    to_mm[:3, 3] = centre
+    K = cameras.K.copy()
+    K[:, :2, 2] -= 0.5
+    projection = K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm
+    away = np.linalg.norm(cameras.eyes - centre, axis=1) / radius_mm
+    focal = cameras.K[:, [0, 1], [0, 1]].max(axis=1)
+    # d(u, v) of a step s at the angle a off the axis is at most f s / (depth cos a)
+    slant = np.arcsin(np.minimum(REACH / away, 0.99))
+    return Silhouettes(
+        np.stack([signed_distance(one) for one in mask]) - np.float32(grown_px),
+        projection.astype(np.float32),
+        (focal / np.cos(slant)).astype(np.float32),
+        float(((away - 1) / focal).min()),
+        centre,
+        radius_mm,
+    )
+
+
+def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
+    """Distance (px) to the outline, which runs half-way between unlike pixels."""
+    half = np.float32(0.5)
+    return np.where(mask, to_nearest(~mask) - half, half - to_nearest(mask))
+
+
+def to_nearest(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
+    """Distance (px) from every pixel's centre to that of the nearest `target`, at most NEAR.
+
+    Euclidean and exact, along the columns and then along the rows: squared distance separates
+    -- Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions" (2012).
+    """
+    column = np.where(target, np.uint8(0), np.uint8(NEAR))
+    for downwards in (column, column[::-1]):
+        for above, here in zip(downwards[:-1], downwards[1:], strict=True):
+            np.minimum(here, above + np.uint8(1), out=here)
+    square = column * column
+    best = square.copy()
+    for step in range(1, NEAR):
+        aside = square + np.uint8(step * step)
+        np.minimum(best[:, step:], aside[:, :-step], out=best[:, step:])
+        np.minimum(best[:, :-step], aside[:, step:], out=best[:, :-step])
+    return np.sqrt(np.arange(256, dtype=np.float32))[best]
+
+
+def bilinear(
+    image: Float32[np.ndarray, "h w"], u: Float32[np.ndarray, "n"], v: Float32[np.ndarray, "n"]
+) -> Float32[np.ndarray, "n"]:
+    """`image` between its pixels' centres; outside its frame it goes on as it ends."""
+    height, width = image.shape
+    u, v = u.clip(0, width - 1.001), v.clip(0, height - 1.001)
+    left, top = u.astype(np.int32), v.astype(np.int32)
+    at, flat = top * width + left, image.ravel()
+    u -= left
+    v -= top
+    upper, lower = flat.take(at), flat.take(at + width)
+    upper += u * (flat.take(at + 1) - upper)
+    lower += u * (flat.take(at + (width + 1)) - lower)
+    upper += v * (lower - upper)
+    return upper

@@ -1,0 +1,72 @@
+"""Clouds of weighted points, and their division into small cells by a k-d tree.
+
+One division serves twice: the cells' centroids are the next coarser cloud, and a cell's centre
+and radius bound the distance of all its points at once.  Cells are padded to one width: where
+a cell has fewer points, `members` is -1.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+CELL_SIZE = 4
+
+
+@dataclass(frozen=True)
+class Cloud:
+    points: Float64[np.ndarray, "n 3"]
+    mass: Float64[np.ndarray, "n"]  # whole numbers, so that sums and flows are exact
+
+
+@dataclass(frozen=True)
+class Cells:
+    order: Int64[np.ndarray, "n"]  # points of the cloud, cell after cell
+    members: Int64[np.ndarray, "cells size"]  # -1 pads
+    coarse: Cloud  # centroid and mass of each cell
+    radius: Float64[np.ndarray, "cells"]  # largest distance of a member from the centroid
+
+
+def divide(cloud: Cloud) -> Cells:
+    """Halve along the longest side, ever again, down to cells of at most `CELL_SIZE` points."""
+    order, sizes = np.arange(len(cloud.points)), np.array([len(cloud.points)])
+    while sizes.max() > CELL_SIZE:
+        order = _sort_each(cloud.points, order, sizes)
+        halves = np.stack([(sizes + 1) // 2, sizes // 2], axis=1).ravel()
+        sizes = halves[halves > 0]
+    return _gather(cloud, order, sizes)
+
+
+def cross_distances(
+    p: Float64[np.ndarray, "cells s 3"], q: Float64[np.ndarray, "cells t 3"]
+) -> Float64[np.ndarray, "cells s t"]:
+    """Euclidean distances within each pair of cells, from differences: no digits are lost."""
+    total = np.zeros((len(p), p.shape[1], q.shape[1]))
+    for axis in range(3):
+        difference = p[:, :, None, axis] - q[:, None, :, axis]
+        total += np.square(difference, out=difference)
+    return np.sqrt(total, out=total)
+
+
+def _sort_each(
+    points: Float64[np.ndarray, "n 3"], order: Int64[np.ndarray, "n"], sizes: Int64[np.ndarray, "g"]
+) -> Int64[np.ndarray, "n"]:
+    """Sort every group of `order` along its own longest side; ties keep their order."""
+    starts, group = np.cumsum(sizes) - sizes, np.repeat(np.arange(len(sizes)), sizes)
+    placed = points[order]
+    sides = np.maximum.reduceat(placed, starts) - np.minimum.reduceat(placed, starts)
+    along = placed[np.arange(len(order)), sides.argmax(axis=1)[group]]
+    return order[np.lexsort((along, group))]
+
+
+def _gather(
+    cloud: Cloud, order: Int64[np.ndarray, "n"], sizes: Int64[np.ndarray, "cells"]
+) -> Cells:
+    starts, cell = np.cumsum(sizes) - sizes, np.repeat(np.arange(len(sizes)), sizes)
+    members = np.full((len(sizes), sizes.max()), -1)
+    members[cell, np.arange(len(order)) - starts[cell]] = order
+    points, mass = cloud.points[order], cloud.mass[order]
+    total = np.add.reduceat(mass, starts)
+    centre = np.add.reduceat(points * mass[:, None], starts) / total[:, None]
+    radius = np.maximum.reduceat(np.linalg.norm(points - centre[cell], axis=1), starts)
+    return Cells(order, members, Cloud(centre, total), radius)

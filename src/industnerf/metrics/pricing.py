@@ -1,0 +1,65 @@
+"""Pricing: which pairs of ALL n x m pairs are cheaper than the prices allow?
+
+Prices `u`, `v` prove a lower bound of the transport cost when no pair has |a_i - b_j| below
+u_i + v_j.  Most pairs are far dearer, so whole pairs of cells are passed over at once:
+
+    |x - y| - u - v  >=  |c_A - c_B| - r_A - r_B - max u - max v   for x in A, y in B,
+
+and only the rest are computed point by point.  Nothing is estimated.
+"""
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from scipy.spatial.distance import cdist
+
+from industnerf.metrics.cells import Cells, cross_distances
+
+# Rounding of the bound above: a few times 2^-52 of lengths of about 1 (see emd._to_unit).
+ROUNDING = 1e-13
+CHUNK = 2**14  # pairs of cells at a time: a few MB
+
+
+def cheaper_pairs(
+    a: Float64[np.ndarray, "n 3"],
+    b: Float64[np.ndarray, "m 3"],
+    cells: tuple[Cells, Cells],
+    prices: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
+    limit: float,
+) -> tuple[Int64[np.ndarray, "k"], Int64[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
+    """Every (i, j) whose reduced cost |a_i - b_j| - u_i - v_j is below `limit`, and that cost."""
+    (cells_a, cells_b), (u, v) = cells, prices
+    points_a, points_b = a[cells_a.members], b[cells_b.members]
+    u_a, v_b = _padded(cells_a, u), _padded(cells_b, v)
+    cell_a, cell_b = _open_cells(cells_a, cells_b, u_a.max(axis=1), v_b.max(axis=1), limit)
+    found = []
+    for start in range(0, max(len(cell_a), 1), CHUNK):  # at least once: an empty answer has a shape
+        p, q = cell_a[start : start + CHUNK], cell_b[start : start + CHUNK]
+        reduced = cross_distances(points_a[p], points_b[q])
+        reduced -= u_a[p][:, :, None]
+        reduced -= v_b[q][:, None, :]
+        k, s, t = np.nonzero(reduced < limit)
+        found.append((cells_a.members[p[k], s], cells_b.members[q[k], t], reduced[k, s, t]))
+    rows, cols, costs = (np.concatenate(part) for part in zip(*found, strict=True))
+    return rows, cols, costs
+
+
+def _padded(
+    cells: Cells, price: Float64[np.ndarray, "n"]
+) -> Float64[np.ndarray, "cells size"]:
+    """Prices cell by cell; a pad has price -inf, so that its pairs are infinitely dear."""
+    return np.where(cells.members < 0, -np.inf, price[cells.members])
+
+
+def _open_cells(
+    cells_a: Cells,
+    cells_b: Cells,
+    top_u: Float64[np.ndarray, "p"],
+    top_v: Float64[np.ndarray, "q"],
+    limit: float,
+) -> tuple[Int64[np.ndarray, "k"], Int64[np.ndarray, "k"]]:
+    """Pairs of cells that the bound does not rule out."""
+    bound = cdist(cells_a.coarse.points, cells_b.coarse.points)
+    bound -= (cells_a.radius + top_u)[:, None]
+    bound -= cells_b.radius + top_v
+    rows, cols = np.nonzero(bound < limit + ROUNDING)
+    return rows, cols

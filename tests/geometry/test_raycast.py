@@ -1,0 +1,103 @@
+"""Embree against the textbook's intersection, one ray and one triangle at a time."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from jaxtyping import TypeCheckError
+
+from industnerf.geometry.raycast import Scene
+from industnerf.geometry.sphere import fibonacci_sphere
+
+TRIANGLE = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0]]), np.array([[0, 1, 2]], np.int32)
+
+
+def soup(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Random triangles of some 10 mm within a cube of 100 mm."""
+    rng = np.random.default_rng(1)
+    corners = rng.uniform(0, 100, (count, 1, 3)) + rng.uniform(-10, 10, (count, 3, 3))
+    return corners.reshape(-1, 3), np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+
+
+def moller_trumbore(triangle: np.ndarray, origin: np.ndarray, direction: np.ndarray) -> float:
+    """Distance in float64, or inf -- Moller and Trumbore (1997), section 2."""
+    a, along_u, along_v = triangle[0], triangle[1] - triangle[0], triangle[2] - triangle[0]
+    weights = np.linalg.solve(np.stack([-direction, along_u, along_v], axis=1), origin - a)
+    t, u, v = weights
+    return t if t > 0 and u >= 0 and v >= 0 and u + v <= 1 else np.inf
+
+
+def test_it_finds_what_the_textbook_finds():
+    vertices, faces = soup(40)
+    origins = 200 * fibonacci_sphere(100) + 50
+    aim = np.random.default_rng(2).uniform(0, 100, (100, 3))
+    directions = (aim - origins) / np.linalg.norm(aim - origins, axis=1, keepdims=True)
+    hits = Scene(vertices, faces).cast(origins, directions)
+    table = np.array(
+        [
+            [moller_trumbore(triangle, o, d) for triangle in vertices[faces]]
+            for o, d in zip(origins, directions, strict=True)
+        ]
+    )
+    assert 20 < np.isfinite(hits.t).sum() < 100
+    # float32 at four box sizes from the box: 4 * 6e-8 * 120 mm, and a few roundings more
+    np.testing.assert_allclose(hits.t, table.min(axis=1), rtol=0, atol=3e-4)
+    np.testing.assert_array_equal(
+        hits.face, np.where(np.isfinite(table.min(1)), table.argmin(1), -1)
+    )
+
+
+def test_uv_weigh_the_second_and_third_corner():
+    hits = Scene(*TRIANGLE).cast(np.array([[1.0, 2, 5]]), np.array([[0.0, 0, -1]]))
+    np.testing.assert_allclose(hits.uv, [[0.1, 0.2]], rtol=0, atol=1e-6)
+    assert hits.t[0] == pytest.approx(5, abs=1e-5)
+
+
+def test_a_miss_has_no_face_and_infinite_t_whatever_the_size():
+    vertices, faces = TRIANGLE
+    for size in (1e-3, 1.0, 1e6):  # mm; embree's own `far` times 1e6 would overflow
+        hits = Scene(size * vertices, faces).cast(np.full((1, 3), -size), np.array([[0, 0, 1.0]]))
+        assert hits.face[0] == -1
+        assert np.isposinf(hits.t[0])
+
+
+def test_t_counts_in_lengths_of_the_direction():
+    hits = Scene(*TRIANGLE).cast(np.array([[1.0, 1, 6]]), np.array([[0, 0, -1.0], [0, 0, -3]]))
+    np.testing.assert_allclose(hits.t, [6, 2], rtol=1e-6)
+
+
+def test_a_part_far_from_the_origin_loses_no_digits():
+    vertices, faces = TRIANGLE
+    far = np.array([1e6, -2e6, 3e6])  # mm, where float32 counts in quarters of a mm
+    distance = Scene(vertices + far, faces).distance(
+        far + [[1.0, 1, 5.0625]], np.array([[0, 0, -1.0]])
+    )
+    assert distance[0] == pytest.approx(5.0625, abs=1e-5)
+
+
+def test_no_ray_slips_between_faces_that_share_an_edge():
+    """A fan of thin triangles, hit by rays aimed at its inner edges."""
+    angle = np.linspace(0, 2 * np.pi, 97)[:-1]
+    rim = np.stack([np.cos(angle), np.sin(angle), np.zeros(96)], axis=1)
+    vertices = np.vstack([rim, [[0, 0, 0]]])
+    faces = np.array([[i, (i + 1) % 96, 96] for i in range(96)], np.int32)
+    targets = (np.linspace(0.01, 0.99, 50)[:, None, None] * rim).reshape(-1, 3)
+    eye = np.array([[0.3, -0.2, 2.0]])
+    assert np.isfinite(Scene(vertices, faces).distance(eye, targets - eye)).all()
+
+
+def test_no_rays_give_no_hits():
+    hits = Scene(*TRIANGLE).cast(np.zeros((1, 3)), np.zeros((0, 3)))
+    assert hits.t.shape == (0,) and hits.uv.shape == (0, 2)
+
+
+def test_as_many_origins_as_directions_or_one():
+    with pytest.raises(TypeCheckError):
+        Scene(*TRIANGLE).cast(np.zeros((2, 3)), np.ones((3, 3)))
+
+
+def test_embree_is_imported_only_when_a_scene_is_built():
+    code = "import sys, industnerf.geometry.raycast; print('embreex' in sys.modules)"
+    output = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert output.stdout.strip() == "False"

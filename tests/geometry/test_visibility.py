@@ -1,0 +1,61 @@
+"""What is seen of solids whose visibility is known in closed form."""
+
+import numpy as np
+import trimesh
+
+from industnerf.geometry.raycast import Scene
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.geometry.visibility import seen_from
+
+
+def scene_of(mesh: trimesh.Trimesh) -> Scene:
+    return Scene(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+
+
+def box_faces() -> np.ndarray:
+    """Points inside the six faces of the cube from -10 to 10 mm."""
+    side = np.random.default_rng(0).uniform(-9.9, 9.9, (600, 3))
+    side[np.arange(600), np.arange(600) % 3] = np.where(np.arange(600) % 2, 10, -10)
+    return side
+
+
+def test_an_eye_sees_the_sides_of_a_convex_solid_that_face_it():
+    points, scene = box_faces(), scene_of(trimesh.creation.box((20, 20, 20)))
+    for eye in 60 * fibonacci_sphere(12):
+        axis = np.abs(points).argmax(axis=1)
+        outward = np.sign(points[np.arange(600), axis])
+        faces_it = outward * eye[axis] > 10
+        # rounding puts a point within 1e-4 mm of its face; no other face is nearer than 0.1 mm
+        np.testing.assert_array_equal(seen_from(scene, points, eye[None], 1e-3), faces_it)
+
+
+def test_more_eyes_see_what_any_of_them_sees():
+    points, scene = box_faces(), scene_of(trimesh.creation.box((20, 20, 20)))
+    eyes = 60 * fibonacci_sphere(5)
+    alone = [seen_from(scene, points, eye[None], 1e-3) for eye in eyes]
+    np.testing.assert_array_equal(seen_from(scene, points, eyes, 1e-3), np.any(alone, axis=0))
+
+
+def test_a_horizon_hides_the_far_side_of_a_ball():
+    """From distance d one sees the points of a ball of radius R with cosine above R / d."""
+    mesh = trimesh.creation.icosphere(subdivisions=5, radius=10)
+    eye = np.array([[0.0, 0, 30]])
+    points = 10 * fibonacci_sphere(2000)
+    seen = seen_from(scene_of(mesh), points, eye, 0.01)
+    cosine = points[:, 2] / 10
+    # The points lie up to 0.006 mm outside the facets, the tolerance lets in 0.01 mm more: on the
+    # horizon 0.02 mm of depth are sqrt(2 * 0.02 / 10) = 0.06 rad.
+    assert seen[cosine > 1 / 3 + 0.01].all()
+    assert not seen[cosine < 1 / 3 - 0.07].any()
+
+
+def test_the_tolerance_is_a_depth():
+    scene = scene_of(trimesh.creation.box((20, 20, 20)))
+    beneath = np.array([[1.0, 2, 9.5], [1, 2, 8.5]])
+    eye = np.array([[1.0, 2, 100]])
+    np.testing.assert_array_equal(seen_from(scene, beneath, eye, 1.0), [True, False])
+
+
+def test_a_point_before_the_surface_is_seen():
+    scene = scene_of(trimesh.creation.box((20, 20, 20)))
+    assert seen_from(scene, np.array([[0.0, 0, 30]]), np.array([[0.0, 0, 100]]), 0.0).all()
