@@ -3,7 +3,8 @@
 python benchmarks/render.py [part ...]     ids of embedded parts; without any, a choice of ten
 
 Both are timed in turn, view by view, on one core (set OMP_NUM_THREADS=1), so that a busy machine
-slows both.  Shares are of rendering; PNG files are written, and timed, apart.
+slows both.  Shares are of rendering; PNG files are written, and timed, apart.  `part s` is all of
+it: camera rig, normals and ray tracer made ready, views rendered, files written.
 """
 
 import cProfile
@@ -11,6 +12,7 @@ import pstats
 import sys
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -20,8 +22,9 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.part import Mesh
-from industnerf.artifacts.views import Views, save_views
+from industnerf.artifacts.views import Frame, Views, save_views
 from industnerf.capture.develop import develop, through_centres
+from industnerf.capture.photograph import DEPTH_STEPS
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.capture.surface import Surface
 from industnerf.config import load_params
@@ -40,21 +43,23 @@ SHARES = {
     "edges": (("on_edge", "pixel_means"), ("light_along",)),
     "8 bits": (("composed",), ()),
 }
+HEADS = ["faces", "ready ms", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
+HEADS += [f"{name} %" for name in SHARES]
+FORMS = ["d", ".0f", ".1f", ".1f", ".2f", ".1f", ".1f", ".1f"] + [".0f"] * len(SHARES)
 
 
 def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
     """The embedded parts `names`, or primitives and every so many-th embedded part."""
+    try:
+        entries = {entry.id: entry for entry in catalogue()}
+    except BadArtifact:
+        entries = {}
     if not names:
         yield "box", as_mesh(trimesh.creation.box((20, 30, 40)))
         yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
         yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
-    try:
-        entries = catalogue()
-    except BadArtifact:
-        entries = ()
-    chosen = [entry for entry in entries if entry.id in names] or entries[:: len(entries) // 7 + 1]
-    for entry in chosen:
-        yield entry.id, Mesh(*load(entry))
+    for name in names or list(entries)[:: len(entries) // 7 + 1]:
+        yield name, Mesh(*load(entries[name]))
 
 
 def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
@@ -74,26 +79,32 @@ def bare(mesh: Mesh, cameras: Cameras) -> Iterator[float]:
 
 def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
     """One row: views a second rendered and bare, their ratio, PNG cost, and the shares."""
-    cameras, held_out = cameras_around(*bounding_ball(mesh.vertices), settings)
-    surface, profile, frames = Surface(mesh, settings.crease_deg, settings.light), None, []
-    seconds = np.zeros(2)
-    profile = cProfile.Profile()
+    start = perf_counter()
+    centre, radius_mm = bounding_ball(mesh.vertices)
+    cameras, held_out = cameras_around(centre, radius_mm, settings)
+    surface, frames = Surface(mesh, settings.crease_deg, settings.light), []
+    ready, seconds, profile = perf_counter() - start, np.zeros(2), cProfile.Profile()
     for K, c2w, casting in zip(cameras.K, cameras.c2w, bare(mesh, cameras), strict=True):
         start = perf_counter()
         frames.append(develop(surface, K, c2w, settings))
         seconds += perf_counter() - start, casting
-    for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
         profile.runcall(develop, surface, K, c2w, settings)
-    with tempfile.TemporaryDirectory() as folder:
-        views = Views(Path(folder), "part", cameras, held_out, np.ones(3), 1.0)
-        start = perf_counter()
-        save_views(views, frames)
-        written = perf_counter() - start
-        size = sum(path.stat().st_size for path in Path(folder).glob("*/*.png"))
+    step_mm = (settings.radius + 1) * radius_mm / DEPTH_STEPS
+    written, size = write(Views(Path(), "part", cameras, held_out, np.ones(3), step_mm), frames)
     rendering, casting = len(frames) / seconds
-    row = [f"{len(mesh.faces)}", f"{rendering:.1f}", f"{casting:.1f}", f"{rendering / casting:.2f}"]
-    row += [f"{1000 * written / len(frames):.1f}", f"{size / 1e6:.1f}", f"{seconds[0] + written:.1f}"]
-    return row + [f"{100 * share:.0f}" for share in shares(profile)]
+    row = [len(mesh.faces), 1000 * ready, rendering, casting, rendering / casting]
+    row += [1000 * written / len(frames), size / 1e6, ready + seconds[0] + written]
+    row += [100 * share for share in shares(profile)]
+    return [f"{value:{form}}" for value, form in zip(row, FORMS, strict=True)]
+
+
+def write(views: Views, frames: list[Frame]) -> tuple[float, int]:
+    """Seconds that writing all files of `frames` takes, and the bytes of the pictures."""
+    with tempfile.TemporaryDirectory() as folder:
+        start = perf_counter()
+        save_views(replace(views, folder=Path(folder)), frames)
+        seconds = perf_counter() - start
+        return seconds, sum(path.stat().st_size for path in Path(folder).glob("*/*.png"))
 
 
 def shares(profile: cProfile.Profile) -> list[float]:
@@ -109,11 +120,10 @@ def shares(profile: cProfile.Profile) -> list[float]:
 
 
 def main(names: list[str]) -> None:
-    settings, console = load_params().views, Console(width=170)
+    settings, console = load_params().views, Console(width=190)
     table = Table(title=f"{settings.count + settings.held_out} views, {settings.resolution} px")
-    heads = ["faces", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
     table.add_column("part")
-    for head in [*heads, *(f"{name} %" for name in SHARES)]:
+    for head in HEADS:
         table.add_column(head, justify="right")
     for name, mesh in solids(names):
         table.add_row(name, *measure(mesh, settings))

@@ -71,16 +71,19 @@ def test_back_projected_directions_count_depth(seed, u, v):
 
 def test_pixel_centres_go_row_by_row_from_the_top_left_corner():
     np.testing.assert_array_equal(
-        pixel_centres(3, 2), [[0.5, 0.5], [1.5, 0.5], [2.5, 0.5], [0.5, 1.5], [1.5, 1.5], [2.5, 1.5]]
+        pixel_centres(3, 2),
+        [[0.5, 0.5], [1.5, 0.5], [2.5, 0.5], [0.5, 1.5], [1.5, 1.5], [2.5, 1.5]],
     )
 
 
 def test_x_is_right_y_is_down_z_is_forward():
     """From +y, looking at the origin with +z upwards, world -x is on the right."""
     c2w = look_at(np.array([[0.0, 10, 0]]), np.zeros(3))[0]
-    uv, z = project(np.array([[-1.0, 0, 0], [0, 0, 1], [0, 0, 0]]), pinhole(30, 100), c2w)
-    assert uv[0, 0] > 50 and uv[0, 1] == pytest.approx(50, abs=1e-12)
-    assert uv[1, 0] == pytest.approx(50, abs=1e-12) and uv[1, 1] < 50
+    uv, z = project(np.array([[-1.0, 0, 0], [0, 0, 1], [0, 0, 0]]), pinhole(30.0, 100), c2w)
+    assert uv[0, 0] > 50
+    assert uv[0, 1] == pytest.approx(50, abs=1e-12)
+    assert uv[1, 0] == pytest.approx(50, abs=1e-12)
+    assert uv[1, 1] < 50
     np.testing.assert_allclose(z, 10, rtol=0, atol=1e-12)
 
 
@@ -91,18 +94,20 @@ def test_look_at_gives_rigid_motions_at_the_poles_too():
     eye = np.broadcast_to(np.eye(3), rotation.shape)
     np.testing.assert_allclose(rotation @ rotation.transpose(0, 2, 1), eye, rtol=0, atol=1e-14)
     np.testing.assert_allclose(np.linalg.det(rotation), 1, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(eyes + 7 * rotation[:, :, 2], np.tile([1, 2, 3], (52, 1)), atol=1e-13)
+    np.testing.assert_allclose(
+        eyes + 7 * rotation[:, :, 2], np.tile([1, 2, 3], (52, 1)), atol=1e-13
+    )
 
 
 def test_the_image_side_spans_the_field_of_view():
-    edge = ray_directions(np.array([[0.0, 256], [512, 256]]), pinhole(40, 512), np.eye(4))
+    edge = ray_directions(np.array([[0.0, 256], [512, 256]]), pinhole(40.0, 512), np.eye(4))
     assert np.degrees(np.arccos(edge[0] @ edge[1])) == pytest.approx(40, abs=1e-9)
 
 
 def test_the_framed_ball_touches_the_narrowest_frame():
     eyes = np.array([1.0, -2, 3]) + 50 * fibonacci_sphere(9)
     cameras = Cameras(
-        np.tile(pinhole(30, 64), (9, 1, 1)), look_at(eyes, np.array([1.0, -2, 3])), 64, 64
+        np.tile(pinhole(30.0, 64), (9, 1, 1)), look_at(eyes, np.array([1.0, -2, 3])), 64, 64
     )
     centre, radius = framed_ball(cameras)
     np.testing.assert_allclose(centre, [1, -2, 3], rtol=0, atol=1e-12)

@@ -8,6 +8,7 @@ from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.schema import ViewsParams
 
+ROUNDING = 1e-9  # by which a ball that just fits may seem too large
 TURNS = 360  # candidates for the turn between held-out and training cameras
 
 
@@ -35,16 +36,21 @@ def cameras_around(
 
 def require_in_frame(radius: float, fov_deg: float) -> None:
     """Raise BadParams unless a ball is in frame from `radius` times its own radius."""
-    enough = 1 / np.sin(np.radians(fov_deg) / 2)
-    if radius >= enough:
+    half = np.radians(fov_deg) / 2
+    if radius * np.sin(half) >= 1 - ROUNDING:
         return
     spans = np.degrees(2 * np.arcsin(min(1 / radius, 1))) if radius > 0 else 180.0
     raise BadParams(
         f"params.yaml: the cameras do not frame the part. From views.radius = {radius:g} its "
         f"bounding ball spans {spans:.2f} degrees, {spans - fov_deg:.2f} more than views.fov_deg "
-        f"= {fov_deg:g}. Raise views.radius to {np.ceil(enough * 1000) / 1000:g} or views.fov_deg "
-        f"to {np.ceil(spans * 100) / 100:g}."
+        f"= {fov_deg:g}. Raise views.radius to {round_up(1 / np.sin(half), 3):g} or views.fov_deg "
+        f"to {round_up(spans, 2):g}."
     )
+
+
+def round_up(value: float, digits: int) -> float:
+    """`value` with so many decimals, never less than it is."""
+    return float(np.ceil(value * 10**digits - ROUNDING) / 10**digits)
 
 
 def best_turn(train: Float[np.ndarray, "n 3"], held_out: int) -> float:

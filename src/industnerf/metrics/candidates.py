@@ -76,7 +76,7 @@ def _cheapest(
     v: Float64[np.ndarray, "m"],
     near: Int64[np.ndarray, "p k"],
 ) -> tuple[Int64[np.ndarray, "c"], Int64[np.ndarray, "c"]]:
-    """For each point of `a`, the `PER_POINT` points of the near cells of least |a_i - b_j| - v_j."""
+    """For each point of `a`, those `PER_POINT` of the near cells with least |a_i - b_j| - v_j."""
     found = []
     for start in range(0, len(near), CHUNK):
         rows = here.members[start : start + CHUNK]
@@ -101,8 +101,9 @@ def _spread(
     lines.  Every point's end on either line is a cut; between two cuts lies one pair.
     """
     order_a, order_b = cells[0].order, cells[1].order
-    flow = np.round(coarse.flow)
-    by_a, by_b = np.lexsort((coarse.cols, coarse.rows)), np.lexsort((coarse.rows, coarse.cols))
+    used = coarse.flow > 0.5  # flows are whole
+    flow, source, target = np.round(coarse.flow[used]), coarse.rows[used], coarse.cols[used]
+    by_a, by_b = np.lexsort((target, source)), np.lexsort((source, target))
     on_a, on_b = _starts(flow, by_a), _starts(flow, by_b)
     end_a, end_b = np.cumsum(a.mass[order_a]), np.cumsum(b.mass[order_b])
     holder = by_b[np.searchsorted(on_b[by_b], end_b, side="left") - 1]
@@ -110,9 +111,7 @@ def _spread(
     begin = cuts[:-1]
     carrier = by_a[np.searchsorted(on_a[by_a], begin, side="right") - 1]
     rows = order_a[np.searchsorted(end_a, begin, side="right")]
-    cols = order_b[
-        np.searchsorted(end_b, on_b[carrier] + begin - on_a[carrier], side="right")
-    ]
+    cols = order_b[np.searchsorted(end_b, on_b[carrier] + begin - on_a[carrier], side="right")]
     return rows, cols, np.diff(cuts)
 
 

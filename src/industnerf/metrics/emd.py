@@ -11,7 +11,8 @@ Where the sparse way does not get there the dense problem is solved, and proven 
 
 POT's `potentials_init` serves dense problems only.  A sparse one is warmed by handing it
 reduced costs, which differ from the costs by a constant and start the simplex near its end.
-Inside, lengths are in units of the clouds' extent, and masses are whole numbers.
+Inside, lengths are in units of the clouds' extent (see `_to_unit`), and masses are whole
+numbers, so that POT's flows are exact and the marginals hold without a tolerance.
 """
 
 import math
@@ -31,12 +32,14 @@ from industnerf.metrics.clouds import checked
 from industnerf.metrics.pricing import cheaper_pairs
 
 RELATIVE_GAP = 1e-9  # of the value
-ABSOLUTE_GAP = 1e-12  # of the clouds' extent: rounding, when the clouds all but coincide
+ABSOLUTE_GAP = 1e-12  # of the longest side around both: rounding, when they all but coincide
 DENSE_PAIRS = 2**17  # so few pairs are solved all at once, in about 20 ms
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 3 to 8 are usual
 ROUND_GROWTH = 4  # pairs that may join in one round, per point
 BLOCK = 1024  # rows of the dense problem priced at a time
+
+Cost = Float64[np.ndarray, "n m"] | sparse.coo_array
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,8 @@ def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     """Least mean distance, in the clouds' unit, over which `a` is carried onto `b`.
 
     Points of `a` weigh 1/n, of `b` 1/m.  Not squared, not scaled.  Within 1e-9 of the truth
-    (or 1e-12 of the clouds' extent); raises MetricError rather than return anything else.
+    (or 1e-12 of the longest side around both); raises MetricError rather than return anything
+    else.
     """
     return proven_emd(a, b).value
 
@@ -83,7 +87,7 @@ def _to_unit(
 
     The unit is a power of two, so scaling is exact.
     """
-    low, high = np.minimum(a.min(0), b.min(0)), np.maximum(a.max(0), b.max(0))
+    low, high = np.minimum(a.min(axis=0), b.min(axis=0)), np.maximum(a.max(axis=0), b.max(axis=0))
     with np.errstate(over="ignore"):
         centre, extent = low / 2 + high / 2, float(np.max(high - low))
     if not math.isfinite(extent):
@@ -190,7 +194,7 @@ def _solve_pairs(
     cost = np.linalg.norm(a.points[rows] - b.points[cols], axis=1)
     reduced = cost - prices[0][rows] - prices[1][cols]
     shape = (len(a.mass), len(b.mass))
-    flow, u, v = _pot(a, b, sparse.coo_matrix((reduced, (rows, cols)), shape), max_pivots)
+    flow, _, v = _pot(a, b, sparse.coo_array((reduced, (rows, cols)), shape), max_pivots)
     # POT's prices hang on arcs n + m times dearer than any pair and carry their rounding.
     # Two passes of "as high as the pairs allow" mend what that breaks.
     v = v + prices[1]
@@ -218,7 +222,9 @@ def _solve_all(a: Cloud, b: Cloud, max_pivots: int) -> Plan:
     return Plan(rows, cols, flow[rows, cols], u, v + cost.min(axis=0))
 
 
-def _pot(a: Cloud, b: Cloud, cost, max_pivots: int):
+def _pot(
+    a: Cloud, b: Cloud, cost: Cost, max_pivots: int
+) -> tuple[Cost, Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]]:
     """POT's network simplex on a dense or sparse cost: flow and prices, or MetricError."""
     for backend in ("PYTORCH", "JAX", "CUPY", "TENSORFLOW"):  # numpy is enough, and loads fast
         os.environ.setdefault(f"POT_BACKEND_DISABLE_{backend}", "1")
@@ -226,7 +232,7 @@ def _pot(a: Cloud, b: Cloud, cost, max_pivots: int):
 
     # POT adds 1 to the largest cost before it multiplies by n + m: make that 1 vanish.
     largest = np.abs(cost.data if sparse.issparse(cost) else cost).max()
-    scale = math.ldexp(1.0, 20 - math.frexp(largest)[1])
+    scale = math.ldexp(1.0, 20 - math.frexp(max(largest, 1e-9))[1])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # POT's verdict is in the log
         flow, log = ot.emd(a.mass, b.mass, cost * scale, numItermax=max_pivots, log=True)

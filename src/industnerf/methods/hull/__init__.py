@@ -12,7 +12,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
 from industnerf.methods.hull.octree import refine
-from industnerf.methods.hull.silhouettes import silhouettes
+from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT, draw
 from industnerf.schema import HullRgbSettings, HullSettings
 
@@ -23,7 +23,7 @@ def reconstruct_from_masks(
     given: Given, settings: HullSettings, state: None, seed: int
 ) -> Reconstruction:
     """The hull of the true masks."""
-    return Reconstruction(hull(given.mask, given.cameras, settings, seed, grown_px=0))
+    return Reconstruction(hull(given.mask, given.cameras, settings, seed, grown_px=0.0))
 
 
 def reconstruct_from_colour(
@@ -58,7 +58,14 @@ def hull(
 
     Raises ReconstructionFailed if there is no such surface.
     """
-    seen = silhouettes(mask, cameras, grown_px)
+    blank = np.flatnonzero(~mask.any(axis=(1, 2)))
+    if len(blank):
+        raise ReconstructionFailed(
+            f"{len(blank)} of {len(mask)} views show no part, the first of them view {blank[0]}; "
+            "`hull_rgb` sees one where a pixel differs from the background by more than "
+            "method.hull_rgb.tolerance"
+        )
+    seen = distance_images(mask, cameras, grown_px)
     families = refine(seen, settings.cell_px, SEGMENT)
     points = draw(seen, families, settings.points, np.random.default_rng(seed))
     return seen.centre + seen.radius_mm * points.astype(np.float64)

@@ -9,13 +9,14 @@ to 1e-7, where the smallest cell in use is some 1e-4.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool, Float, Float32
 
 from industnerf.geometry.cameras import Cameras, framed_ball
 
-NEAR = 11  # px; distances are exact up to here, and 2 * NEAR^2 fits 8 bits
+NEAR = 11  # px; distances are exact up to here, and NEAR^2 + (NEAR - 1)^2 fits 8 bits
 REACH = 1.2  # no cell in use has its centre farther than this from the origin
 
 
@@ -27,11 +28,11 @@ class Silhouettes:
     projection: Float32[np.ndarray, "views 3 4"]  # (x, y, z, 1) to (u d, v d, d), d the depth
     stretch: Float32[np.ndarray, "views"]  # a step s at the depth d spans at most stretch s / d px
     pixel: float  # the step that spans a pixel of the nearest view at the ball's near end
-    centre: np.ndarray  # of the region of interest, mm
+    centre: Float[np.ndarray, "3"]  # of the region of interest, mm
     radius_mm: float
 
 
-def silhouettes(
+def distance_images(
     mask: Bool[np.ndarray, "views h w"], cameras: Cameras, grown_px: float
 ) -> Silhouettes:
     """Distance images of `mask`, whose outlines run `grown_px` outside the part's."""
@@ -69,7 +70,7 @@ def to_nearest(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
     """
     column = np.where(target, np.uint8(0), np.uint8(NEAR))
     for downwards in (column, column[::-1]):
-        for above, here in zip(downwards[:-1], downwards[1:], strict=True):
+        for above, here in pairwise(downwards):
             np.minimum(here, above + np.uint8(1), out=here)
     square = column * column
     best = square.copy()

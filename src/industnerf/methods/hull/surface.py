@@ -13,40 +13,47 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.methods.hull.octree import OCTANTS, Families
 from industnerf.methods.hull.silhouettes import Silhouettes, bilinear
 
-SEGMENT = 0.25  # length in sides of a cell
-AT_ONCE = 1 << 20  # segments
+SEGMENT = 0.5  # length in sides of a cell
+PER_POINT = 22  # segments drawn for a point: some 5 % cross
+SELDOM = 1e-3  # if fewer cross, there is hardly any hull, and no end of drawing
 
 
 def draw(
     seen: Silhouettes, families: Families, count: int, rng: np.random.Generator
-) -> Float32[np.ndarray, "count 3"]:
+) -> Float32[np.ndarray, "n 3"]:
     """`count` independent points, uniform over the surface, in the unit frame.
 
-    Raises ReconstructionFailed if no segment crosses it.
+    Fewer if there is hardly any surface; raises ReconstructionFailed if there is none.
     """
-    found: list[np.ndarray] = []
-    while sum(map(len, found)) < count:
-        found.append(crossings(seen, families, rng))
-        if not len(found[-1]):
-            raise ReconstructionFailed(
-                f"no surface: none of {AT_ONCE} segments in {families.count} cells crosses one; "
-                "the silhouettes have no common volume"
-            )
-    return rng.permutation(np.concatenate(found))[:count]
+    segments = int(np.clip(PER_POINT * count, 1 << 14, 1 << 21))
+    found = np.empty((0, 3), np.float32)
+    while families.count and len(found) < count:
+        more = crossings(seen, families, segments, rng)
+        found = np.concatenate([found, more])
+        if len(more) < SELDOM * segments:
+            break
+    if not len(found):
+        raise ReconstructionFailed(
+            f"no surface: {families.count} cells are neither inside nor outside, and no segment "
+            "in them crosses one; the silhouettes have no outline, or no volume in common"
+        )
+    return rng.permutation(found)[:count]
 
 
 def crossings(
-    seen: Silhouettes, families: Families, rng: np.random.Generator
+    seen: Silhouettes, families: Families, segments: int, rng: np.random.Generator
 ) -> Float32[np.ndarray, "n 3"]:
-    """Where segments that start in open cells cross the surface."""
-    child = np.sort(rng.integers(8 * len(families.open), size=AT_ONCE))
+    """Where the surface is crossed by `segments` that start in random children, if these are open.
+
+    They come sorted by cell.
+    """
+    child = np.sort(rng.integers(8 * len(families.open), size=segments))
     child = child[np.unpackbits(families.open)[child] > 0]
     side = np.float32(families.side / 2)
     corner = 2 * families.parents[child >> 3] + OCTANTS[child & 7]
     start = (corner + rng.random((len(child), 3), np.float32)) * side - np.float32(1)
     step = rng.standard_normal((len(child), 3), np.float32)
-    length = np.float32(SEGMENT) * side
-    step *= (length / np.linalg.norm(step, axis=1))[:, None]
+    step *= (np.float32(SEGMENT) * side / np.linalg.norm(step, axis=1))[:, None]
     before, after = clearance(seen, families, child, np.stack([start, start + step]))
     crosses = (before > 0) != (after > 0)
     share = before[crosses] / (before[crosses] - after[crosses])

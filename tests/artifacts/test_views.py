@@ -1,0 +1,145 @@
+"""Views: what is written is what is read, by us and by NeRF tools, or an error that names it."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from industnerf.artifacts.views import Frame, Views, load_views, save_views
+from industnerf.errors import BadArtifact
+from industnerf.geometry.cameras import Cameras, look_at, pinhole, project
+from industnerf.geometry.sphere import fibonacci_sphere
+
+SIDE, COUNT = 24, 5
+STEP = 0.01  # mm of depth
+
+
+@pytest.fixture
+def frames() -> list[Frame]:
+    rng = np.random.default_rng(0)
+    masks = rng.random((COUNT, SIDE, SIDE)) < 0.5
+    depths = np.where(masks, rng.uniform(50, 600, masks.shape), 0).astype(np.float32)
+    colours = rng.integers(0, 256, (COUNT, SIDE, SIDE, 3), np.uint8)
+    return [Frame(*each) for each in zip(colours, masks, depths, strict=True)]
+
+
+@pytest.fixture
+def views(tmp_path, frames) -> Views:
+    eyes = 300 * fibonacci_sphere(COUNT)
+    cameras = Cameras(
+        np.tile(pinhole(35.0, SIDE), (COUNT, 1, 1)), look_at(eyes, np.zeros(3)), SIDE, SIDE
+    )
+    held_out = np.arange(COUNT) >= 3
+    written = Views(tmp_path / "p", "p", cameras, held_out, np.array([1, 0.5, 0]), STEP)
+    save_views(written, frames)
+    return written
+
+
+def test_views_survive_their_files(views, frames):
+    read = load_views(views.folder)
+    assert (read.part_id, read.depth_scale_mm) == ("p", STEP)
+    assert (read.cameras.width, read.cameras.height) == (SIDE, SIDE)
+    for name in ("held_out", "background"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(views, name))
+    np.testing.assert_array_equal(read.cameras.K, views.cameras.K)  # JSON keeps every digit
+    np.testing.assert_array_equal(read.cameras.c2w, views.cameras.c2w)
+    which = np.array([4, 1])
+    np.testing.assert_array_equal(read.rgb(which), [frames[i].rgb for i in which])
+    np.testing.assert_array_equal(read.mask(which), [frames[i].mask for i in which])
+    # half a step, and the rounding of 600 mm in float32
+    depth = [frames[i].depth_mm for i in which]
+    np.testing.assert_allclose(read.depth_mm(which), depth, rtol=0, atol=STEP / 2 + 1e-4)
+    np.testing.assert_array_equal(read.depth_mm(which) > 0, read.mask(which))
+
+
+def test_images_are_what_their_names_say(views):
+    """Read by pillow alone: 8-bit colour, 1-bit mask, 16-bit depth."""
+    modes = {}
+    for kind in ("rgb", "mask", "depth"):
+        with Image.open(views.folder / kind / "000.png") as image:
+            modes[kind] = image.mode
+            assert image.size == (SIDE, SIDE)
+    assert modes == {"rgb": "RGB", "mask": "1", "depth": "I;16"}
+
+
+def test_nerf_tools_project_as_we_do(views):
+    """transforms.json by its own rules: OpenGL axes, the camera looks along -z, +y is up."""
+    content = json.loads((views.folder / "transforms.json").read_text())
+    points = np.random.default_rng(1).uniform(-60, 60, (50, 3))
+    for frame, K, c2w in zip(content["frames"], views.cameras.K, views.cameras.c2w, strict=True):
+        to_camera = np.linalg.inv(np.array(frame["transform_matrix"]))
+        x, y, z = (points @ to_camera[:3, :3].T + to_camera[:3, 3]).T
+        assert (z < 0).all()
+        u = content["cx"] + content["fl_x"] * x / -z
+        v = content["cy"] - content["fl_y"] * y / -z
+        uv, depth = project(points, K, c2w)
+        np.testing.assert_allclose(np.stack([u, v], axis=1), uv, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(-z, depth, rtol=1e-12)
+
+
+def test_the_angle_that_older_nerf_tools_read_gives_the_same_focal_length(views):
+    content = json.loads((views.folder / "transforms.json").read_text())
+    focal = 0.5 * content["w"] / np.tan(0.5 * content["camera_angle_x"])
+    assert focal == pytest.approx(views.cameras.K[0, 0, 0], rel=1e-12)
+
+
+def test_files_that_nerf_tools_are_told_of_exist(views):
+    content = json.loads((views.folder / "transforms.json").read_text())
+    for frame in content["frames"]:
+        for key in ("file_path", "mask_path", "depth_file_path"):
+            assert (views.folder / frame[key]).is_file()
+    assert content["train_filenames"] == [f"rgb/00{i}.png" for i in range(3)]
+    assert content["test_filenames"] == [f"rgb/00{i}.png" for i in (3, 4)]
+
+
+@pytest.mark.parametrize("kind", ["rgb", "mask", "depth"])
+@pytest.mark.parametrize("keep", [0, 7, 40, 100])
+def test_a_torn_image_is_named(views, kind, keep):
+    path = views.folder / kind / "001.png"
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(BadArtifact, match=rf"{kind}/001\.png.*dvc repro -f views"):
+        getattr(load_views(views.folder), {"depth": "depth_mm"}.get(kind, kind))(np.array([0, 1]))
+
+
+def test_a_damaged_image_is_named_or_read(views, frames):
+    """Wherever a byte is wrong: the picture or our own exception, never pillow's."""
+    path, read = views.folder / "mask" / "001.png", load_views(views.folder)
+    whole = path.read_bytes()
+    refused = 0
+    for at in range(len(whole)):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0xFF]) + whole[at + 1 :])
+        try:
+            np.testing.assert_array_equal(read.mask(np.array([1]))[0], frames[1].mask)
+        except BadArtifact:
+            refused += 1
+    assert refused > len(whole) / 2
+
+
+def test_a_missing_image_is_named(views):
+    (views.folder / "mask" / "002.png").unlink()
+    with pytest.raises(BadArtifact, match=r"mask/002\.png.*dvc repro -f views"):
+        load_views(views.folder).mask(np.array([2]))
+
+
+def test_an_image_of_another_size_is_refused(views):
+    Image.new("RGB", (SIDE, SIDE + 1)).save(views.folder / "rgb" / "000.png")
+    with pytest.raises(BadArtifact, match="camera says otherwise"):
+        load_views(views.folder).rgb(np.array([0]))
+
+
+def test_missing_and_torn_cameras_are_named(views):
+    path = views.folder / "cameras.json"
+    path.write_text(path.read_text()[:200])
+    with pytest.raises(BadArtifact, match="not readable JSON"):
+        load_views(views.folder)
+    path.unlink()
+    with pytest.raises(BadArtifact, match=r"cameras\.json is missing"):
+        load_views(views.folder)
+
+
+def test_cameras_of_another_schema_are_refused(views):
+    path = views.folder / "cameras.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"schema": 99}))
+    with pytest.raises(BadArtifact, match="has schema 99"):
+        load_views(views.folder)

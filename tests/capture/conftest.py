@@ -1,0 +1,45 @@
+"""What the tests of photographs share: the shipped settings, and parts on disk."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.config import load_params
+from industnerf.schema import ViewsParams
+
+
+@pytest.fixture
+def shipped(root: Path) -> ViewsParams:
+    """The section `views` of params.yaml."""
+    return load_params(root / "params.yaml").views
+
+
+@pytest.fixture
+def settings(shipped: ViewsParams) -> ViewsParams:
+    """As shipped, but few and small pictures."""
+    return replace(shipped, count=4, held_out=2, resolution=64)
+
+
+@pytest.fixture
+def as_mesh() -> Callable[[trimesh.Trimesh], Mesh]:
+    """Turns trimesh's solids into ours."""
+    return lambda solid: Mesh(np.array(solid.vertices, float), np.array(solid.faces, np.int32))
+
+
+@pytest.fixture
+def as_part(tmp_path: Path) -> Callable[[Mesh], Path]:
+    """Writes a mesh as a part and gives its folder."""
+
+    def write(mesh: Mesh) -> Path:
+        extents = tuple(np.ptp(mesh.vertices, axis=0).tolist())
+        facts = ("block", "test", "none", "file", "made here", extents, 1.0, None, 1)
+        (tmp_path / "block").mkdir()
+        save_part(tmp_path / "block", Part(*facts, len(mesh.faces), 1.0, ()), mesh)
+        return tmp_path / "block"
+
+    return write

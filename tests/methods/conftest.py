@@ -1,0 +1,50 @@
+"""One small part and its photographs, shared by all tests of methods."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.capture.photograph import photograph
+from industnerf.config import load_params
+from industnerf.schema import Params
+
+PLACE = np.array([300.0, -150.0, 90.0])  # mm: far enough off to tell any other frame apart
+SIZE = np.array([40.0, 25.0, 60.0])
+
+
+def a_part() -> Mesh:
+    """A box with a ball stuck to one side, so that no axis can be mistaken for another."""
+    solid = trimesh.util.concatenate(
+        [
+            trimesh.creation.box(SIZE),
+            trimesh.creation.icosphere(2, 9.0).apply_translation([20, 5, 8]),
+        ]
+    )
+    return Mesh(np.array(solid.vertices, float) + PLACE, solid.faces.astype(np.int32))
+
+
+def save_as_part(folder: Path, mesh: Mesh) -> None:
+    extents = tuple(float(e) for e in np.ptp(mesh.vertices, axis=0))
+    part = Part("p", "f", "d", "file", "s", extents, 1.0, 1.0, 1, len(mesh.faces), 1.0, ())
+    folder.mkdir()
+    save_part(folder, part, mesh)
+
+
+@pytest.fixture(scope="session")
+def params() -> Params:
+    """params.yaml as it is."""
+    return load_params(Path(__file__).parents[2] / "params.yaml")
+
+
+@pytest.fixture(scope="session")
+def photographed(tmp_path_factory: pytest.TempPathFactory, params: Params) -> Path:
+    """A folder with `part` and `views`: 14 photographs of 64 px, 2 of them held out."""
+    folder = tmp_path_factory.mktemp("photographed")
+    save_as_part(folder / "part", a_part())
+    small = replace(params.views, count=12, held_out=2, resolution=64)
+    photograph(folder / "part", folder / "views", small)
+    return folder

@@ -1,0 +1,69 @@
+"""Solids whose hull is known, cameras around them, and the silhouettes that these see."""
+
+import numpy as np
+import trimesh
+
+from industnerf.geometry.cameras import Cameras, look_at, pinhole, pixel_centres, ray_directions
+from industnerf.geometry.raycast import Scene
+from industnerf.geometry.sphere import fibonacci_sphere
+
+FOV_DEG, AWAY = 30.0, 4.1  # distance of the cameras, in radii of what they frame
+
+
+def cameras_at(
+    towards: np.ndarray, resolution: int, reach: float, centre: tuple[float, ...] = (0, 0, 0)
+) -> Cameras:
+    """Cameras in the directions `towards` that frame the ball of radius `reach` mm."""
+    eyes = np.array(centre) + AWAY * reach * towards
+    K = np.tile(pinhole(FOV_DEG, resolution), (len(eyes), 1, 1))
+    return Cameras(K, look_at(eyes, np.array(centre, float)), resolution, resolution)
+
+
+def cameras_around(
+    count: int, resolution: int, reach: float, centre: tuple[float, ...] = (0, 0, 0)
+) -> Cameras:
+    """The same, spread evenly."""
+    return cameras_at(fibonacci_sphere(count), resolution, reach, centre)
+
+
+def pixel_mm(cameras: Cameras, reach: float) -> float:
+    """What a pixel spans at the far end of the ball in the farthest view: no pixel is larger."""
+    return (np.linalg.norm(cameras.eyes, axis=1).max() + reach) / cameras.K[0, 0, 0]
+
+
+def rays(cameras: Cameras, view: int) -> np.ndarray:
+    centres = pixel_centres(cameras.width, cameras.height)
+    return ray_directions(centres, cameras.K[view], cameras.c2w[view])
+
+
+def masks_of(mesh: trimesh.Trimesh, cameras: Cameras) -> np.ndarray:
+    """True where the ray through a pixel's centre meets the mesh."""
+    scene = Scene(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+    shape = cameras.height, cameras.width
+    hits = [
+        np.isfinite(scene.distance(cameras.eyes[i][None], rays(cameras, i)))
+        for i in range(len(cameras))
+    ]
+    return np.stack(hits).reshape(-1, *shape)
+
+
+def masks_of_ball(radius: float, cameras: Cameras) -> np.ndarray:
+    """The same for the ball about the origin, without a mesh."""
+    shape = cameras.height, cameras.width
+    passes = [
+        np.linalg.norm(np.cross(rays(cameras, i), cameras.eyes[i]), axis=1) < radius
+        for i in range(len(cameras))
+    ]
+    return np.stack(passes).reshape(-1, *shape)
+
+
+def hull_of_ball(directions: np.ndarray, radius: float, cameras: Cameras) -> np.ndarray:
+    """Distance from the origin to the surface of the exact hull of the ball, in `directions`.
+
+    A view at the distance D sees the cone that touches the ball at the angle acos(radius / D)
+    from the eye's direction; in a plane through the axis it is a line `radius` from the origin.
+    """
+    away = np.linalg.norm(cameras.eyes, axis=1)
+    angle = np.arccos(np.clip(directions @ (cameras.eyes / away[:, None]).T, -1, 1))
+    cosine = np.cos(angle - np.arccos(radius / away))
+    return radius / np.where(cosine > 0, cosine, 0.01).max(axis=1)

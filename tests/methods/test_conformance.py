@@ -1,0 +1,156 @@
+"""What every method must do, whatever it does: the suite that a new method has to pass."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadParams, ReconstructionFailed, UndeclaredInput
+from industnerf.methods import MODULES, load_method
+from industnerf.methods.apply import files_of
+from industnerf.methods.base import Given, Input, Reconstruction, checked, hand_over
+from industnerf.schema import Params
+from tests.methods.conftest import PLACE, SIZE, a_part, save_as_part
+
+# Where each input is found in what a method is given; meshes of others reach `fit` alone.
+READ_AS = {
+    Input.RGB: "rgb",
+    Input.BACKGROUND: "background",
+    Input.MASK: "mask",
+    Input.DEPTH: "depth_mm",
+    Input.OWN_MESH: "own_mesh",
+}
+every_method = pytest.mark.parametrize("name", MODULES)
+
+
+def given_to(name: str, folder: Path) -> Given:
+    return hand_over(load_method(name), folder / "part", folder / "views")
+
+
+def cloud(name: str, given: Given, params: Params, seed: int = 1) -> np.ndarray:
+    settings = getattr(params.method, name)
+    return checked(load_method(name).reconstruct(given, settings, None, seed)).points_mm
+
+
+@every_method
+def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, params):
+    given = given_to(name, photographed)
+    first, again, other = (cloud(name, given, params, seed) for seed in (1, 1, 2))
+    assert first.tobytes() == again.tobytes()
+    assert (first.tobytes() != other.tobytes()) == load_method(name).random
+
+
+@every_method
+def test_points_are_where_the_part_is_in_mm(name, photographed, params):
+    points = cloud(name, given_to(name, photographed), params)
+    # The part's box is 4 mm longer on one side, and the mean extent is 43 mm.  Even a ball of
+    # that diameter covers each side to a factor of 2, in another unit or frame nothing fits.
+    assert (np.abs(points - PLACE) < 0.8 * SIZE.max()).all()
+    share = np.ptp(points, axis=0) / SIZE
+    assert ((share > 0.5) & (share < 2)).all()
+
+
+@every_method
+def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
+    name, photographed, params, tmp_path
+):
+    scale, shift = 3.0, np.array([70.0, -1000.0, 40.0])
+    move(photographed, tmp_path, scale, shift)
+    here = cloud(name, given_to(name, photographed), params)
+    there = cloud(name, given_to(name, tmp_path), params)
+    # The images are the same, so is all that a method computes in a frame of its own; what
+    # differs is the last digit of float32 there, 1e-7 of the size, here with a reserve of 100.
+    np.testing.assert_allclose(there, scale * here + shift, rtol=0, atol=1e-5 * scale * SIZE.max())
+
+
+def move(source: Path, target: Path, scale: float, shift: np.ndarray) -> None:
+    """Scale and shift part and cameras together: every photograph stays as it is."""
+    mesh = a_part()
+    save_as_part(target / "part", Mesh(scale * mesh.vertices + shift, mesh.faces))
+    shutil.copytree(source / "views", target / "views")
+    path = target / "views" / "cameras.json"
+    content = json.loads(path.read_text())
+    content["depth_scale_mm"] *= scale
+    for camera in content["cameras"]:
+        c2w = np.array(camera["c2w"])
+        c2w[:3, 3] = scale * c2w[:3, 3] + shift
+        camera["c2w"] = c2w.tolist()
+    path.write_text(json.dumps(content))
+
+
+@every_method
+def test_an_undeclared_input_cannot_be_reached(name, photographed):
+    given, declared = given_to(name, photographed), load_method(name).inputs
+    for kind, attribute in READ_AS.items():
+        if kind in declared:
+            getattr(given, attribute)
+        else:
+            with pytest.raises(UndeclaredInput, match=f"'{name}' reaches for '{kind.value}'"):
+                getattr(given, attribute)
+
+
+@every_method
+def test_only_declared_files_are_read(name, photographed, params, tmp_path):
+    shutil.copytree(photographed, tmp_path, dirs_exist_ok=True)
+    declared = files_of(load_method(name), tmp_path / "part", tmp_path / "views")
+    for path in sorted(tmp_path.rglob("*.*")):
+        if path not in declared and path.parent not in declared:
+            path.unlink()
+    alone = cloud(name, given_to(name, tmp_path), params)
+    np.testing.assert_array_equal(alone, cloud(name, given_to(name, photographed), params))
+
+
+@every_method
+def test_held_out_views_are_not_handed_over(name, photographed):
+    given = given_to(name, photographed)
+    images = set(given.handed) & {Input.RGB, Input.MASK, Input.DEPTH}
+    assert [len(given.cameras), *(len(given.handed[kind]) for kind in images)] == [12] * (
+        1 + len(images)
+    )
+
+
+def looking_at_nothing(given: Given) -> Given:
+    """The same cameras before an empty stage."""
+    blank = {
+        Input.MASK: lambda images: np.zeros_like(images),
+        Input.DEPTH: lambda images: np.zeros_like(images),
+        Input.RGB: lambda images: np.full_like(images, 255),
+    }
+    keep = {kind: value for kind, value in given.handed.items() if kind not in blank}
+    emptied = {kind: blank[kind](given.handed[kind]) for kind in blank if kind in given.handed}
+    return Given(given.method, given.cameras, keep | emptied)
+
+
+@every_method
+def test_photographs_of_nothing_fail_with_a_reason(name, photographed, params):
+    given = given_to(name, photographed)
+    if not set(given.handed) & {Input.MASK, Input.DEPTH, Input.RGB}:
+        pytest.skip(f"{name} looks at no image")
+    with pytest.raises(ReconstructionFailed, match=r"\w+ \w+ \w+"):
+        cloud(name, looking_at_nothing(given), params)
+
+
+@every_method
+def test_its_name_is_its_own_and_its_settings_have_a_place(name, params):
+    assert load_method(name).name == name
+    assert hasattr(params.method, name)
+
+
+def test_an_unknown_method_is_refused_with_the_known_ones():
+    with pytest.raises(BadParams, match="'hul' is unknown, known are hull, hull_rgb"):
+        load_method("hul")
+
+
+@pytest.mark.parametrize(
+    ("points", "reason"),
+    [
+        (np.empty((0, 3)), "no point"),
+        (np.array([[0, 0, 0], [np.nan, 0, 0], [0, np.inf, 0]]), "2 of 3 points"),
+    ],
+)
+def test_no_point_or_one_that_is_not_finite_is_a_failure(points, reason):
+    with pytest.raises(ReconstructionFailed, match=reason):
+        checked(Reconstruction(points))

@@ -1,0 +1,329 @@
+"""Closed forms, an independent solver, the axioms of a metric, and all ways to fail.
+
+Below `DENSE_PAIRS` pairs the dense problem is solved, above it the sparse ones; `LARGE` is above.
+"""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jaxtyping import TypeCheckError
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.distance import cdist
+
+from industnerf.errors import MetricError
+from industnerf.metrics import emd as module
+from industnerf.metrics.candidates import Plan
+from industnerf.metrics.emd import DENSE_PAIRS, Emd, emd, proven_emd
+
+LARGE = 600
+SEEDS = st.integers(0, 10**6)
+SIZES = st.one_of(st.integers(1, 40), st.integers(370, 420))
+
+
+def ball(seed: int, n: int) -> np.ndarray:
+    """Points on a sphere of diameter 1."""
+    directions = np.random.default_rng(seed).normal(size=(n, 3))
+    return directions / np.linalg.norm(directions, axis=1, keepdims=True) / 2
+
+
+def box(seed: int, n: int) -> np.ndarray:
+    """Points on the six faces of a 1 x 0.5 x 0.25 box."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-0.5, 0.5, (n, 3))
+    points[np.arange(n), rng.integers(3, size=n)] = rng.choice([-0.5, 0.5], n)
+    return points * [1, 0.5, 0.25]
+
+
+def half_box(seed: int, n: int) -> np.ndarray:
+    """The same box where x < 0."""
+    points = box(seed, 4 * n)
+    return points[points[:, 0] < 0][:n]
+
+
+def assert_proven(found: Emd, truth: float) -> None:
+    """`found` is not less than the truth, not 1e-9 more, and its interval holds the truth.
+
+    1e-13 for the truth's own rounding, a sum of up to some thousand lengths.
+    """
+    assert found.value >= truth * (1 - 1e-13)
+    assert found.value <= truth * (1 + 1e-9)
+    assert found.value - found.gap <= truth * (1 + 1e-13)
+    assert found.gap <= 1e-9 * found.value
+
+
+def assignment(a: np.ndarray, b: np.ndarray) -> float:
+    """The slow twin: the Hungarian method, each point as often as equal numbers take."""
+    common = math.lcm(len(a), len(b))
+    cost = cdist(np.repeat(a, common // len(a), axis=0), np.repeat(b, common // len(b), axis=0))
+    return float(cost[linear_sum_assignment(cost)].mean())
+
+
+PAIRS = {
+    "resampled": (box(1, LARGE), box(2, LARGE)),
+    "shifted": (box(1, LARGE), box(2, LARGE) + [0.1, 0.05, 0]),
+    "ball for a box": (ball(1, LARGE), box(2, LARGE)),
+    "half missing": (half_box(1, 900), box(2, 450)),
+    "far off": (box(1, LARGE) + [30, 20, 10], box(2, LARGE)),
+    "one outlier": (np.vstack([box(1, LARGE - 1), [[50.0, 0, 0]]]), box(2, LARGE)),
+    "fewer": (box(1, 400), box(2, LARGE)),
+    "one and many": (ball(1, 1), box(2, LARGE)),
+    "repetitions": (np.repeat(box(1, 60), 10, axis=0), np.repeat(box(2, 120), 5, axis=0)),
+    "on a grid": (np.round(box(1, LARGE) * 8) / 8, np.round(box(2, LARGE) * 8) / 8),
+    "on a line": (box(1, LARGE) * [1, 0, 0], box(2, LARGE) * [1, 0, 0]),
+    "small": (box(1, 30), ball(2, 45)),
+}
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_agrees_with_the_hungarian_method(name):
+    a, b = PAIRS[name]
+    assert_proven(proven_emd(a, b), assignment(a, b))
+
+
+@pytest.mark.parametrize("name", [name for name in PAIRS if name not in ("small", "one and many")])
+def test_the_sparse_way_gets_there_by_itself(name):
+    """No silent fall-back: the speed would be gone, and the dense way would be all that is tested."""
+    assert proven_emd(*PAIRS[name]).rounds > 0
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_the_dense_way_finds_the_same(name):
+    a, b = PAIRS[name]
+    sparse, dense = proven_emd(a, b), proven_emd(a, b, max_rounds=0)
+    assert dense.rounds == 0
+    # Each is within 1e-9 of the truth, from above.
+    assert sparse.value == pytest.approx(dense.value, rel=1e-9)
+
+
+def test_one_point_to_another():
+    assert emd(np.zeros((1, 3)), np.array([[3.0, 0.0, 4.0]])) == 5.0
+
+
+def test_weights_are_one_over_n_and_one_over_m():
+    # Half of the one point's mass goes 1 to the left, half 3 to the right: (1 + 3) / 2.
+    a, b = np.array([[0.0, 0, 0]]), np.array([[-1.0, 0, 0], [3.0, 0, 0]])
+    assert emd(a, b) == 2.0
+
+
+def test_is_not_squared():
+    # Matched straight: (1 + 4) / 2; the mean square would be 17 / 2, its root 2.9.
+    a, b = np.array([[0.0, 0, 0], [0, 100, 0]]), np.array([[1.0, 0, 0], [4, 100, 0]])
+    assert emd(a, b) == 2.5
+
+
+@pytest.mark.parametrize(("n", "m"), [(LARGE, LARGE), (400, 700), (5000, 5000)])
+def test_on_a_line_points_are_matched_in_order(n, m):
+    """W1 in one dimension is the area between the two distribution functions.
+
+    Any pair the right way round is as cheap as its neighbours: the price table has millions of ties.
+    """
+    rng = np.random.default_rng(n)
+    x, y = rng.normal(size=n), rng.normal(1, 2, size=m)
+    steps = np.sort(np.concatenate([x, y]))
+    share = [np.searchsorted(np.sort(z), steps[:-1], side="right") / len(z) for z in (x, y)]
+    area = float(np.abs(share[0] - share[1]) @ np.diff(steps))
+    direction = np.array([2.0, 3.0, 6.0]) / 7
+    assert_proven(proven_emd(x[:, None] * direction, y[:, None] * direction), area)
+
+
+def test_concentric_spheres_are_their_radii_apart():
+    """|x - y| >= | |x| - |y| |, and each point straight outwards attains it."""
+    inner = ball(3, 1500)
+    found = proven_emd(inner, np.random.default_rng(0).permutation(inner) * 1.5)
+    assert found.rounds > 0
+    assert_proven(found, 0.25)
+
+
+def test_a_cloud_is_where_it_is():
+    """Zero, from a plan that moves nothing: also shuffled, and with each point twice."""
+    cloud = box(4, 2000)
+    for other in (cloud, np.random.default_rng(0).permutation(cloud), np.repeat(cloud, 2, axis=0)):
+        found = proven_emd(cloud, other)
+        assert found.rounds > 0
+        assert (found.value, found.gap) == (0.0, 0.0)
+
+
+def test_one_place_is_no_distance():
+    assert proven_emd(np.full((5, 3), 0.1), np.full((900, 3), 0.1)).value == 0.0
+
+
+def test_two_far_clusters_that_trade_a_point():
+    """Two clumps 100 apart with 300 points each, against 299 and 301: one point must travel."""
+    clumps, far = ball(5, LARGE) * 1e-3, np.array([100.0, 0, 0])
+    here = np.arange(LARGE)[:, None]
+    a, b = clumps + (here < 300) * far, clumps + (here < 299) * far
+    assert_proven(proven_emd(a, b), 100 / LARGE)
+
+
+@pytest.mark.parametrize("unit", [2.0**-1000, 2.0**-30, 2.0**40, 2.0**1000])
+def test_any_unit_of_length(unit):
+    a, b = PAIRS["resampled"]
+    assert emd(a * unit, b * unit) == emd(a, b) * unit  # a power of two: exact
+
+
+@given(SEEDS, SIZES)
+def test_translating_a_cloud_costs_the_length_of_the_translation(seed, n):
+    """W1(X, X + v) = |v|: the mean displacement bounds it below, the identity above."""
+    cloud, shift = box(seed, n), np.random.default_rng(seed).normal(size=3)
+    # 1e-9 as promised; rounding of coordinates of about 1 is nothing beside it.
+    assert emd(cloud, cloud + shift) == pytest.approx(np.linalg.norm(shift), rel=1e-9)
+
+
+@given(SEEDS, SIZES, SIZES, st.floats(1e-3, 1e3))
+def test_scales_with_the_clouds_and_ignores_their_place(seed, n, m, scale):
+    a, b = box(seed, n), ball(seed, m)
+    place = np.random.default_rng(seed).normal(size=3) * 100
+    # Moved 100 away coordinates lose 100 eps = 2e-14; each value is within 1e-9 of its truth.
+    assert emd(a * scale + place, b * scale + place) == pytest.approx(
+        emd(a, b) * scale, rel=2e-9, abs=1e-12
+    )
+
+
+@given(SEEDS, SIZES, SIZES)
+def test_is_symmetric(seed, n, m):
+    a, b = box(seed, n), ball(seed, m)
+    assert emd(a, b) == pytest.approx(emd(b, a), rel=1e-9)  # each from above, within 1e-9
+
+
+@given(SEEDS, SIZES, SIZES, SIZES)
+@settings(max_examples=20)
+def test_a_detour_is_no_shorter(seed, n, m, k):
+    a, b, c = box(seed, n), ball(seed, m), box(seed + 1, k) * 2
+    assert emd(a, c) <= (emd(a, b) + emd(b, c)) * (1 + 1e-9)
+
+
+@given(SEEDS, SIZES, SIZES)
+def test_order_of_points_does_not_matter(seed, n, m):
+    a, b, rng = box(seed, n), ball(seed, m), np.random.default_rng(seed)
+    assert emd(rng.permutation(a), rng.permutation(b)) == pytest.approx(emd(a, b), rel=1e-9)
+
+
+def test_same_clouds_same_bytes_and_nothing_is_touched():
+    a, b = (cloud.copy() for cloud in PAIRS["ball for a box"])
+    first = proven_emd(a, b)
+    assert proven_emd(a, b) == first
+    np.testing.assert_array_equal(a, PAIRS["ball for a box"][0])
+    np.testing.assert_array_equal(b, PAIRS["ball for a box"][1])
+
+
+def test_float32_loses_no_digits():
+    """|a|^2 + |b|^2 - 2ab in float32, 50 mm from the origin, is off by 0.04 mm."""
+    a = (box(6, LARGE) + 50).astype(np.float32)
+    assert emd(a, a) == 0.0
+
+
+# Failure: what cannot be proven is an error.
+
+
+def clouds(n: int, m: int) -> tuple:
+    left, right, _ = module._to_unit(box(1, n), box(2, m))
+    return left, right
+
+
+def test_a_graph_without_a_plan_gives_no_number():
+    """Two points of `a` may only go to one of `b`.  POT itself returns 0.0 and warns."""
+    a, b = clouds(3, 3)
+    keys = np.array([0, 3, 7, 8])  # (0, 0), (1, 0), (2, 1), (2, 2)
+    with pytest.raises(MetricError, match=r"POT did not solve .* infeasible"):
+        module._solve_pairs(a, b, keys, (np.zeros(3), np.zeros(3)), 1000)
+
+
+def test_without_usable_candidates_the_dense_problem_is_solved(monkeypatch):
+    a, b = PAIRS["resampled"]
+
+    def starved(left, right, pivots):
+        cells, plan, _ = start(left, right, pivots)
+        return cells, plan, np.arange(LARGE)[:, None].repeat(2, 1).ravel() * LARGE  # all to point 0
+
+    start = module._start
+    monkeypatch.setattr(module, "_start", starved)
+    found = proven_emd(a, b)
+    assert found.rounds == 0
+    assert_proven(found, assignment(a, b))
+
+
+def test_too_few_rounds_fall_back_to_the_dense_problem():
+    a, b = PAIRS["half missing"]
+    assert proven_emd(a, b).rounds > 1
+    assert_proven(proven_emd(a, b, max_rounds=1), assignment(a, b))
+
+
+@pytest.mark.parametrize("n", [100, LARGE])
+@pytest.mark.parametrize("max_rounds", [0, 30])
+def test_a_cut_iteration_budget_is_an_error(n, max_rounds):
+    with pytest.raises(MetricError, match="max_pivots=50"):
+        proven_emd(box(1, n), box(2, n), max_pivots=50, max_rounds=max_rounds)
+
+
+def test_a_plan_that_loses_mass_is_an_error():
+    a, b = clouds(10, 10)
+    plan = module._solve_all(a, b, 10**6)
+    lost = Plan(plan.rows[1:], plan.cols[1:], plan.flow[1:], plan.u, plan.v)
+    assert module._cost(a, b, plan) > 0
+    with pytest.raises(MetricError, match="misplaces 2 of a mass of 10"):
+        module._cost(a, b, lost)
+
+
+def test_prices_too_low_prove_nothing():
+    a, b = clouds(10, 10)
+    plan = module._solve_all(a, b, 10**6)
+    value = module._cost(a, b, plan)
+    low = Plan(plan.rows, plan.cols, plan.flow, plan.u - 1e-8 * value, plan.v)
+    assert module._proven(a, b, plan, value, 0.0, 0, 100).value == value
+    with pytest.raises(MetricError, match="not proven"):
+        module._proven(a, b, low, value, 0.0, 0, 100)
+
+
+def test_an_undercut_price_proves_nothing():
+    a, b = clouds(10, 10)
+    plan = module._solve_all(a, b, 10**6)
+    value = module._cost(a, b, plan)
+    with pytest.raises(MetricError, match="not proven"):
+        module._proven(a, b, plan, value, -1e-8 * value, 0, 100)
+
+
+def test_a_suboptimal_plan_is_not_proven():
+    """The identity of a shuffled cloud: feasible, far from the best."""
+    a, b = clouds(10, 10)
+    best, each = module._solve_all(a, b, 10**6), np.arange(10)
+    identity = Plan(each, each, a.mass, best.u, best.v)
+    with pytest.raises(MetricError, match="not proven"):
+        module._proven(a, b, identity, module._cost(a, b, identity), 0.0, 0, 100)
+
+
+@pytest.mark.parametrize("bad", [np.empty((0, 3)), np.array([[0.0, np.nan, 0.0]])])
+def test_unusable_clouds_are_refused_by_name(bad):
+    with pytest.raises(MetricError, match="'a'"):
+        emd(bad, np.zeros((1, 3)))
+    with pytest.raises(MetricError, match="'b'"):
+        emd(np.zeros((1, 3)), bad)
+
+
+def test_clouds_beyond_float64_are_refused():
+    with pytest.raises(MetricError, match="too far"):
+        emd(np.full((1, 3), -1.7e308), np.full((1, 3), 1.7e308))
+
+
+def test_shapes_are_enforced():
+    with pytest.raises(TypeCheckError):
+        emd(np.zeros((5, 2)), np.zeros((5, 2)))
+
+
+def test_pot_is_loaded_late_and_without_torch():
+    code = (
+        "import sys; import numpy as np; from industnerf.metrics.emd import emd\n"
+        "assert 'ot' not in sys.modules\n"
+        "assert emd(np.zeros((1, 3)), np.ones((1, 3))) > 0\n"
+        "assert 'ot' in sys.modules and 'torch' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_large_is_large():
+    assert min(len(a) * len(b) for a, b in list(PAIRS.values())[:7]) > DENSE_PAIRS
+    assert 370**2 > DENSE_PAIRS
