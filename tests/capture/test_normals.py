@@ -81,12 +81,18 @@ def test_an_edge_is_sharp_from_the_crease_angle_on(bend_deg, smooth):
 
 
 def test_sheets_that_cross_at_one_edge_stay_apart():
-    """Four half-planes at one edge: opposite ones continue each other, neighbours do not."""
-    vertices = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]], float)
-    faces = np.array([[0, 1, 2], [0, 1, 4], [1, 0, 3], [1, 0, 5]], np.int32)
+    """Four half-planes at one edge: opposite ones are one sheet, bent by 20 degrees."""
+    angle = np.radians([0, 90, 200, 290])
+    rim = np.stack([np.cos(angle), np.sin(angle), np.full(4, 0.5)], axis=1)
+    vertices = np.vstack([[[0, 0, 0], [0, 0, 1]], rim])
+    faces = np.array([[0, 1, 2], [0, 1, 3], [1, 0, 4], [1, 0, 5]], np.int32)
+    flat = face_normals(vertices[faces])
+    shared = flat[:2] + flat[2:]
+    shared /= np.linalg.norm(shared, axis=1, keepdims=True)
     normals = corner_normals(vertices, faces, 30.0)
-    expected = np.repeat(face_normals(vertices[faces])[:, None], 3, axis=1)
-    np.testing.assert_allclose(normals, expected, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(normals[:, 2], flat, rtol=0, atol=1e-7)  # off the edge
+    for end in (0, 1):
+        np.testing.assert_allclose(normals[:, end], np.tile(shared, (2, 1)), rtol=0, atol=1e-7)
 
 
 def test_a_vertex_of_many_faces_costs_no_more_than_its_faces():

@@ -51,6 +51,13 @@ def test_held_out_views_are_new_views(shipped):
     assert smallest_angle_deg(eyes[~held_out], eyes[held_out]) > 5
 
 
+def test_as_many_held_out_as_training_views_do_not_coincide(shipped):
+    """Without a turn they would be the same views."""
+    cameras, held_out = cameras_around(np.zeros(3), 1.0, replace(shipped, count=8, held_out=8))
+    eyes = cameras.eyes / shipped.radius
+    assert smallest_angle_deg(eyes[~held_out], eyes[held_out]) > 20
+
+
 @given(st.integers(1, 60), st.integers(1, 12))
 def test_they_are_new_views_of_any_rig(count, held_out):
     """Never nearer than without a turn; equal counts would coincide without it."""
@@ -79,6 +86,11 @@ def test_turning_either_knob_as_told_helps(shipped, change):
     with pytest.raises(BadParams, match=r"views\.radius to 3\.864 or views\.fov_deg to 60\.$"):
         cameras_around(CENTRE, 1.0, tight)
     cameras_around(CENTRE, 1.0, replace(tight, **change))
+
+
+def test_a_part_that_just_does_not_fit_is_refused(shipped):
+    with pytest.raises(BadParams, match=r"views\.radius to 3\.864"):
+        cameras_around(CENTRE, 1.0, replace(shipped, radius=3.863, fov_deg=30.0))
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.5, 1.0])

@@ -8,7 +8,7 @@ import trimesh
 
 from industnerf.artifacts.part import Mesh
 from industnerf.capture.edges import BACKGROUND
-from industnerf.capture.surface import Surface
+from industnerf.capture.surface import Lamps, Surface
 from industnerf.geometry.sphere import fibonacci_sphere
 
 SQUARE = Mesh(
@@ -38,6 +38,14 @@ def test_a_face_is_as_bright_as_its_normal_says(shipped, as_mesh):
         found = surface.light_along(eye, towards(eye, np.array([[1.0, 2, 3]])))
         # float32: 1e-7 in each of some ten operations
         assert found[0] == pytest.approx(lambert(outward[None], shipped.light)[0], abs=1e-6)
+
+
+def test_the_length_of_a_normal_does_not_matter(shipped):
+    """Between corners, interpolated normals are shorter than 1."""
+    normals, lamps = fibonacci_sphere(50), Lamps.of(shipped.light)
+    for length in (0.2, 1, 3):
+        found = lamps.shine((length * normals).T.astype(np.float32))
+        np.testing.assert_allclose(found, lambert(normals, shipped.light), rtol=0, atol=1e-6)
 
 
 def test_a_ball_is_shaded_as_a_ball_and_not_as_its_facets(shipped, as_mesh):

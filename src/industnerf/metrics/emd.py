@@ -34,6 +34,7 @@ from industnerf.metrics.pricing import cheaper_pairs
 RELATIVE_GAP = 1e-9  # of the value
 ABSOLUTE_GAP = 1e-12  # of the longest side around both: rounding, when they all but coincide
 DENSE_PAIRS = 2**17  # so few pairs are solved all at once, in about 20 ms
+DENSE_SIDE = 256  # so few points on one side as well: few pairs per point of the other
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 3 to 8 are usual
 ROUND_GROWTH = 4  # pairs that may join in one round, per point
@@ -74,7 +75,7 @@ def proven_emd(
     if unit == 0:  # all points are one point
         return Emd(0.0, 0.0, 0, 0)
     found = None
-    if max_rounds > 0 and len(a) * len(b) > DENSE_PAIRS:
+    if max_rounds > 0 and not _is_small(left, right):
         found = _sparse_emd(left, right, max_pivots, max_rounds)
     found = found or _dense_emd(left, right, max_pivots)
     return Emd(found.value * unit, found.gap * unit, found.rounds, found.pairs)
@@ -107,6 +108,8 @@ def _sparse_emd(a: Cloud, b: Cloud, max_pivots: int, max_rounds: int) -> Emd | N
         for rounds in range(1, max_rounds + 1):
             plan = _solve_pairs(a, b, keys, (plan.u, plan.v), max_pivots)
             value = _cost(a, b, plan)
+            if value <= ABSOLUTE_GAP:  # no distance is below 0: that bound does, prices or none
+                return _proven(a, b, plan, value, -math.inf, rounds, len(keys))
             limit = -max(RELATIVE_GAP * value, ABSOLUTE_GAP) / 10
             rows, cols, reduced = cheaper_pairs(a.points, b.points, cells, (plan.u, plan.v), limit)
             if not len(rows):
@@ -139,10 +142,15 @@ def _start(
 
 def _rough(a: Cloud, b: Cloud, max_pivots: int) -> Plan:
     """A plan that is optimal among its candidates, and not held against other pairs."""
-    if len(a.mass) * len(b.mass) <= DENSE_PAIRS:
+    if _is_small(a, b):
         return _solve_all(a, b, max_pivots)
     _, plan, keys = _start(a, b, max_pivots)
     return _solve_pairs(a, b, keys, (plan.u, plan.v), max_pivots)
+
+
+def _is_small(a: Cloud, b: Cloud) -> bool:
+    n, m = len(a.mass), len(b.mass)
+    return n * m <= DENSE_PAIRS or min(n, m) <= DENSE_SIDE
 
 
 def _joined(
@@ -179,7 +187,7 @@ def _proven(
             f"EMD of {len(a.mass)} and {len(b.mass)} points is not proven: the plan found costs "
             f"{value:.17g} of the clouds' extent, but the prices only prove {bound:.17g}"
         )
-    return Emd(value, max(gap, 0.0), rounds, pairs)
+    return Emd(value, float(max(gap, 0.0)), rounds, pairs)
 
 
 def _solve_pairs(

@@ -13,7 +13,8 @@ from industnerf.artifacts.views import load_views
 from industnerf.report.gather import Study
 from industnerf.report.pictures import distance_to, nicest_view, splat
 
-SIZE = 220  # px of one picture
+SIZE = 260  # px of one picture
+CELL = 2.0  # inches of one picture
 WORST = 0.05  # error in diagonals at the end of the colour scale
 SEEN, HIDDEN = np.array([70, 90, 120], np.uint8), np.array([225, 150, 60], np.uint8)
 
@@ -26,8 +27,12 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
     mpl.rcParams["svg.hashsalt"] = "industnerf"
     colour_map = mpl.colormaps["turbo"]
     heads = ["truth (orange: hidden)", "a view", *study.methods]
-    figure = Figure(figsize=(1.7 * len(heads), 1.75 * len(parts) + 0.9), layout="constrained")
+    wide, high = CELL * len(heads) + 0.5, CELL * len(parts) + 1.3
+    figure = Figure(figsize=(wide, high))
     axes = figure.subplots(len(parts), len(heads), squeeze=False)
+    figure.subplots_adjust(
+        left=0.45 / wide, right=1, top=1 - 0.3 / high, bottom=0.9 / high, wspace=0.02, hspace=0.02
+    )
     for row, part in zip(axes, parts, strict=True):
         for axis, picture in zip(row, _pictures(study, part, colour_map), strict=True):
             axis.set(xticks=[], yticks=[], frame_on=False)
@@ -41,10 +46,8 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 100 * WORST), colour_map)
     figure.colorbar(
         scale,
-        ax=axes,
-        location="bottom",
-        fraction=0.02,
-        aspect=60,
+        cax=figure.add_axes((0.25, 0.55 / high, 0.5, 0.14 / high)),
+        orientation="horizontal",
         label="distance to the true surface, % of the bounding-box diagonal",
     )
     png = io.BytesIO()
@@ -65,8 +68,9 @@ def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h
             pictures.append(None)
             continue
         points = Cloud.load(folder).points_mm
-        error = distance_to(points, truth.points_mm, part.diagonal_mm)
-        colours = colour_map(np.clip(error / WORST, 0, 1), bytes=True)[:, :3]
+        worst = WORST * part.diagonal_mm
+        error = distance_to(points, truth.points_mm, worst)
+        colours = colour_map(error / worst, bytes=True)[:, :3]
         pictures.append(splat(points, colours, views.cameras, view, SIZE))
     return pictures
 
