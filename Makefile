@@ -3,7 +3,7 @@ PYTHON ?= python3
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 INSTALLED := .venv/.installed
 
-.PHONY: demo test smoke repro ui lint clean
+.PHONY: demo test smoke repro ui lint readme clean
 
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
@@ -24,6 +24,9 @@ ui: $(INSTALLED)  ## compare runs in the browser
 
 lint: $(INSTALLED)  ## style and import contracts
 	@ruff check . && ruff format --check . && lint-imports
+
+readme: demo  ## bring the demo's table and picture into the README
+	@python -m pipeline.readme
 
 clean:  ## remove the environment, the store and every result
 	rm -rf .venv .store runs reports mlruns mlflow.db mlflow.db.lock

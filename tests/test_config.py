@@ -95,3 +95,7 @@ def test_dvc_and_we_read_params_yaml_alike(values, root, monkeypatch):
     """YAML readers differ on 1e-3, no, 0777, 12:30: none of that may stand in the file."""
     monkeypatch.chdir(root)
     assert params_show("params.yaml", deps=False) == values
+
+
+def test_sections_become_dotted_keys():
+    assert config.flat({"a": {"b": {"c": 1}, "d": [2]}, "e": 3}) == {"a.b.c": 1, "a.d": [2], "e": 3}

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from industnerf.tracking import flat, git_state, log_report
+from industnerf.tracking import git_state, log_report
 
 LOG = """
 import sys
@@ -73,10 +73,6 @@ def test_tracking_can_be_switched_off(report, tmp_path, monkeypatch):
     monkeypatch.setenv("INDUSTNERF_MLFLOW", "off")
     log_report(report, {})
     assert not (tmp_path / "mlflow").exists()
-
-
-def test_sections_become_dotted_keys():
-    assert flat({"a": {"b": {"c": 1}, "d": [2]}, "e": 3}) == {"a.b.c": 1, "a.d": [2], "e": 3}
 
 
 def test_outside_a_repository_there_is_no_commit(tmp_path, monkeypatch):

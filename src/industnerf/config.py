@@ -92,6 +92,14 @@ def stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
     )
 
 
+def flat(params: Mapping[str, Any], at: str = "") -> dict[str, Any]:
+    """Nested sections to dotted keys."""
+    found: dict[str, Any] = {}
+    for key, value in params.items():
+        found |= flat(value, f"{at}{key}.") if isinstance(value, Mapping) else {f"{at}{key}": value}
+    return found
+
+
 class Masked:
     """Parameters of which only the declared keys can be read."""
 

@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from industnerf.config import flat, read_yaml
+
 EXPERIMENT = "industnerf"
 
 
@@ -119,18 +121,8 @@ def git_state() -> dict[str, str]:
         return {}
 
 
-def flat(params: Mapping[str, Any], at: str = "") -> dict[str, Any]:
-    """Nested sections to dotted keys."""
-    found: dict[str, Any] = {}
-    for key, value in params.items():
-        found |= flat(value, f"{at}{key}.") if isinstance(value, Mapping) else {f"{at}{key}": value}
-    return found
-
-
 def backfill(root: Path) -> None:
     """Log every report below `root` that is not logged yet."""
-    from industnerf.config import read_yaml
-
     prepare()
     for summary in sorted([*root.glob("reports/summary.json"), *root.glob("runs/**/summary.json")]):
         params = summary.parent.parent / "params.yaml"

@@ -76,8 +76,9 @@ def test_a_point_is_as_bright_from_every_eye_that_sees_it(shipped, as_mesh):
     twice = np.isfinite(seen).sum(axis=0) > 1
     assert twice.mean() > 0.5
     spread = np.nanmax(seen[:, twice], axis=0) - np.nanmin(seen[:, twice], axis=0)
-    # rays meet a point to 1e-5 of 10 mm; the normal turns by 0.2 rad per mm at the bore
-    assert spread.max() < 1e-4
+    # float32, 40 mm away, meets a point to some 1e-5 mm, and to 1e-3 mm where the ray grazes; the
+    # normal turns by 0.2 rad per mm in the bore
+    assert spread.max() < 0.2 * 1e-3 * sum(shipped.light.intensities)
 
 
 def test_a_sheet_is_lit_on_the_side_that_is_seen(shipped):

@@ -9,12 +9,12 @@ P1-dense  all samples of both sides
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Float
+
 from industnerf.metrics.chamfer import chamfer
 from industnerf.metrics.emd import emd
 from industnerf.metrics.fscore import fscore
 from industnerf.metrics.reduce import farthest_points, random_points
-from jaxtyping import Bool, Float
-
 from industnerf.schema import EvaluateParams
 
 

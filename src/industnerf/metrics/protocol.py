@@ -3,8 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from industnerf.geometry.shapes import ball_surface, box_surface
-from industnerf.metrics.reduce import random_points
 from jaxtyping import Float
 
 from industnerf.artifacts.cloud import Cloud
@@ -12,7 +10,9 @@ from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.shapes import ball_surface, box_surface
 from industnerf.metrics.compare import Sampled, Value, compare
+from industnerf.metrics.reduce import random_points
 from industnerf.metrics.visible import Frame, Rig, scored
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator

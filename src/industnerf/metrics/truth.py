@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
-from industnerf.geometry.sampling import sample_surface
 
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import MetricError
+from industnerf.geometry.sampling import sample_surface
 from industnerf.metrics.compare import Sampled, compare
 from industnerf.metrics.visible import Frame, Rig
 from industnerf.schema import EvaluateParams

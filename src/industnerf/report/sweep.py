@@ -10,8 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_text
-from industnerf.config import read_yaml
-from industnerf.tracking import flat
+from industnerf.config import flat, read_yaml
 
 
 @dataclass(frozen=True)
