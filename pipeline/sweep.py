@@ -11,10 +11,12 @@ from typing import Any
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.experimental.callback import Callback
+from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from industnerf.cli import exit_with_message
 from industnerf.config import build
+from industnerf.errors import SuiteError
 from industnerf.report.sweep import write_sweep
 from industnerf.schema import Params
 from industnerf.tracking import log_report, prepare
@@ -35,17 +37,22 @@ class SweepEnd(Callback):
 @hydra.main(version_base="1.3", config_path="../conf", config_name="config")
 def main(config: DictConfig) -> None:
     run = HydraConfig.get()
-    folder, overrides = Path(run.runtime.output_dir), list(run.overrides.task)
+    folder, overrides = Path(run.runtime.output_dir), " ".join(run.overrides.task)
     values = OmegaConf.to_container(config, resolve=True)
-    exit_with_message(lambda: _point(folder, values, overrides))
+    try:
+        _point(folder, values, overrides)
+    except SuiteError as error:
+        print(f"error at {overrides}: {error}", file=sys.stderr)
+        if run.mode == RunMode.RUN:
+            sys.exit(1)  # a sweep goes on with its other points, and ends with SweepEnd
 
 
-def _point(folder: Path, values: Any, overrides: list[str]) -> None:
-    params = build(Params, values, "the composed configuration")
+def _point(folder: Path, values: Any, overrides: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     OmegaConf.save(values, folder / "params.yaml")
-    run_chain(params, folder)
-    log_report(folder / "reports", values, " ".join(overrides), point=" ".join(overrides))
+    run_chain(build(Params, values, "the composed configuration"), folder)
+    log_report(folder / "reports", values, overrides, point=overrides)
 
 
 if __name__ == "__main__":
-    main()
+    exit_with_message(main)

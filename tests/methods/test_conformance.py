@@ -23,6 +23,7 @@ READ_AS = {
     Input.DEPTH: "depth_mm",
     Input.OWN_MESH: "own_mesh",
 }
+IMAGES = {Input.RGB, Input.MASK, Input.DEPTH}
 every_method = pytest.mark.parametrize("name", MODULES)
 
 
@@ -106,10 +107,8 @@ def test_only_declared_files_are_read(name, photographed, params, tmp_path):
 @every_method
 def test_held_out_views_are_not_handed_over(name, photographed):
     given = given_to(name, photographed)
-    images = set(given.handed) & {Input.RGB, Input.MASK, Input.DEPTH}
-    assert [len(given.cameras), *(len(given.handed[kind]) for kind in images)] == [12] * (
-        1 + len(images)
-    )
+    assert len(given.cameras) == 12
+    assert all(len(given.handed[kind]) == 12 for kind in given.handed if kind in IMAGES)
 
 
 def looking_at_nothing(given: Given) -> Given:
@@ -124,13 +123,19 @@ def looking_at_nothing(given: Given) -> Given:
     return Given(given.method, given.cameras, keep | emptied)
 
 
-@every_method
+@pytest.mark.parametrize("name", [n for n in MODULES if load_method(n).inputs & IMAGES])
 def test_photographs_of_nothing_fail_with_a_reason(name, photographed, params):
-    given = given_to(name, photographed)
-    if not set(given.handed) & {Input.MASK, Input.DEPTH, Input.RGB}:
-        pytest.skip(f"{name} looks at no image")
     with pytest.raises(ReconstructionFailed, match=r"\w+ \w+ \w+"):
-        cloud(name, looking_at_nothing(given), params)
+        cloud(name, looking_at_nothing(given_to(name, photographed)), params)
+
+
+@every_method
+def test_all_that_is_declared_is_used(name, photographed, params):
+    given = given_to(name, photographed)
+    for kind in given.handed:
+        rest = {other: value for other, value in given.handed.items() if other != kind}
+        with pytest.raises(UndeclaredInput, match=kind.value):
+            cloud(name, Given(name, given.cameras, rest), params)
 
 
 @every_method

@@ -8,7 +8,12 @@ from scipy.spatial import cKDTree
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras, look_at
 from industnerf.geometry.sphere import fibonacci_sphere
-from industnerf.methods.hull import TOUCHED, differs, hull
+from industnerf.methods import load_method
+from industnerf.methods.base import Input
+from industnerf.methods.hull import TOUCHED, differs, hull, surface
+from industnerf.methods.hull.octree import refine
+from industnerf.methods.hull.silhouettes import distance_images
+from industnerf.methods.hull.surface import SEGMENT, draw
 from industnerf.schema import HullSettings
 from tests.methods.solids import (
     cameras_around,
@@ -87,6 +92,30 @@ def box() -> tuple[np.ndarray, float]:
     """Points on the hull in the frame of the box, and the size of a pixel."""
     mask, cameras = looked_at_along_its_faces(160)
     return reconstruct(mask, cameras) @ TURN, pixel_mm(cameras, REACH)
+
+
+def test_points_know_nothing_of_the_lattice():
+    """On a tilted surface every place within a cell is as likely as any other."""
+    mask, cameras = looked_at_along_its_faces(100)
+    seen = distance_images(mask, cameras, 0.0)
+    families = refine(seen, 3.0, SEGMENT)
+    points = draw(seen, families, 20_000, np.random.default_rng(0))
+    place = (points + 1) / (families.side / 2) % 1
+    for axis in range(3):
+        counts, _ = np.histogram(place[:, axis], 10, (0, 1))
+        z = (counts - 2000) / np.sqrt(2000 * 0.9)
+        assert np.abs(z).max() < 4  # of 30 counts, by chance once in 500 seeds
+
+
+def test_drawing_ends_where_hardly_a_segment_crosses(monkeypatch):
+    """It then returns what there is: here after one draw, for any crossing is too seldom."""
+    mask, cameras = looked_at_along_its_faces(32)
+    seen = distance_images(mask, cameras, 0.0)
+    families = refine(seen, 0.5, SEGMENT)
+    monkeypatch.setattr(surface, "SELDOM", 1.0)
+    monkeypatch.setattr(surface, "PER_POINT", 1)
+    points = draw(seen, families, 20_000, np.random.default_rng(0))
+    assert 100 < len(points) < 20_000
 
 
 def test_the_hull_of_a_box_is_the_box(box):
@@ -213,3 +242,8 @@ def test_half_a_pixel_off_makes_touched_pixels_unbiased():
     points = hull(touched, cameras, SETTINGS, 0, grown_px=TOUCHED)
     # as with pixel centres; in the diagonal a pixel is touched from 1 / sqrt(2) away, 0.2 more
     assert -0.25 < off_the_hull_of_a_ball(points, 20.0, cameras).mean() < 0.2
+
+
+def test_the_hulls_declare_no_more_than_they_use():
+    assert load_method("hull").inputs == {Input.MASK}
+    assert load_method("hull_rgb").inputs == {Input.RGB, Input.BACKGROUND}

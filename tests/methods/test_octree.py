@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.methods.hull.octree import OCTANTS, Families, refine
+from industnerf.methods.hull.octree import OCTANTS, Families, refine, verdicts
 from industnerf.methods.hull.silhouettes import Silhouettes, bilinear, distance_images
 from industnerf.methods.hull.surface import SEGMENT, clearance
 from tests.methods.solids import cameras_around, masks_of, masks_of_ball
@@ -27,6 +27,31 @@ def test_cells_are_as_small_as_asked_and_not_much_smaller(cell_px, resolution):
     # rounding that number up to an even one makes them smaller by 2 in 32 at most.
     least_px = min(cell_px, widest_px / 32) * (1 - 2 / 32)
     assert least_px <= spans_px <= cell_px * (1 + 1e-6)
+
+
+@given(st.floats(0, 2 * np.pi), st.integers(0, 2**32 - 1))
+def test_a_verdict_holds_all_over_the_ball(angle, seed):
+    """Balls near the outline of a half-plane, so large that near and far side differ by a third.
+
+    The outline passes the image's centre at `angle`.
+    """
+    cameras = cameras_around(1, 64, REACH)
+    v, u = np.mgrid[:64, :64] - 31.5
+    seen = distance_images((np.cos(angle) * u + np.sin(angle) * v > 0)[None], cameras, 0.0)
+    rng, radius = np.random.default_rng(seed), np.float32(0.3)
+    middles = rng.uniform(-0.6, 0.6, (1000, 3)).astype(np.float32)
+    around = rng.standard_normal((200, 3))
+    around *= radius / np.linalg.norm(around, axis=1, keepdims=True)
+    said = verdicts(seen, 0, middles, np.zeros((8, 3), np.float32), radius)
+    outside, is_open = (np.unpackbits(bits).reshape(-1, 8)[:, 0] > 0 for bits in said)
+    depths = everywhere(seen, (middles[:, None] + around).reshape(-1, 3)).reshape(1000, -1)
+    # 0.1 px: by so much a distance may be overstated, see test_silhouettes
+    slack = 0.1 * 5 / cameras.K[0, 0, 0]  # at most, at the depth 5
+    assert outside.any()
+    assert is_open.any()
+    assert (~outside & ~is_open).any()
+    assert depths[outside].max() < slack
+    assert depths[~outside & ~is_open].min() > -slack
 
 
 def everywhere(seen: Silhouettes, points: np.ndarray) -> np.ndarray:

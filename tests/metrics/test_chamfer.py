@@ -41,7 +41,7 @@ def test_is_symmetric_and_scales(seed, n, m):
 def test_a_shifted_grid_is_its_shift_away():
     """Spacing 1, shift 1/4: the nearest point is the shifted one."""
     grid = np.stack(np.meshgrid(*[np.arange(5.0)] * 3), axis=-1).reshape(-1, 3)
-    assert chamfer(grid, grid + [0.25, 0, 0]) == 0.25
+    assert chamfer(grid, grid + np.array([0.25, 0, 0])) == 0.25
     assert chamfer(grid, grid) == 0
 
 

@@ -61,7 +61,8 @@ class Project:
         """Start dvc repro, and send `how` to the whole group once `step` is at its first part."""
         process = self.start("dvc", "repro")
         deadline = time.monotonic() + 120
-        while not list(self.folder.glob(f"store/{step}/*")):
+        before = set(self.folder.glob(f"store/{step}/*"))
+        while set(self.folder.glob(f"store/{step}/*")) <= before:
             assert time.monotonic() < deadline, f"{step} never began"
             assert process.poll() is None, process.communicate()[0]
             time.sleep(0.005)
@@ -86,16 +87,27 @@ class Project:
             if path.is_file() and path.name not in TIMED and "embedded" not in path.parts
         }
 
-    def set(self, **changes: object) -> None:
-        """Change top-level keys of params.yaml, or keys of a section given as a dict."""
+    def set(self, **changes: object) -> dict[str, object]:
+        """Change top-level keys of params.yaml, or keys of a section given as a dict.
+
+        Returns what stood there; a key that was not there comes back as None and is removed.
+        """
         path = self.folder / "params.yaml"
         params = yaml.safe_load(path.read_text())
-        for key, value in changes.items():
-            if isinstance(value, dict):
-                params[key] |= value
-            else:
-                params[key] = value
+        before = {key: _set(params, key, value) for key, value in changes.items()}
         path.write_text(yaml.safe_dump(params))
+        return before
+
+
+def _set(section: dict, key: str, value: object) -> object:
+    before = section.get(key)
+    if isinstance(value, dict):
+        return {name: _set(section[key], name, each) for name, each in value.items()}
+    if value is None:
+        del section[key]
+    else:
+        section[key] = value
+    return before
 
 
 @pytest.fixture(scope="session")

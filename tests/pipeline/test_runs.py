@@ -2,6 +2,7 @@
 
 import csv
 import signal
+from pathlib import Path
 
 import pytest
 import trimesh
@@ -64,16 +65,16 @@ def test_nothing_to_do_reruns_nothing(finished_run):
     assert "Data and pipelines are up to date." in output
 
 
-@pytest.mark.parametrize("step", ["parts", "views", "truth", "reconstruct", "evaluate"])
-def test_a_killed_run_goes_on_and_ends_with_equal_bytes(step, finished_run, root, tmp_path):
-    project = Project(root, tmp_path / "project")
-    code, _ = project.stop_at(step, signal.SIGKILL)
-    assert code == -signal.SIGKILL
-    before = project.finished()
+def test_a_run_killed_in_every_stage_ends_with_equal_bytes(finished_run, root, tmp_path):
+    project, before = Project(root, tmp_path / "project"), {}
+    for step in ("parts", "views", "truth", "reconstruct", "evaluate"):
+        code, _ = project.stop_at(step, signal.SIGKILL)
+        assert code == -signal.SIGKILL
+        assert before.items() <= project.finished().items()  # finished parts are not redone
+        before = project.finished()
     code, output = project.run()
     assert code == 0, output
-    after = project.finished()
-    assert before.items() <= after.items()  # finished parts were not redone
+    assert before.items() <= project.finished().items()
     assert project.outputs() == finished_run.outputs()
 
 
@@ -123,6 +124,14 @@ def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
     assert len(project.finished()) == 2
 
 
+@pytest.fixture(scope="module")
+def spare(finished_run, tmp_path_factory):
+    """A project with the finished run's store, to be spoilt and mended."""
+    project = Project(Path(__file__).parents[2], tmp_path_factory.mktemp("spare") / "project")
+    project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
+    return project
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
@@ -132,11 +141,10 @@ def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
         ({"views": {"radius": 1.5}}, "views.radius"),
     ],
 )
-def test_bad_parameters_end_with_one_message(finished_run, root, tmp_path, changes, said):
-    project = Project(root, tmp_path / "project")
-    project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
-    project.set(**changes)
-    code, output = project.run()
+def test_bad_parameters_end_with_one_message(spare, changes, said):
+    before = spare.set(**changes)
+    code, output = spare.run()
+    spare.set(**before)
     assert code != 0
     assert said in output
     assert "Traceback" not in output

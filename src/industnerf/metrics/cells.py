@@ -5,10 +5,13 @@ and radius bound the distance of all its points at once.  Cells are padded to on
 a cell has fewer points, `members` is -1.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int64
+
+from industnerf.errors import MetricError
 
 CELL_SIZE = 4
 
@@ -25,6 +28,24 @@ class Cells:
     members: Int64[np.ndarray, "cells size"]  # -1 pads
     coarse: Cloud  # centroid and mass of each cell
     radius: Float64[np.ndarray, "cells"]  # largest distance of a member from the centroid
+
+
+def weighted(
+    a: Float64[np.ndarray, "n 3"], b: Float64[np.ndarray, "m 3"]
+) -> tuple[Cloud, Cloud, float]:
+    """Both clouds around the origin, their longest side in [1/2, 1), and the unit taken out.
+
+    Equal weights in each, equal sums.  The unit is a power of two: scaling rounds nothing.
+    """
+    low, high = np.minimum(a.min(axis=0), b.min(axis=0)), np.maximum(a.max(axis=0), b.max(axis=0))
+    with np.errstate(over="ignore"):
+        centre, extent = low / 2 + high / 2, float(np.max(high - low))
+    if not math.isfinite(extent):
+        raise MetricError(f"the clouds extend from {low} to {high}: too far for float64")
+    unit, shared = math.ldexp(1.0, math.frexp(extent)[1]), math.gcd(len(a), len(b))
+    left = Cloud((a - centre) / unit, np.full(len(a), float(len(b) // shared)))
+    right = Cloud((b - centre) / unit, np.full(len(b), float(len(a) // shared)))
+    return left, right, unit
 
 
 def divide(cloud: Cloud) -> Cells:

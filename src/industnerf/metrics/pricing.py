@@ -14,7 +14,7 @@ from scipy.spatial.distance import cdist
 
 from industnerf.metrics.cells import Cells, cross_distances
 
-# Rounding of the bound above: a few times 2^-52 of lengths of about 1 (see emd._to_unit).
+# Rounding of the bound above: a few times 2^-52 of lengths of about 1 (see cells.weighted).
 ROUNDING = 1e-13
 CHUNK = 2**14  # pairs of cells at a time: a few MB
 

@@ -1,0 +1,59 @@
+"""The proof of a transport cost: a plan from above, prices from below.
+
+    sum_k flow_k |a_i - b_j|   >=   W1   >=   sum_i u_i + sum_j v_j + least
+
+for any plan that carries every point's mass, and any prices that no pair undercuts by more
+than `least` <= 0 (sums weighted by mass; masses add to 1).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from industnerf.errors import MetricError
+from industnerf.metrics.candidates import Plan
+from industnerf.metrics.cells import Cloud
+
+RELATIVE_GAP = 1e-9  # of the value
+ABSOLUTE_GAP = 1e-12  # of the unit: rounding, where the clouds all but coincide
+
+
+@dataclass(frozen=True)
+class Emd:
+    """A proven distance: the truth lies in [value - gap, value], in the clouds' unit."""
+
+    value: float
+    gap: float
+    rounds: int  # of sparse solves; 0: the dense problem was solved
+    pairs: int  # given to the solver in the last round
+
+
+def allowed_gap(value: float) -> float:
+    return max(RELATIVE_GAP * value, ABSOLUTE_GAP)
+
+
+def transport_cost(a: Cloud, b: Cloud, plan: Plan) -> float:
+    """Mean distance of a plan that carries exactly the mass of every point, or MetricError.
+
+    Masses and flows are whole numbers, so that exactly means exactly.
+    """
+    sent = np.bincount(plan.rows, plan.flow, minlength=len(a.mass))
+    received = np.bincount(plan.cols, plan.flow, minlength=len(b.mass))
+    if not (np.array_equal(sent, a.mass) and np.array_equal(received, b.mass)):
+        off = np.abs(sent - a.mass).sum() + np.abs(received - b.mass).sum()
+        raise MetricError(f"POT's plan misplaces {off:g} of a mass of {a.mass.sum():g}")
+    lengths = np.linalg.norm(a.points[plan.rows] - b.points[plan.cols], axis=1)
+    return float(plan.flow @ lengths / a.mass.sum())
+
+
+def proven(a: Cloud, b: Cloud, plan: Plan, least: float, rounds: int, pairs: int) -> Emd:
+    """The cost of `plan`, if its prices prove it; no pair undercuts them by more than `least`."""
+    value = transport_cost(a, b, plan)
+    bound = float(a.mass @ plan.u + b.mass @ plan.v) / a.mass.sum() + least
+    gap = float(value - max(bound, 0.0))  # no distance is below 0, whatever the prices
+    if not gap <= allowed_gap(value):
+        raise MetricError(
+            f"EMD of {len(a.mass)} and {len(b.mass)} points is not proven: the plan found costs "
+            f"{value:.17g} of the clouds' extent, but the prices only prove {bound:.17g}"
+        )
+    return Emd(value, max(gap, 0.0), rounds, pairs)
