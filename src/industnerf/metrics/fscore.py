@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial import cKDTree
 
 from industnerf.errors import MetricError
-from industnerf.metrics.chamfer import nearest
+from industnerf.metrics.clouds import checked
 
 
 def share_within(
@@ -15,7 +16,10 @@ def share_within(
     """Share of the points of `a` no farther than `distance` from some point of `b`."""
     if not (math.isfinite(distance) and distance > 0):
         raise MetricError(f"a share within {distance!r} is undefined; it takes a positive length")
-    return float((nearest(a, b) <= distance).mean())
+    near, _ = cKDTree(checked(b, "b")).query(
+        checked(a, "a"), distance_upper_bound=np.nextafter(distance, np.inf)
+    )  # bounded, for the search for a far neighbour is the slow one; exclusive, hence nextafter
+    return float((near <= distance).mean())
 
 
 def fscore(

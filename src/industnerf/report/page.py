@@ -64,6 +64,10 @@ def _notes() -> str:
 
 
 def _table(heads: list[str], lines: list[tuple[list[str], bool]]) -> str:
+    """A table without the columns that no line fills."""
+    filled = [i for i in range(len(heads)) if any(texts[i] for texts, _ in lines)]
+    heads = [heads[i] for i in filled]
+    lines = [([texts[i] for i in filled], failed) for texts, failed in lines]
     head = "".join(f"<th>{escape(text)}" for text in heads)
     body = "".join(
         f"<tr{' class=failed' if failed else ''}>"

@@ -1,0 +1,131 @@
+"""What does a visual hull cost?
+
+python benchmarks/hull.py [part ...]     ids of embedded parts; without any, a choice of ten
+
+Seconds are those of the processor (set OMP_NUM_THREADS=1), so that a busy machine counts little.
+Every row is a process of its own, which reads the masks and makes the hull; `peak MB` is all of
+its memory.  `look-ups` are values read from the silhouettes' distance images.
+"""
+
+import multiprocessing
+import resource
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+import trimesh
+from rich.console import Console
+from rich.table import Table
+
+from industnerf.artifacts.part import Mesh
+from industnerf.capture.rigs import bounding_ball, cameras_around
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact
+from industnerf.geometry.cameras import Cameras, back_projection, pixel_centres
+from industnerf.geometry.raycast import Scene
+from industnerf.methods.hull import octree, surface
+from industnerf.methods.hull.silhouettes import distance_images
+from industnerf.parts.catalogue import catalogue, load
+from industnerf.schema import HullSettings, ViewsParams
+
+HEADS = ["px", "cell px", "images s", "octree s", "points s", "all s", "peak MB"]
+HEADS += ["cells M", "look-ups M", "points"]
+FORMS = ["d", "g", ".2f", ".2f", ".2f", ".2f", ".0f", ".2f", ".1f", "d"]
+RESOLUTIONS, CELLS_PX = (128, 256, 512, 1024), (0.5, 1.0, 2.0, 4.0)
+
+
+def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
+    """The embedded parts `names`, or primitives and every so many-th embedded part."""
+    try:
+        entries = {entry.id: entry for entry in catalogue()}
+    except BadArtifact:
+        entries = {}
+    if not names:
+        yield "box", as_mesh(trimesh.creation.box((20, 30, 40)))
+        yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
+        yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
+    for name in names or list(entries)[:: len(entries) // 7 + 1]:
+        yield name, Mesh(*load(entries[name]))
+
+
+def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
+    return Mesh(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+
+
+def masks_of(mesh: Mesh, settings: ViewsParams) -> tuple[np.ndarray, Cameras]:
+    """The training views' masks: pixels whose centre shows the part."""
+    cameras, held_out = cameras_around(*bounding_ball(mesh.vertices), settings)
+    cameras, scene = cameras[~held_out], Scene(mesh.vertices, mesh.faces)
+    uv1 = np.insert(pixel_centres(cameras.width, cameras.height), 2, 1, axis=1)
+    masks = [
+        np.isfinite(scene.distance(c2w[None, :3, 3], uv1 @ back_projection(K, c2w).T))
+        for K, c2w in zip(cameras.K, cameras.c2w, strict=True)
+    ]
+    return np.stack(masks).reshape(-1, cameras.height, cameras.width), cameras
+
+
+def measure(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list[str]:
+    """One row, but for the name."""
+    looked_up = 0
+
+    def counted(function: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+        def count(image: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+            nonlocal looked_up
+            looked_up += len(u)
+            return function(image, u, v)
+
+        return count
+
+    octree.bilinear = counted(octree.bilinear)
+    surface.bilinear = counted(surface.bilinear)
+    times = [process_time()]
+    seen = distance_images(masks, cameras, 0.0)
+    times.append(process_time())
+    families = octree.refine(seen, settings.cell_px, surface.SEGMENT)
+    times.append(process_time())
+    points = surface.draw(seen, families, settings.points, np.random.default_rng(0))
+    times.append(process_time())
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # kB on Linux
+    row = [cameras.width, settings.cell_px, *np.diff(times), times[-1] - times[0], peak]
+    row += [families.count / 1e6, looked_up / 1e6, len(points)]
+    return [f"{value:{form}}" for value, form in zip(row, FORMS, strict=True)]
+
+
+def alone(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list[str]:
+    """`measure` in a new process."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(measure, masks, cameras, settings).result()
+
+
+def new_table(title: str) -> Table:
+    table = Table(title=title)
+    table.add_column("part")
+    for head in HEADS:
+        table.add_column(head, justify="right")
+    return table
+
+
+def main(names: list[str]) -> None:
+    params, console = load_params(), Console(width=150)
+    views, hull = params.views, params.method.hull
+    parts = list(solids(names))
+    by_part = new_table(f"{views.count} views")
+    for name, mesh in parts:
+        by_part.add_row(name, *alone(*masks_of(mesh, views), hull))
+    console.print(by_part)
+    name, mesh = parts[-1]
+    by_size = new_table("against the resolution, then against the size of the cells")
+    for resolution in RESOLUTIONS:
+        at = replace(views, resolution=resolution)
+        by_size.add_row(name, *alone(*masks_of(mesh, at), hull))
+    for cell_px in CELLS_PX:
+        at = replace(hull, cell_px=cell_px)
+        by_size.add_row(name, *alone(*masks_of(mesh, views), at))
+    console.print(by_size)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
