@@ -16,6 +16,8 @@ from typing import Any
 from industnerf.config import flat, read_yaml
 
 EXPERIMENT = "industnerf"
+# Without it the UI opens on a page for language models instead of the table of runs.
+TABLE_OF_RUNS = {"mlflow.experimentKind": "custom_model_development"}
 
 
 def home() -> Path:
@@ -82,7 +84,8 @@ def _client() -> tuple[Any, str]:
     found = mlflow.get_experiment_by_name(EXPERIMENT)
     if found:
         return mlflow, found.experiment_id
-    return mlflow, mlflow.create_experiment(EXPERIMENT, (home() / "mlruns").as_uri())
+    artifacts = (home() / "mlruns").as_uri()
+    return mlflow, mlflow.create_experiment(EXPERIMENT, artifacts, tags=TABLE_OF_RUNS)
 
 
 @contextmanager

@@ -138,7 +138,9 @@ def _solve_pairs(
     cost = np.linalg.norm(a.points[rows] - b.points[cols], axis=1)
     reduced = cost - prices[0][rows] - prices[1][cols]
     shape = (len(a.mass), len(b.mass))
-    flow, v = _pot(a, b, sparse.coo_array((reduced, (rows, cols)), shape), max_pivots)
+    # Not below 0: POT weighs "infeasible" against the largest cost, not the most negative.
+    table = sparse.coo_array((reduced - reduced.min(), (rows, cols)), shape)
+    flow, v = _pot(a, b, table, max_pivots)
     used = flow.row.astype(np.int64), flow.col.astype(np.int64)
     u = highest(reduced - v[cols], rows)
     u, v = settle((rows, cols), reduced, used, (u, v))
@@ -157,7 +159,7 @@ def _solve_all(a: Cloud, b: Cloud, max_pivots: int) -> Plan:
 
 
 def _pot(a: Cloud, b: Cloud, cost: Cost, max_pivots: int) -> tuple[Cost, Float64[np.ndarray, "m"]]:
-    """POT's network simplex on a dense or sparse cost: the flow and the prices of `b`.
+    """POT's network simplex on a dense or sparse cost >= 0: the flow and the prices of `b`.
 
     The prices of `a` follow from these.  POT's own hang on arcs (n + m) (max cost + 1) dear,
     and carry the rounding of those; scaling the cost up makes that 1 vanish.
@@ -166,7 +168,7 @@ def _pot(a: Cloud, b: Cloud, cost: Cost, max_pivots: int) -> tuple[Cost, Float64
         os.environ.setdefault(f"POT_BACKEND_DISABLE_{backend}", "1")
     import ot
 
-    largest = np.abs(cost.data if sparse.issparse(cost) else cost).max()
+    largest = cost.max()
     scale = math.ldexp(1.0, 20 - math.frexp(max(largest, 1e-9))[1])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # POT's verdict is in the log

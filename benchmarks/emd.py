@@ -1,0 +1,152 @@
+"""How long does one exact EMD take, by few pairs and their proof, against POT on all pairs?
+
+OMP_NUM_THREADS=1 python benchmarks/emd.py [points ...]     4096 and 8192 by default
+
+Clouds are sampled from simple solids scaled to diagonal 1.  Either way runs in a process of its
+own, started afresh, one after the other, so a busy machine slows both and memory is its own.
+`floor` is the EMD of two independent even samples; good means below twice that.
+"""
+
+import multiprocessing
+import resource
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+import trimesh
+from rich.console import Console
+from rich.table import Table
+from scipy.spatial.distance import cdist
+from trimesh import creation
+
+from industnerf.metrics.emd import emd
+from industnerf.metrics.reduce import farthest_points
+
+OVERSAMPLED = 8  # samples per even point
+
+
+@dataclass(frozen=True)
+class Pair:
+    name: str
+    a: np.ndarray
+    b: np.ndarray
+
+
+@dataclass(frozen=True)
+class Run:
+    value: float
+    seconds: float
+    peak_mb: float
+
+
+def flange() -> trimesh.Trimesh:
+    neck = creation.annulus(0.15, 0.25, 0.5).apply_translation([0, 0, 0.25])
+    return trimesh.util.concatenate([creation.annulus(0.15, 0.5, 0.12), neck])
+
+
+def unit(solid: trimesh.Trimesh) -> trimesh.Trimesh:
+    centred = solid.copy().apply_translation(-solid.bounds.mean(axis=0))
+    return centred.apply_scale(1 / centred.scale)
+
+
+def area_samples(solid: trimesh.Trimesh, n: int, seed: int) -> np.ndarray:
+    return np.asarray(trimesh.sample.sample_surface(solid, n, seed=seed)[0])
+
+
+def even(solid: trimesh.Trimesh, n: int, seed: int, noise: float = 0.0) -> np.ndarray:
+    points = area_samples(solid, OVERSAMPLED * n, seed)
+    return farthest_points(points + np.random.default_rng(seed).normal(0, noise, points.shape), n)
+
+
+def pairs(n: int) -> Iterator[Pair]:
+    """From the truth against itself to a ball in its place; the truth is always `b`."""
+    solids = {"flange": flange(), "torus": creation.torus(1, 0.3), "box": creation.box((3, 2, 1))}
+    for name, solid in solids.items():
+        part = unit(solid)
+        truth = even(part, n, 0)
+        yield Pair(f"{name}: resampled", even(part, n, 1), truth)
+        yield Pair(f"{name}: resampled, noise 0.3 %", even(part, n, 1, 0.003), truth)
+        yield Pair(f"{name}: iid sample", area_samples(part, n, 1), truth)
+        yield Pair(f"{name}: 3/4 of the points", even(part, 3 * n // 4, 1), truth)
+        yield Pair(f"{name}: 10 % moved by 1 %", partly_moved(truth), truth)
+        yield Pair(f"{name}: noise 2 %", even(part, n, 1, 0.02), truth)
+        yield Pair(f"{name}: shifted 5 %", even(part, n, 1) + np.array([0.05, 0, 0]), truth)
+        yield Pair(f"{name}: one third missing", without_a_third(even(part, 2 * n, 1), n), truth)
+        yield Pair(f"{name}: its box", even(creation.box(part.extents), n, 1), truth)
+        yield Pair(f"{name}: a ball", even(creation.icosphere(4, 0.25), n, 1), truth)
+        yield Pair(f"{name}: far off", even(part, n, 1) + np.array([3.0, 2, 1]), truth)
+
+
+def partly_moved(points: np.ndarray) -> np.ndarray:
+    rng = np.random.default_rng(2)
+    return points + (rng.random((len(points), 1)) < 0.1) * rng.normal(0, 0.01, points.shape)
+
+
+def without_a_third(points: np.ndarray, n: int) -> np.ndarray:
+    kept = points[points[:, 0] < np.quantile(points[:, 0], 2 / 3)]
+    return farthest_points(kept, n)
+
+
+def dense(a: np.ndarray, b: np.ndarray) -> float:
+    """What one would write without this suite."""
+    import ot
+
+    weights = np.full(len(a), 1 / len(a)), np.full(len(b), 1 / len(b))
+    value, log = ot.emd2(*weights, cdist(a, b), numItermax=10**9, log=True)
+    assert log["warning"] is None, log["warning"]
+    return float(value)
+
+
+def timed(solve: Callable[[np.ndarray, np.ndarray], float], a: np.ndarray, b: np.ndarray) -> Run:
+    solve(a[:300], b[:300])  # imports
+    start = perf_counter()
+    value = solve(a, b)
+    seconds = perf_counter() - start
+    return Run(value, seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+
+
+def alone(solve: Callable[[np.ndarray, np.ndarray], float], pair: Pair) -> Run:
+    """`timed` in a fresh process."""
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        return pool.submit(timed, solve, pair.a, pair.b).result()
+
+
+def table(n: int) -> Table:
+    columns = [
+        "clouds",
+        "EMD",
+        "/ floor",
+        "s",
+        "dense s",
+        "times",
+        "rel. difference",
+        "MB",
+        "dense",
+    ]
+    result = Table(*columns, title=f"{n} points")
+    floor = np.nan
+    for pair in pairs(n):
+        sparse, full = alone(emd, pair), alone(dense, pair)
+        if pair.name.endswith(": resampled"):
+            floor = sparse.value
+        result.add_row(
+            pair.name,
+            f"{sparse.value:.5f}",
+            f"{sparse.value / floor:.2f}",
+            f"{sparse.seconds:.2f}",
+            f"{full.seconds:.2f}",
+            f"{full.seconds / sparse.seconds:.1f}",
+            f"{sparse.value / full.value - 1:+.0e}",
+            f"{sparse.peak_mb:.0f}",
+            f"{full.peak_mb:.0f}",
+        )
+    return result
+
+
+if __name__ == "__main__":
+    for points in [int(argument) for argument in sys.argv[1:]] or [4096, 8192]:
+        Console(width=120).print(table(points))
