@@ -5,6 +5,7 @@ INDUSTNERF_MLFLOW    the folder of mlflow.db and mlruns; default: the current on
 
 import fcntl
 import json
+import logging
 import os
 import subprocess
 import sys
@@ -32,7 +33,7 @@ def prepare() -> None:
     made under a lock; call this before any fan-out.
     """
     if _is_on():
-        with _quiet(), _locked():
+        with _locked():
             _client()
 
 
@@ -47,7 +48,7 @@ def log_report(
     if not _is_on():
         return
     try:
-        with _quiet(), _locked():
+        with _locked():
             _log(report, params, name, tags)
     except Exception as error:  # whatever MLflow or SQLite throws, the results are on disk
         print(
@@ -78,8 +79,12 @@ def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[s
 
 
 def _client() -> tuple[Any, str]:
+    """MLflow, without telemetry and without the lines that a fresh database prints."""
+    os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
     import mlflow
 
+    for name in ("alembic", "mlflow"):
+        logging.getLogger(name).setLevel(logging.WARNING)  # after the import, which sets its own
     mlflow.set_tracking_uri(f"sqlite:///{home() / 'mlflow.db'}")
     found = mlflow.get_experiment_by_name(EXPERIMENT)
     if found:
@@ -94,17 +99,6 @@ def _locked() -> Iterator[None]:
     with (home() / "mlflow.db.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """No telemetry, and none of the hundred lines that a fresh database prints."""
-    import logging
-
-    os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
-    for name in ("alembic", "mlflow"):
-        logging.getLogger(name).setLevel(logging.WARNING)
-    yield
 
 
 def git_state() -> dict[str, str]:

@@ -18,6 +18,7 @@ from scipy.spatial.distance import cdist
 
 from industnerf.errors import MetricError
 from industnerf.metrics import emd as module
+from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import weighted
 from industnerf.metrics.emd import DENSE_PAIRS, DENSE_SIDE, emd, proven_emd
 from industnerf.metrics.proof import Emd
@@ -174,6 +175,12 @@ def test_any_unit_of_length(unit):
     assert emd(a * unit, b * unit) == emd(a, b) * unit  # a power of two: exact
 
 
+def test_far_from_the_origin_nothing_changes():
+    """Points on a grid of 2^-20, moved by 2^20: coordinates are exact, so the bytes the same."""
+    a, b = (np.round(cloud * 2**20) / 2**20 for cloud in PAIRS["ball for a box"])
+    assert proven_emd(a + 2.0**20, b + 2.0**20) == proven_emd(a, b)
+
+
 @given(SEEDS, SIZES)
 def test_translating_a_cloud_costs_the_length_of_the_translation(seed, n):
     """W1(X, X + v) = |v|: the mean displacement bounds it below, the identity above."""
@@ -289,6 +296,21 @@ def test_a_solver_that_errs_is_found_out(monkeypatch):
         return (coo_array(flow) if issparse(cost) else flow), np.zeros(len(b.mass))
 
     monkeypatch.setattr(module, "_pot", other_problem)
+    for n in (100, LARGE):
+        with pytest.raises(MetricError, match="not proven"):
+            proven_emd(box(1, n), box(2, n))
+
+
+def test_prices_that_fit_the_plan_and_undercut_others_are_found_out(monkeypatch):
+    """The identity, with prices that pay for just that: only the check of all pairs objects."""
+
+    def identity(a, b, *_):
+        each = np.arange(len(a.mass))
+        lengths = np.linalg.norm(a.points - b.points, axis=1)
+        return Plan(each, each, a.mass, lengths, np.zeros(len(b.mass)))
+
+    monkeypatch.setattr(module, "_solve_all", identity)
+    monkeypatch.setattr(module, "_solve_pairs", identity)
     for n in (100, LARGE):
         with pytest.raises(MetricError, match="not proven"):
             proven_emd(box(1, n), box(2, n))

@@ -63,6 +63,26 @@ def test_a_plan_that_misplaces_mass_has_no_cost(flow):
         transport_cost(A, B, replace(PLAN, flow=flow))
 
 
+def test_a_plan_that_takes_from_the_wrong_points_has_no_cost():
+    with pytest.raises(MetricError, match="misplaces 18"):
+        transport_cost(A, B, replace(PLAN, rows=np.zeros(10, np.int64)))
+    with pytest.raises(MetricError, match="misplaces 18"):
+        transport_cost(A, B, replace(PLAN, cols=np.zeros(10, np.int64)))
+
+
+def test_a_trace_of_mass_in_the_wrong_place_is_noticed():
+    """2^-40 of the first point's mass goes to the second: all of it is sent, not all received."""
+    trace = 2.0**-40
+    leak = replace(
+        PLAN,
+        rows=np.array([*EACH, 0]),
+        cols=np.array([*EACH, 1]),
+        flow=np.array([1 - trace, *np.ones(9), trace]),
+    )
+    with pytest.raises(MetricError, match="misplaces"):
+        transport_cost(A, B, leak)
+
+
 def test_a_plan_that_leaves_a_point_out_has_no_cost():
     lost = replace(PLAN, rows=EACH[1:], cols=EACH[1:], flow=np.ones(9))
     with pytest.raises(MetricError, match="misplaces 2 of a mass of 10"):

@@ -162,6 +162,8 @@ def test_a_folder_without_cad_is_named(tmp_path):
     (tmp_path / "readme.txt").touch()
     with pytest.raises(BadParams, match=r"parts\.path: no file in .* ends in \.step"):
         find_sources(tmp_path, params(), 0)
+    with pytest.raises(BadParams, match="set parts.source: path"):
+        find_sources(tmp_path, params(source="embedded"), 0)
     with pytest.raises(BadParams, match="is not a folder"):
         find_sources(tmp_path / "nowhere", params(), 0)
 

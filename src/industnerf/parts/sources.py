@@ -42,6 +42,12 @@ def find_sources(folder: Path, settings: PartsParams, seed: int) -> list[Source]
 
 
 def _embedded(folder: Path, settings: PartsParams, seed: int) -> list[Source]:
+    if not (folder / "catalogue.json").exists():
+        raise BadParams(
+            f"parts.path: {folder} holds no catalogue.json; for files of your own set "
+            "parts.source: path"
+        )
+
     def source(entry: Entry) -> Source:
         make = partial(ingest_embedded, folder, entry, eyes=settings.eyes, seed=seed)
         return Source(entry.id, make, [entry, settings.eyes, seed], (folder / f"{entry.id}.npz",))

@@ -69,7 +69,9 @@ def _summary(study: Study, rows, out: Path) -> dict:
 
 
 def _show(rows, extras, out: Path) -> None:
-    shown = Table(title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE)
+    shown = Table(
+        title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE, padding=(0, 0)
+    )
     wanted = [COLUMNS.index(name) for name in ON_SCREEN]
     for i in wanted:
         shown.add_column(COLUMNS[i], justify="left" if i == 0 else "right", no_wrap=True)
@@ -80,4 +82,4 @@ def _show(rows, extras, out: Path) -> None:
         shown.add_row(*[texts[i] for i in wanted])
     console = Console()
     console.print(shown)
-    console.print(f"open {out / 'report.html'}", markup=False)
+    console.print(f"open {(out / 'report.html').absolute()}", markup=False, soft_wrap=True)
