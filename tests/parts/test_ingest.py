@@ -6,6 +6,7 @@ import trimesh
 
 from industnerf.artifacts.part import load_mesh, load_part
 from industnerf.errors import BadParams, BadPart
+from industnerf.parts.checks import volume_mm3
 from industnerf.parts.clean import clean
 from industnerf.parts.ingest import ingest_file
 from industnerf.parts.read import read_cad
@@ -49,14 +50,14 @@ def test_a_box_in_any_format_is_a_box(tmp_path, box, suffix):
 
 def test_glb_is_in_metres(tmp_path, box):
     box.export(tmp_path / "box.glb")
-    vertices, _, _ = read_cad(tmp_path / "box.glb", "mm")
+    vertices, _ = read_cad(tmp_path / "box.glb", "mm")
     assert np.ptp(vertices, axis=0) == pytest.approx((30e3, 20e3, 10e3), rel=1e-6)
 
 
 @pytest.mark.parametrize(("units", "factor"), [("mm", 1), ("cm", 10), ("m", 1000), ("inch", 25.4)])
 def test_units_of_a_file_that_states_none(tmp_path, box, units, factor):
     box.export(tmp_path / "box.stl")
-    vertices, _, _ = read_cad(tmp_path / "box.stl", units)
+    vertices, _ = read_cad(tmp_path / "box.stl", units)
     assert np.ptp(vertices, axis=0) == pytest.approx(np.array((30, 20, 10)) * factor, rel=1e-6)
 
 
@@ -83,6 +84,22 @@ def test_step_without_the_extra_says_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setattr("industnerf.parts.read.find_spec", lambda name: None)
     with pytest.raises(BadPart, match=r"pip install -e '\.\[cad\]'"):
         read_cad(tmp_path / "part.step", "mm")
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")  # the CAD kernel's own
+def test_step_comes_in_mm_and_as_fine_as_its_size_asks(tmp_path):
+    pytest.importorskip("cascadio")
+    build123d = pytest.importorskip("build123d")
+    for name, radius in (("small", 0.05), ("large", 500.0)):
+        build123d.export_step(build123d.Sphere(radius), str(tmp_path / f"{name}.step"))
+        vertices, faces = read_cad(tmp_path / f"{name}.step", "inch")  # STEP states its own unit
+        mesh, defects = clean(vertices, faces, 1e-6)
+        assert defects == ()
+        # a chord error of 5e-4 diagonals of the box, sqrt(12) radii, takes off at most
+        # 3 x 5e-4 x sqrt(12) of the volume, and never adds any
+        share = volume_mm3(mesh.vertices, mesh.faces) / (4 / 3 * np.pi * radius**3)
+        assert 1 - 3 * 5e-4 * np.sqrt(12) < share < 1
 
 
 def test_faces_with_non_finite_vertices_are_dropped_and_counted(box):
@@ -162,7 +179,7 @@ def test_a_folder_without_cad_is_named(tmp_path):
     (tmp_path / "readme.txt").touch()
     with pytest.raises(BadParams, match=r"parts\.path: no file in .* ends in \.step"):
         find_sources(tmp_path, params(), 0)
-    with pytest.raises(BadParams, match="set parts.source: path"):
+    with pytest.raises(BadParams, match=r"set parts\.source: path"):
         find_sources(tmp_path, params(source="embedded"), 0)
     with pytest.raises(BadParams, match="is not a folder"):
         find_sources(tmp_path / "nowhere", params(), 0)

@@ -57,7 +57,7 @@ def ingest_file(
     seed: int,
 ) -> None:
     """Write the part folder of a user's file; raises BadPart if no solid can be read from it."""
-    vertices, faces, bodies = read_cad(path, units)
+    vertices, faces = read_cad(path, units)
     mesh, defects = clean(vertices, faces, weld)
     closed = not len(checks.bad_edges(mesh.faces))
     part = Part(
@@ -69,7 +69,7 @@ def ingest_file(
         extents_mm=tuple(float(x) for x in checks.extents_mm(mesh.vertices)),
         area_mm2=checks.area_mm2(mesh.vertices, mesh.faces),
         volume_mm3=checks.volume_mm3(mesh.vertices, mesh.faces) if closed else None,
-        bodies=bodies,
+        bodies=checks.bodies(mesh.faces),
         faces=len(mesh.faces),
         visible_share=visible_share(mesh, eyes, seed, part_id),
         defects=defects,

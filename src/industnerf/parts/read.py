@@ -12,13 +12,11 @@ STEP = (".step", ".stp")
 IN_METRES = (*STEP, ".glb", ".gltf")  # by their standard, or by the reader's output
 SUFFIXES = (*STEP, ".stl", ".ply", ".obj", ".off", ".glb", ".gltf")
 MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}
-CHORD, ANGLE = 5e-4, 0.25  # tessellation: share of the size, radians
+CHORD, ANGLE = 5e-4, 0.25  # tessellation: share of the diagonal, radians
 
 
-def read_cad(
-    path: Path, units: str
-) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"], int]:
-    """Vertices in mm, faces, and the number of bodies in the file.
+def read_cad(path: Path, units: str) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"]]:
+    """Vertices in mm, and faces.
 
     `units` are those of a file that states none.  Raises BadPart that names the file and says
     what is wrong if it cannot be read or holds no face.
@@ -26,20 +24,33 @@ def read_cad(
     suffix = path.suffix.lower()
     if suffix in STEP and find_spec("cascadio") is None:
         raise BadPart(f"{path.name}: STEP needs the CAD extra: pip install -e '.[cad]'")
-    import trimesh
-
-    tessellation = (
-        {"tol_linear": CHORD, "tol_angular": ANGLE, "tol_relative": True} if suffix in STEP else {}
-    )
     try:
-        scene = trimesh.load_scene(path, process=False, **tessellation)
-        bodies = [m for m in scene.dump() if isinstance(m, trimesh.Trimesh) and len(m.faces)]
+        meshes = _read_step(path) if suffix in STEP else _read(path)
     except Exception as error:  # readers raise whatever their parser met
         raise BadPart(f"{path.name}: not readable as {suffix}: {error}") from None
-    if not bodies:
+    if not meshes:
         raise BadPart(f"{path.name}: no face in the file; it is empty, cut short or no solid")
-    first = np.cumsum([0] + [len(body.vertices) for body in bodies[:-1]])
-    vertices = np.concatenate([body.vertices for body in bodies]).astype(np.float64)
-    faces = np.concatenate([b.faces + at for b, at in zip(bodies, first, strict=True)])
+    first = np.cumsum([0] + [len(vertices) for vertices, _ in meshes[:-1]])
+    vertices = np.concatenate([vertices for vertices, _ in meshes]).astype(np.float64)
+    faces = np.concatenate([faces + at for (_, faces), at in zip(meshes, first, strict=True)])
     scale = MM["m"] if suffix in IN_METRES else MM[units]
-    return vertices * scale, faces.astype(np.int64), len(bodies)
+    return vertices * scale, faces.astype(np.int64)
+
+
+def _read_step(path: Path) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Twice: coarsely for the size (the reader's tolerance is absolute, in mm), then finely."""
+    coarse = _read(path, tol_linear=1.0, tol_angular=0.5, merge_primitives=False)
+    if not coarse:
+        return []
+    points = np.concatenate([vertices for vertices, _ in coarse]) * MM["m"]
+    chord = CHORD * float(np.linalg.norm(np.ptp(points, axis=0)))
+    return _read(path, tol_linear=chord, tol_angular=ANGLE, merge_primitives=False)
+
+
+def _read(path: Path, **options: float | bool) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Vertices, in the file's unit, and faces of every mesh in the file, placed in the scene."""
+    import trimesh
+
+    scene = trimesh.load_scene(path, process=False, **options)
+    meshes = [body for body in scene.dump() if isinstance(body, trimesh.Trimesh)]
+    return [(np.asarray(m.vertices), np.asarray(m.faces)) for m in meshes if len(m.faces)]
