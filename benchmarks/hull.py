@@ -10,49 +10,29 @@ its memory.  `look-ups` are values read from the silhouettes' distance images.
 import multiprocessing
 import resource
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from time import process_time
 
 import numpy as np
-import trimesh
 from rich.console import Console
 from rich.table import Table
+from solids import solids
 
 from industnerf.artifacts.part import Mesh
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.config import load_params
-from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras, back_projection, pixel_centres
 from industnerf.geometry.raycast import Scene
 from industnerf.methods.hull import octree, surface
 from industnerf.methods.hull.silhouettes import distance_images
-from industnerf.parts.catalogue import catalogue, load
 from industnerf.schema import HullSettings, ViewsParams
 
 HEADS = ["px", "cell px", "images s", "octree s", "points s", "all s", "peak MB"]
 HEADS += ["cells M", "look-ups M", "points"]
 FORMS = ["d", "g", ".2f", ".2f", ".2f", ".2f", ".0f", ".2f", ".1f", "d"]
 RESOLUTIONS, CELLS_PX = (128, 256, 512, 1024), (0.5, 1.0, 2.0, 4.0)
-
-
-def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
-    """The embedded parts `names`, or primitives and every so many-th embedded part."""
-    try:
-        entries = {entry.id: entry for entry in catalogue()}
-    except BadArtifact:
-        entries = {}
-    if not names:
-        yield "box", as_mesh(trimesh.creation.box((20, 30, 40)))
-        yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
-        yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
-    for name in names or list(entries)[:: len(entries) // 7 + 1]:
-        yield name, Mesh(*load(entries[name]))
-
-
-def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
-    return Mesh(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
 
 
 def masks_of(mesh: Mesh, settings: ViewsParams) -> tuple[np.ndarray, Cameras]:

@@ -17,9 +17,9 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-import trimesh
 from rich.console import Console
 from rich.table import Table
+from solids import solids
 
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.views import Frame, Views, save_views
@@ -28,10 +28,8 @@ from industnerf.capture.photograph import DEPTH_STEPS
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.capture.surface import Surface
 from industnerf.config import load_params
-from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras, back_projection
 from industnerf.geometry.raycast import Scene
-from industnerf.parts.catalogue import catalogue, load
 from industnerf.schema import ViewsParams
 
 # Each share: the functions that it counts, less those in them that another share counts.
@@ -46,24 +44,6 @@ SHARES = {
 HEADS = ["faces", "ready ms", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
 HEADS += [f"{name} %" for name in SHARES]
 FORMS = ["d", ".0f", ".1f", ".1f", ".2f", ".1f", ".1f", ".1f"] + [".0f"] * len(SHARES)
-
-
-def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
-    """The embedded parts `names`, or primitives and every so many-th embedded part."""
-    try:
-        entries = {entry.id: entry for entry in catalogue()}
-    except BadArtifact:
-        entries = {}
-    if not names:
-        yield "box", as_mesh(trimesh.creation.box((20, 30, 40)))
-        yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
-        yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
-    for name in names or list(entries)[:: len(entries) // 7 + 1]:
-        yield name, Mesh(*load(entries[name]))
-
-
-def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
-    return Mesh(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
 
 
 def bare(mesh: Mesh, cameras: Cameras) -> Iterator[float]:

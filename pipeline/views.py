@@ -4,7 +4,6 @@ from functools import partial
 from pathlib import Path
 
 from industnerf.capture.photograph import photograph
-
 from industnerf.cli import run_as_stage
 from industnerf.config import Masked
 from industnerf.stage import Task, read_failures, read_index, run_stage
