@@ -30,6 +30,7 @@ def main(preset: str) -> None:
     environment = {**{name: str(path) for name, path in places.items()}, **os.environ}
     if subprocess.run(["dvc", "repro"], cwd=project, env=environment).returncode:
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
+    print(f"open {project.relative_to(root) / 'reports' / 'report.html'}")
 
 
 def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
