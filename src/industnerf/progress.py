@@ -7,6 +7,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from industnerf.store import Cost
+
 
 class Progress:
     """Counts done, reused and failed parts of one stage."""
@@ -14,6 +16,7 @@ class Progress:
     def __init__(self, step: str, name: str, total: int, reused: int) -> None:
         self._label = step if name == step else f"{step} {name}"
         self._total, self._reused, self._done, self._failed = total, reused, 0, 0
+        self._peak_mb = 0.0
         self._console = Console()
         self._start = time.perf_counter()
         self._bar = Bar(
@@ -34,8 +37,9 @@ class Progress:
         )
         return self
 
-    def advance(self, part_id: str, error: str | None) -> None:
+    def advance(self, part_id: str, error: str | None, cost: Cost | None) -> None:
         """Count one part; a failure is said at once."""
+        self._peak_mb = max(self._peak_mb, cost.peak_mb if cost else 0.0)
         self._done += error is None
         self._failed += error is not None
         self._bar.update(self._task, advance=1, note=self._note())
@@ -53,7 +57,8 @@ class Progress:
         self._bar.stop()
         seconds = time.perf_counter() - self._start
         ending = "interrupted" if kind else "done"
-        self._console.print(f"{self._label}: {ending}, {self._note()}, {seconds:.1f} s")
+        memory = f", at most {self._peak_mb:.0f} MB a process" if self._peak_mb else ""
+        self._console.print(f"{self._label}: {ending}, {self._note()}, {seconds:.1f} s{memory}")
 
     def _note(self) -> str:
         return f"{self._done} made, {self._reused} reused, {self._failed} failed"

@@ -61,10 +61,10 @@ def run_stage(
     works = [partial(_make, store, step, keys[i], tasks[i].make) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
         for outcome in runner_from_environment().map(works, limit_s):
-            part_id = tasks[todo[outcome.index]].part_id
+            at = todo[outcome.index]
             if outcome.error is not None:
-                failures[part_id] = outcome.error
-            progress.advance(part_id, outcome.error)
+                failures[tasks[at].part_id] = outcome.error
+            progress.advance(tasks[at].part_id, outcome.error, store.cost(step, keys[at]))
     for task, key in zip(tasks, keys, strict=True):
         if task.part_id not in failures:
             store.place(step, key, out / task.part_id)
