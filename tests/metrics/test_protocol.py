@@ -1,0 +1,148 @@
+"""Protocol P1 on solids whose visible surface is known."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.scores import load_scores
+from industnerf.artifacts.truth import Truth
+from industnerf.errors import MetricError
+from industnerf.geometry.sampling import sample_surface
+from industnerf.geometry.shapes import ball_surface, box_surface
+from industnerf.metrics.protocol import score_failure, score_part
+from industnerf.metrics.truth import measure_truth
+from industnerf.metrics.visible import Frame, Rig, scored
+from industnerf.schema import EvaluateParams
+
+SETTINGS = EvaluateParams(
+    points=256, dense=4096, cap=4096, rig=40, rig_radius=4.1, hidden=0.01, fscore=0.02
+)
+SIDE, CAVITY = 20.0, 10.0  # mm
+
+
+def hollow_box() -> Mesh:
+    """A cube with a closed cavity that nobody can see."""
+    outer, inner = trimesh.creation.box([SIDE] * 3), trimesh.creation.box([CAVITY] * 3)
+    faces = np.concatenate([outer.faces, inner.faces[:, ::-1] + len(outer.vertices)])
+    return Mesh(np.concatenate([outer.vertices, inner.vertices]), faces.astype(np.int32))
+
+
+def samples(mesh, count=2000, seed=0):
+    return sample_surface(mesh.vertices, mesh.faces, count, np.random.default_rng(seed))[0]
+
+
+def is_inner(points):
+    """Points of the cavity lie within half its side, those of the outside do not."""
+    return np.abs(points).max(axis=1) < (SIDE + CAVITY) / 4
+
+
+def test_the_rig_sees_the_outside_all_of_it_and_nothing_else():
+    points = samples(hollow_box())
+    sees = Rig(Frame(hollow_box()), SETTINGS).sees(points)
+    np.testing.assert_array_equal(sees, ~is_inner(points))
+
+
+def test_only_deep_points_nearer_to_hidden_truth_are_left_out():
+    mesh, truth = hollow_box(), samples(hollow_box())
+    rig = Rig(Frame(mesh), SETTINGS)
+    on_cavity, just_beneath = truth[is_inner(truth)], np.array([[0.0, 0.0, 0.9 * SIDE / 2]])
+    predicted = np.concatenate([truth[~is_inner(truth)], just_beneath, on_cavity])
+    keep = scored(rig, predicted, truth, ~is_inner(truth), SETTINGS.hidden)
+    # 1 mm beneath the surface is deeper than 1 % of the diagonal (0.35 mm), but far from the cavity
+    np.testing.assert_array_equal(keep, np.arange(len(predicted)) < len(predicted) - len(on_cavity))
+
+
+def test_nothing_is_left_out_where_nothing_is_hidden():
+    mesh = hollow_box()
+    deep = np.zeros((3, 3))
+    keep = scored(Rig(Frame(mesh), SETTINGS), deep, samples(mesh), np.ones(2000, bool), 0.01)
+    assert keep.all()
+
+
+@pytest.fixture
+def part(tmp_path):
+    """A hollow box on disk, with its truth; returns what makes and scores a cloud of it."""
+    return Case(tmp_path / "a", hollow_box())
+
+
+class Case:
+    """One part on disk."""
+
+    def __init__(self, folder: Path, mesh: Mesh, name: str = "part") -> None:
+        self.mesh, self.folder = mesh, folder
+        for part in (name, "truth", "cloud", "scores"):
+            (folder / part).mkdir(parents=True)
+        self.part = folder / name
+        np.savez_compressed(self.part / "mesh.npz", vertices=mesh.vertices, faces=mesh.faces)
+        measure_truth(self.part, folder / "truth", settings=SETTINGS, seed=0)
+
+    def scores(self, points: np.ndarray) -> dict[tuple[str, str], float]:
+        n = len(points)
+        grey, sure = np.zeros((n, 3), np.uint8), np.ones(n, np.float32)
+        Cloud("part", points.astype(np.float32), grey, sure, 0, 0).save(self.folder / "cloud")
+        truth, cloud, target = (self.folder / name for name in ("truth", "cloud", "scores"))
+        score_part(self.part, truth, cloud, target, settings=SETTINGS, seed=0)
+        return self.read()
+
+    def failure(self) -> dict[tuple[str, str], float]:
+        truth, target = self.folder / "truth", self.folder / "scores"
+        score_failure(self.part, truth, target, settings=SETTINGS, seed=0)
+        return self.read()
+
+    def read(self) -> dict[tuple[str, str], float]:
+        self.rows = load_scores(self.folder / "scores")
+        return {(row.metric, row.protocol): row.value for row in self.rows}
+
+
+def test_a_perfect_cloud_of_the_outside_is_at_the_floor_and_lacks_the_hidden_part(part):
+    truth = Truth.load(part.folder / "truth")
+    points = samples(part.mesh, 8000, seed=5)
+    values = part.scores(points[~is_inner(points)])
+    # both are distances between independent samples of one surface; 256 points agree to 10 %
+    assert values["emd", "P1-even"] == pytest.approx(truth.floors["emd P1-even"], rel=0.1)
+    # a fifth of the whole surface is the cavity, which this cloud has not: that mass moves 5 mm
+    # or more, 0.14 diagonals, where the floor moves 0.045; seen here: 1.43 floors
+    assert values["emd", "P1-full"] > 1.2 * truth.floors["emd P1-full"]
+    assert {row.status for row in part.rows} == {"ok"}
+
+
+def test_scores_do_not_depend_on_where_the_part_is_or_how_large(part, tmp_path):
+    scale, shift = 1000.0, np.array([5e4, -2e4, 1e4])
+    moved = Mesh(part.mesh.vertices * scale + shift, part.mesh.faces)
+    points = samples(part.mesh, 3000, seed=3) * 1.05
+    here, there = part.scores(points), Case(tmp_path / "b", moved).scores(points * scale + shift)
+    # clouds are kept in float32: 5e4 mm is rounded by 0.004 mm, 1e-7 diagonals of 3.5e4 mm
+    for kind, value in here.items():
+        assert there[kind] == pytest.approx(value, rel=1e-4), kind
+
+
+def test_a_failure_scores_the_worse_of_ball_and_box(part):
+    extents, rng = np.full(3, SIDE), np.random.default_rng(0)
+    ball, box = (
+        part.scores(surface(extents, np.zeros(3), 4096, rng))
+        for surface in (ball_surface, box_surface)
+    )
+    failed = part.failure()
+    assert {row.status for row in part.rows} == {"failed"}
+    # other samples of the same two surfaces: they agree to a few per cent at 256 points
+    assert failed["emd", "P1-even"] == pytest.approx(
+        max(ball["emd", "P1-even"], box["emd", "P1-even"]), rel=0.05
+    )
+    assert failed["fscore", "P1-dense"] <= min(ball["fscore", "P1-dense"], 0.9)
+
+
+def test_a_cloud_with_no_point_to_score_is_a_failure(part):
+    points = samples(part.mesh)
+    part.scores(points[is_inner(points)])
+    assert {row.status for row in part.rows} == {"failed"}
+
+
+def test_too_few_visible_samples_name_the_knob(part, tmp_path):
+    wanted = replace(SETTINGS, points=4000)
+    with pytest.raises(MetricError, match=r"raise evaluate\.dense"):
+        measure_truth(part.part, tmp_path, settings=wanted, seed=0)

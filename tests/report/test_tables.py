@@ -1,0 +1,102 @@
+"""Table 1: what enters a mean, and what does not."""
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+
+from industnerf.artifacts.part import Part
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.artifacts.split import Place
+from industnerf.methods import load_method
+from industnerf.report.gather import Folders, Study
+from industnerf.report.tables import (
+    Extra,
+    scores_csv,
+    table1,
+    table1_csv,
+    table1_md,
+    without_failures,
+)
+from industnerf.schema import ReportParams
+
+SETTINGS = ReportParams(resamples=200, interval=0.95, sheet_parts=4)
+PROTOCOLS = ("P1-even", "P1-iid", "P1-full")
+
+
+def part(name, family):
+    return Part(name, family, name, "embedded", "", (1.0, 1.0, 1.0), 1.0, 1.0, 1, 1, 1.0, ())
+
+
+def scores(method, values, failed=()):
+    """EMDs of parts a, b, ...: `P1-iid` is 0.1 more than `P1-even`, `P1-full` 0.2 more."""
+    return [
+        PartScore(
+            name,
+            method,
+            Score(
+                "emd",
+                protocol,
+                value + 0.1 * i,
+                0.01,
+                "diagonal",
+                "failed" if name in failed else "ok",
+            ),
+        )
+        for name, value in zip("abcd", values, strict=True)
+        for i, protocol in enumerate(PROTOCOLS)
+    ]
+
+
+@pytest.fixture
+def study():
+    """Three test parts of two families and a dev part; the hull failed on one."""
+    nowhere = Path("nowhere")
+    return Study(
+        "smoke",
+        0,
+        12,
+        {name: load_method(name) for name in ("hull", "oracle")},
+        {name: part(name, family) for name, family in zip("abcd", "ffgg", strict=True)},
+        {name: Place("dev" if name == "d" else "test", None) for name in "abcd"},
+        scores("hull", [0.02, 0.04, 0.3, 9.0], failed="c") + scores("oracle", [0.01] * 4),
+        {},
+        {"hull": (0, 0), "oracle": (0, 0)},
+        Folders(*[nowhere] * 6),
+    )
+
+
+def test_a_headline_mean_holds_the_test_parts_failures_included(study):
+    rows = {(row.method, row.split): row for row in table1(study, SETTINGS)}
+    hull = rows["hull", "test"]
+    assert hull.emd_even == pytest.approx((0.02 + 0.04 + 0.3) / 3)
+    assert hull.emd_iid == pytest.approx(hull.emd_even + 0.1)
+    assert hull.emd_full == pytest.approx(hull.emd_even + 0.2)
+    assert (hull.parts, hull.failures) == (3, 1)
+    assert hull.ratio_to_floor == pytest.approx(hull.emd_even / 0.01)
+    assert without_failures(study, hull) == pytest.approx(0.03)
+    assert rows["hull", "dev"].emd_even == 9.0
+    assert hull.ci_low <= hull.emd_even <= hull.ci_high
+
+
+def test_reported_parts_come_first_and_the_best_method_leads(study):
+    order = [(row.split, row.method) for row in table1(study, SETTINGS)]
+    assert order == [("test", "oracle"), ("test", "hull"), ("dev", "oracle"), ("dev", "hull")]
+
+
+def test_a_bound_says_that_it_is_one(study):
+    inputs = {row.method: row.inputs for row in table1(study, SETTINGS)}
+    assert inputs == {"oracle": "own mesh (bound)", "hull": "mask"}
+
+
+def test_the_files_hold_what_the_rows_do(study):
+    rows = table1(study, SETTINGS)
+    read = list(csv.DictReader(io.StringIO(table1_csv(rows))))
+    assert [row["method"] for row in read] == [row.method for row in rows]
+    assert float(read[1]["emd_even"]) == pytest.approx(rows[1].emd_even, abs=5e-7)
+    assert read[1]["paper_emd"] == ""
+    text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
+    assert "90 %" in text.splitlines()[0]
+    assert "| 1.50 |" in text
+    assert len(scores_csv(study).splitlines()) == 1 + 2 * 4 * 3
