@@ -8,7 +8,7 @@ from pathlib import Path
 
 PACKAGE = "industnerf"
 # Types and words: they cannot change a result whose parameters are part of its key anyway.
-WITHOUT_EFFECT = frozenset({f"{PACKAGE}.schema", f"{PACKAGE}.errors"})
+WITHOUT_EFFECT = (f"{PACKAGE}.schema", f"{PACKAGE}.errors")
 
 
 @cache
@@ -44,7 +44,7 @@ def closure(module: str) -> frozenset[str]:
     todo = [module]
     while todo:
         name = todo.pop()
-        if name not in seen and name not in WITHOUT_EFFECT:
+        if name not in seen and not name.startswith(WITHOUT_EFFECT):
             seen.add(name)
             todo += imports_of(name)
     return frozenset(seen)

@@ -1,0 +1,41 @@
+"""`method`: the settings of every method."""
+
+from dataclasses import dataclass
+
+from industnerf.schema.rules import require
+
+
+@dataclass(frozen=True)
+class HullSettings:
+    cell_px: float
+    points: int
+
+    def __post_init__(self) -> None:
+        require(0 < self.cell_px <= 8, "method.hull.cell_px", self.cell_px, "in (0, 8] px")
+        require(self.points >= 1, "method.hull.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
+class HullRgbSettings:
+    hull: HullSettings
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        require(0 <= self.tolerance < 1, "method.hull_rgb.tolerance", self.tolerance, "in [0, 1)")
+
+
+@dataclass(frozen=True)
+class SampleSettings:
+    points: int
+
+    def __post_init__(self) -> None:
+        require(self.points >= 1, "method.*.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
+class MethodSettings:
+    hull: HullSettings
+    hull_rgb: HullRgbSettings
+    ball: SampleSettings
+    box: SampleSettings
+    oracle: SampleSettings
