@@ -21,8 +21,8 @@ def solids(names: list[str]) -> Iterator[tuple[str, Mesh]]:
         yield "ball", as_mesh(trimesh.creation.icosphere(subdivisions=5))
         yield "ring", as_mesh(trimesh.creation.annulus(5, 10, 4, sections=128))
     for name in names or list(entries)[:: len(entries) // 7 + 1]:
-        yield name, Mesh(*load(entries[name]))
+        yield name, load(entries[name])
 
 
 def as_mesh(mesh: trimesh.Trimesh) -> Mesh:
-    return Mesh(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+    return Mesh.plain(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))

@@ -5,9 +5,9 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.finish import UNSTATED, Finish
 from industnerf.artifacts.part import (
     Mesh,
-    Part,
     load_mesh,
     load_part,
     load_parts,
@@ -17,11 +17,21 @@ from industnerf.artifacts.part import (
 from industnerf.artifacts.scores import Score, gather_scores, load_method_scores, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import BadArtifact, MetricError
+from tests.samples import unit_part
 
-PART = Part(
-    "p1", "gears", "m2 z24", "embedded", "ours", (3.0, 4.0, 0.0), 2.0, None, 1, 1, 0.5, ("a", "b")
+BRASS = Finish("brass", (0.7, 0.5, 0.2), 1.0, 0.3)
+PART = unit_part(
+    extents_mm=(3.0, 4.0, 0.0),
+    volume_mm3=None,
+    strata=("thin", "holes"),
+    finishes=(UNSTATED, BRASS),
+    defects=("a", "b"),
 )
-MESH = Mesh(np.array([[0, 0, 0], [3, 0, 0], [0, 4, 0.1]]), np.array([[0, 1, 2]], np.int32))
+MESH = Mesh(
+    np.array([[0, 0, 0], [3, 0, 0], [0, 4, 0.1]]),
+    np.array([[0, 1, 2]], np.int32),
+    np.array([1], np.uint8),
+)
 CLOUD = Cloud(
     "p1",
     np.arange(6, dtype=np.float32).reshape(2, 3),
@@ -39,6 +49,7 @@ def test_a_part_survives_its_files(tmp_path):
     assert PART.diagonal_mm == 5.0
     np.testing.assert_array_equal(mesh.vertices, MESH.vertices)
     np.testing.assert_array_equal(mesh.faces, MESH.faces)
+    np.testing.assert_array_equal(mesh.finish, MESH.finish)
 
 
 def test_the_ply_beside_it_opens_in_other_tools(tmp_path):
@@ -99,8 +110,8 @@ def test_a_missing_or_torn_file_is_named_with_the_stage_that_mends_it(
 def test_another_schema_is_refused(tmp_path):
     save_part(tmp_path, PART, MESH)
     path = tmp_path / "part.json"
-    path.write_text(path.read_text().replace('"schema": 1', '"schema": 99'))
-    with pytest.raises(BadArtifact, match="schema 99, this code reads 1"):
+    path.write_text(path.read_text().replace('"schema": 2', '"schema": 99'))
+    with pytest.raises(BadArtifact, match="schema 99, this code reads 2"):
         load_part(tmp_path)
 
 
@@ -111,7 +122,7 @@ def test_the_manifest_has_a_row_a_part(tmp_path):
     write_manifest(tmp_path)
     head, row = (tmp_path / "manifest.csv").read_text().splitlines()
     assert head.startswith("part_id,family,designation")
-    assert row.endswith("3.0,4.0,0.0,a; b")
+    assert row.endswith("3.0,4.0,0.0,thin; holes,unstated; brass,a; b")
     assert load_parts(tmp_path) == [PART]
 
 

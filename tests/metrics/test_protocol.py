@@ -29,7 +29,7 @@ def hollow_box() -> Mesh:
     """A cube with a closed cavity that nobody can see."""
     outer, inner = trimesh.creation.box([SIDE] * 3), trimesh.creation.box([CAVITY] * 3)
     faces = np.concatenate([outer.faces, inner.faces[:, ::-1] + len(outer.vertices)])
-    return Mesh(np.concatenate([outer.vertices, inner.vertices]), faces.astype(np.int32))
+    return Mesh.plain(np.concatenate([outer.vertices, inner.vertices]), faces.astype(np.int32))
 
 
 def samples(mesh, count=2000, seed=0):
@@ -78,7 +78,7 @@ class Case:
         for part in (name, "truth", "cloud", "scores"):
             (folder / part).mkdir(parents=True)
         self.part = folder / name
-        np.savez_compressed(self.part / "mesh.npz", vertices=mesh.vertices, faces=mesh.faces)
+        np.savez_compressed(self.part / "mesh.npz", **vars(mesh))
         measure_truth(self.part, folder / "truth", settings=SETTINGS, seed=0)
 
     def scores(self, points: np.ndarray) -> dict[tuple[str, str], float]:
@@ -113,7 +113,7 @@ def test_a_perfect_cloud_of_the_outside_is_at_the_floor_and_lacks_the_hidden_par
 
 def test_scores_do_not_depend_on_where_the_part_is_or_how_large(part, tmp_path):
     scale, shift = 1000.0, np.array([5e4, -2e4, 1e4])
-    moved = Mesh(part.mesh.vertices * scale + shift, part.mesh.faces)
+    moved = Mesh.plain(part.mesh.vertices * scale + shift, part.mesh.faces)
     points = samples(part.mesh, 3000, seed=3) * 1.05
     here, there = part.scores(points), Case(tmp_path / "b", moved).scores(points * scale + shift)
     # clouds are kept in float32: 5e4 mm is rounded by 0.004 mm, 1e-7 diagonals of 3.5e4 mm

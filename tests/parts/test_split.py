@@ -1,15 +1,15 @@
 """The split: stable under additions, families whole, dev only where something was tuned."""
 
-from industnerf.artifacts.part import Part
 from industnerf.artifacts.split import load_split, save_split
 from industnerf.parts.split import assign
 from industnerf.schema import SplitParams
+from tests.samples import unit_part
 
 SETTINGS = SplitParams(dev_share=0.15, folds=3)
 
 
 def part(number, family="gears", origin="embedded"):
-    return Part(f"p{number}", family, "", origin, "", (1.0, 1.0, 1.0), 1.0, 1.0, 1, 1, 1.0, ())
+    return unit_part(f"p{number}", family, origin=origin)
 
 
 MANY = [part(i, family=f"f{i % 40}") for i in range(1000)]

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
@@ -20,13 +19,10 @@ from industnerf.report.tables import (
     without_failures,
 )
 from industnerf.schema import ReportParams
+from tests.samples import unit_part
 
 SETTINGS = ReportParams(resamples=200, interval=0.95, sheet_parts=4)
 PROTOCOLS = ("P1-even", "P1-iid", "P1-full")
-
-
-def part(name, family):
-    return Part(name, family, name, "embedded", "", (1.0, 1.0, 1.0), 1.0, 1.0, 1, 1, 1.0, ())
 
 
 def scores(method, values, failed=()):
@@ -58,7 +54,7 @@ def study():
         0,
         12,
         {name: load_method(name) for name in ("hull", "oracle")},
-        {name: part(name, family) for name, family in zip("abcd", "ffgg", strict=True)},
+        {name: unit_part(name, family) for name, family in zip("abcd", "ffgg", strict=True)},
         {name: Place("dev" if name == "d" else "test", None) for name in "abcd"},
         scores("hull", [0.02, 0.04, 0.3, 9.0], failed="c") + scores("oracle", [0.01] * 4),
         {},

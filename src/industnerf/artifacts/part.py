@@ -1,4 +1,4 @@
-"""A part: one solid, its mesh in mm and what is known about it."""
+"""A part: one solid or assembly, its mesh in mm and what is known about it."""
 
 import csv
 import io
@@ -6,13 +6,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Float, Int32, UInt8
 
 from industnerf.artifacts.files import read_json, read_npz, write_json, write_text
+from industnerf.artifacts.finish import Finish, finish_from
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -22,14 +23,18 @@ class Part:
     part_id: str
     family: str
     designation: str
-    origin: str  # "embedded", or "file" for a part that the user brought
+    origin: str  # "embedded", "organic", or "file" for a part that the user brought
     source: str  # the library that drew it, or the file's name
     extents_mm: tuple[float, float, float]
     area_mm2: float
     volume_mm3: float | None  # None where the mesh is not closed
     bodies: int
     faces: int
+    euler_number: int  # V - E + F; of a closed surface 2 (bodies - through holes)
     visible_share: float  # of the area, from a dense sphere of eyes
+    hull_hidden_share: float  # of the area, what no silhouette shows (geometry/tangents.py)
+    strata: tuple[str, ...]  # see industnerf.parts.strata
+    finishes: tuple[Finish, ...]  # what `Mesh.finish` counts; at least one
     defects: tuple[str, ...]  # found and mended, or found and left
 
     @property
@@ -43,7 +48,13 @@ class Mesh:
     """An indexed triangle mesh; shared vertices are welded."""
 
     vertices: Float[np.ndarray, "n 3"]  # mm, float64
-    faces: Int32[np.ndarray, "m 3"]
+    faces: Int32[np.ndarray, "m 3"]  # counter-clockwise seen from outside
+    finish: UInt8[np.ndarray, "m"]  # of each face, an index into `Part.finishes`
+
+    @staticmethod
+    def plain(vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]) -> "Mesh":
+        """A mesh of one finish."""
+        return Mesh(vertices, faces, np.zeros(len(faces), np.uint8))
 
     @property
     def triangles(self) -> Float[np.ndarray, "m 3 3"]:
@@ -54,7 +65,7 @@ class Mesh:
 def save_part(folder: Path, part: Part, mesh: Mesh) -> None:
     """Write `part.json`, `mesh.npz` and, for viewers, `mesh.ply` into `folder`."""
     write_json(folder / "part.json", {"schema": SCHEMA} | asdict(part))
-    np.savez_compressed(folder / "mesh.npz", vertices=mesh.vertices, faces=mesh.faces)
+    np.savez_compressed(folder / "mesh.npz", **vars(mesh))
     write_ply(folder / "mesh.ply", mesh.vertices, faces=mesh.faces)
 
 
@@ -62,19 +73,19 @@ def load_part(folder: Path) -> Part:
     """Read `part.json`; raises BadArtifact if it is missing, torn or of another schema."""
     content = read_json(folder / "part.json", SCHEMA, "parts")
     del content["schema"]
-    content["extents_mm"] = tuple(content["extents_mm"])
-    content["defects"] = tuple(content["defects"])
+    for name in ("extents_mm", "strata", "defects"):
+        content[name] = tuple(content[name])
+    content["finishes"] = tuple(finish_from(row) for row in content["finishes"])
     return Part(**content)
 
 
 def load_mesh(folder: Path) -> Mesh:
     """Read `mesh.npz`; raises BadArtifact if it is missing or not a triangle mesh."""
     path = folder / "mesh.npz"
-    vertices, faces = read_npz(path, ("vertices", "faces"), "parts")
-    mesh = Mesh(vertices.astype(np.float64), faces.astype(np.int32))
-    if mesh.vertices.shape[1:] != (3,) or mesh.faces.shape[1:] != (3,):
-        raise BadArtifact(f"{path}: shapes {mesh.vertices.shape} and {mesh.faces.shape}")
-    return mesh
+    vertices, faces, finish = read_npz(path, ("vertices", "faces", "finish"), "parts")
+    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or finish.shape != faces.shape[:1]:
+        raise BadArtifact(f"{path}: shapes {vertices.shape}, {faces.shape} and {finish.shape}")
+    return Mesh(vertices.astype(np.float64), faces.astype(np.int32), finish.astype(np.uint8))
 
 
 def load_parts(folder: Path) -> list[Part]:
@@ -84,11 +95,14 @@ def load_parts(folder: Path) -> list[Part]:
 
 def write_manifest(folder: Path) -> None:
     """Write `manifest.csv`, one row a part, for people and spreadsheets."""
-    columns = [name for name in Part.__dataclass_fields__ if name not in ("extents_mm", "defects")]
+    lists = ("extents_mm", "strata", "finishes", "defects")
+    columns = [name for name in Part.__dataclass_fields__ if name not in lists]
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow([*columns, "x_mm", "y_mm", "z_mm", "defects"])
+    table.writerow([*columns, "x_mm", "y_mm", "z_mm", "strata", "finishes", "defects"])
     for part in load_parts(folder):
         values = [getattr(part, name) for name in columns]
-        table.writerow([*values, *part.extents_mm, "; ".join(part.defects)])
+        finishes = (finish.name for finish in part.finishes)
+        texts = ("; ".join(several) for several in (part.strata, finishes, part.defects))
+        table.writerow([*values, *part.extents_mm, *texts])
     write_text(folder / "manifest.csv", text.getvalue())

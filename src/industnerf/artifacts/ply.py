@@ -13,8 +13,12 @@ def write_ply(
     colours: UInt8[np.ndarray, "n 3"] | None = None,
     confidence: Float[np.ndarray, "n"] | None = None,
     faces: Int32[np.ndarray, "m 3"] | None = None,
+    face_colours: UInt8[np.ndarray, "m 3"] | None = None,
 ) -> None:
-    """Write points, with colour and confidence if given, or a mesh if `faces` is."""
+    """Write points, with colour and confidence if given, or a mesh if `faces` is; colours are sRGB.
+
+    `face_colours` need `faces`.
+    """
     columns: list[tuple[str, str, np.ndarray]] = [
         (name, "f4", points_mm[:, axis]) for axis, name in enumerate("xyz")
     ]
@@ -32,10 +36,16 @@ def write_ply(
     header += [f"property {word[kind]} {name}" for name, kind, _ in columns]
     if faces is not None:
         header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    if face_colours is not None:
+        header += [f"property uchar {name}" for name in ("red", "green", "blue")]
     with path.open("wb") as file:
         file.write("\n".join([*header, "end_header\n"]).encode())
         file.write(vertices.tobytes())
         if faces is not None:
-            triangles = np.empty(len(faces), [("count", "u1"), ("corners", "<i4", 3)])
+            row = [("count", "u1"), ("corners", "<i4", 3)]
+            row += [] if face_colours is None else [("colour", "u1", 3)]
+            triangles = np.empty(len(faces), row)
             triangles["count"], triangles["corners"] = 3, faces
+            if face_colours is not None:
+                triangles["colour"] = face_colours
             file.write(triangles.tobytes())
