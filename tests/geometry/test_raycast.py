@@ -105,3 +105,15 @@ def test_embree_is_imported_only_when_a_scene_is_built():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert output.stdout.strip() == "False"
+
+
+def test_a_ray_is_blocked_where_it_meets_the_mesh():
+    vertices, faces = soup(40)
+    origins = 200 * fibonacci_sphere(300) + 50
+    aim = np.random.default_rng(2).uniform(0, 100, (300, 3))
+    scene, directions = Scene(vertices, faces), aim - origins
+    met = np.isfinite(scene.distance(origins, directions))
+    assert 60 < met.sum() < 300
+    np.testing.assert_array_equal(scene.blocked(origins, directions), met)
+    away = scene.blocked(origins, -directions)  # what lies behind the start does not count
+    np.testing.assert_array_equal(away, np.isfinite(scene.distance(origins, -directions)))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
 
 
 @given(st.integers(1, 300), st.floats(-10, 10))
@@ -37,3 +37,10 @@ def test_turning_rotates_about_z():
     np.testing.assert_allclose(
         fibonacci_sphere(17, np.pi / 2), fibonacci_sphere(17) @ quarter.T, rtol=0, atol=1e-14
     )
+
+
+@given(st.integers(1, 300), st.floats(-10, 10))
+def test_the_hemisphere_has_rings_of_equal_area_above_the_horizon(n, turn):
+    points = fibonacci_hemisphere(n, turn)
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(points[:, 2], 1 - (np.arange(n) + 0.5) / n, rtol=0, atol=1e-14)

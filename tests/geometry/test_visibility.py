@@ -1,11 +1,13 @@
 """What is seen of solids whose visibility is known in closed form."""
 
 import numpy as np
+import pytest
 import trimesh
 
+from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.raycast import Scene
 from industnerf.geometry.sphere import fibonacci_sphere
-from industnerf.geometry.visibility import seen_from
+from industnerf.geometry.visibility import SAMPLES, area_samples, seen_by, seen_from
 
 
 def scene_of(mesh: trimesh.Trimesh) -> Scene:
@@ -59,3 +61,39 @@ def test_the_tolerance_is_a_depth():
 def test_a_point_before_the_surface_is_seen():
     scene = scene_of(trimesh.creation.box((20, 20, 20)))
     assert seen_from(scene, np.array([[0.0, 0, 30]]), np.array([[0.0, 0, 100]]), 0.0).all()
+
+
+def test_a_camera_sees_what_is_in_its_frame_alone():
+    """The cube from 60 mm above its top: the frame holds a square of 50 tan(5 degrees) each way."""
+    points, scene = box_faces(), scene_of(trimesh.creation.box((20, 20, 20)))
+    eye = np.array([[0.0, 0, 60]])
+    on_top = points[:, 2] == 10
+    for fov_deg in (10.0, 60.0):
+        cameras = Cameras(pinhole(fov_deg, 64)[None], look_at(eye, np.zeros(3)), 64, 64)
+        reach = 50 * np.tan(np.radians(fov_deg / 2))
+        framed = on_top & (np.abs(points[:, :2]).max(axis=1) <= reach)
+        np.testing.assert_array_equal(seen_by(scene, points, cameras, 1e-3), framed)
+    away = Cameras(pinhole(60.0, 64)[None], look_at(eye, 2 * eye[0]), 64, 64)
+    assert not seen_by(scene, points, away, 1e-3).any()
+
+
+def test_cameras_together_see_what_any_of_them_sees():
+    points, scene = box_faces(), scene_of(trimesh.creation.box((20, 20, 20)))
+    eyes = 100 * fibonacci_sphere(6)
+    K = np.tile(pinhole(12.0, 64), (6, 1, 1))
+    cameras = Cameras(K, look_at(eyes, np.array([5.0, 0, 0])), 64, 64)
+    alone = [seen_by(scene, points, cameras[np.array([i])], 1e-3) for i in range(6)]
+    np.testing.assert_array_equal(seen_by(scene, points, cameras, 1e-3), np.any(alone, axis=0))
+    assert 0.1 < np.any(alone, axis=0).mean() < 0.99
+
+
+def test_area_samples_are_the_same_for_all_who_ask():
+    """And lie on the surface: their tolerance is 1e-4 of the diagonal."""
+    box = trimesh.creation.box((20, 30, 40))
+    arrays = np.array(box.vertices, float), np.array(box.faces, np.int32)
+    (points, tolerance_mm), (again, _) = area_samples(*arrays), area_samples(*arrays)
+    np.testing.assert_array_equal(points, again)
+    assert len(points) == SAMPLES
+    off = (np.abs(points) - [10, 15, 20]).max(axis=1)
+    np.testing.assert_allclose(off, 0, rtol=0, atol=1e-12)
+    assert tolerance_mm == pytest.approx(1e-4 * np.sqrt(2900), rel=1e-12)

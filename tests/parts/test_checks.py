@@ -6,6 +6,7 @@ import pytest
 from industnerf.errors import BadPart
 from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
+from tests.solids import tube
 
 SIDES = np.array([2.0, 3.0, 5.0])  # mm
 
@@ -77,6 +78,42 @@ def test_two_boxes_are_two_bodies():
     assert checks.volume_mm3(np.concatenate([a, b]), np.concatenate([faces, faces + 8])) == (
         pytest.approx(60)
     )
+
+
+def test_pieces_of_two_boxes_are_told_apart_however_faces_are_ordered():
+    _, faces = box()
+    both = np.concatenate([faces, faces + 20])  # numbers that no face uses do not count
+    order = np.random.default_rng(0).permutation(24)
+    piece = checks.pieces(both[order])
+    assert set(piece) == {0, 1}
+    assert len({(number, face >= 12) for number, face in zip(piece, order, strict=True)}) == 2
+
+
+def test_a_cavity_is_a_body_and_no_solid():
+    outer, faces = box()
+    inner, _ = box(sides=SIDES / 2, corner=SIDES / 4)
+    apart, _ = box(corner=(10.0, 0.0, 0.0))
+    hollow = np.concatenate([faces, faces[:, ::-1] + 8])
+    assert checks.bodies(hollow) == 2
+    assert checks.solids(np.concatenate([outer, inner]), hollow) == 1
+    with_another = np.concatenate([hollow, faces + 16])
+    assert checks.solids(np.concatenate([outer, inner, apart]), with_another) == 2
+
+
+def test_solids_of_an_open_mesh_are_its_bodies():
+    vertices, faces = box()
+    lidless = np.concatenate([faces[:-1], faces + 8])
+    assert checks.solids(np.concatenate([vertices, vertices + 10]), lidless) == 2
+
+
+def test_through_holes_are_counted_of_closed_surfaces_only():
+    ring = tube(5, 7, 20, sections=8).faces
+    _, faces = box()
+    assert checks.euler_number(ring) == 0
+    assert checks.through_holes(ring) == 1
+    assert checks.through_holes(np.concatenate([ring, faces + 100])) == 1
+    assert checks.through_holes(faces) == 0
+    assert checks.through_holes(ring[1:]) == 0
 
 
 def test_a_missing_face_leaves_its_three_edges_open():

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Int32
+from jaxtyping import Bool, Float, Float32, Int32
 
 
 @dataclass(frozen=True)
@@ -57,3 +57,10 @@ class Scene:
     ) -> Float32[np.ndarray, "rays"]:
         """`cast(...).t` alone."""
         return self.cast(origins, directions).t
+
+    def blocked(
+        self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
+    ) -> Bool[np.ndarray, "rays"]:
+        """Whether the rays from `origins` (mm) meet the mesh at all: cheaper than where."""
+        towards = directions.astype(np.float32, copy=False)
+        return self._scene.run(self._to_box(origins), towards, query="OCCLUDED") >= 0

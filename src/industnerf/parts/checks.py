@@ -7,11 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from industnerf.errors import BadPart
-from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.geometry.beams import beams
 
 MOST_BACK_FACES = 1e-3  # share of the rays; a part with more crosses or folds through itself
 
@@ -51,13 +49,50 @@ def extents_mm(vertices: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:
     return np.ptp(vertices, axis=0)
 
 
-def bodies(faces: Int[np.ndarray, "m 3"]) -> int:
-    """Connected pieces of surface; faces are connected if they share a vertex."""
+def pieces(faces: Int[np.ndarray, "m 3"]) -> Int[np.ndarray, "m"]:
+    """The number of the connected piece of surface that each face is in, from 0.
+
+    Faces are connected if they share a vertex.
+    """
+    from scipy.sparse import coo_array  # late: reading the catalogue needs numpy alone
+    from scipy.sparse.csgraph import connected_components
+
     vertex, inverse = np.unique(faces, return_inverse=True)
     a, b, c = inverse.reshape(-1, 3).T
     start, end = np.concatenate([a, b]), np.concatenate([b, c])
     shared = coo_array((np.ones(len(start)), (start, end)), shape=(len(vertex), len(vertex)))
-    return int(connected_components(shared, directed=False, return_labels=False))
+    return connected_components(shared, directed=False)[1][a]
+
+
+def bodies(faces: Int[np.ndarray, "m 3"]) -> int:
+    """Connected pieces of surface; the wall of a closed cavity is one of its own."""
+    return int(pieces(faces).max(initial=-1)) + 1
+
+
+def solids(vertices: Float[np.ndarray, "n 3"], faces: Int[np.ndarray, "m 3"]) -> int:
+    """Pieces of surface; of a closed mesh only those of positive volume, for others are cavities.
+
+    Counting so, a hollow ball is one solid and two bodies.
+    """
+    if len(bad_edges(faces)):
+        return bodies(faces)
+    a, b, c = corners(vertices - (vertices.min(axis=0) + vertices.max(axis=0)) / 2, faces)
+    wedges = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return int((np.bincount(pieces(faces), weights=wedges) > 0).sum())
+
+
+def euler_number(faces: Int[np.ndarray, "m 3"]) -> int:
+    """V - E + F, of the vertices that faces use; 2 (bodies - through holes) if closed."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    n = int(faces.max(initial=0)) + 1
+    edges = np.sort(np.minimum(start, end).astype(np.int64) * n + np.maximum(start, end))
+    distinct = np.count_nonzero(np.diff(edges, prepend=-1))  # numpy's unique is slower
+    return int(np.count_nonzero(np.bincount(start)) - distinct + len(faces))
+
+
+def through_holes(faces: Int[np.ndarray, "m 3"]) -> int:
+    """The genus of a closed surface, summed over its pieces; 0 of an open one, which has none."""
+    return 0 if len(bad_edges(faces)) else bodies(faces) - euler_number(faces) // 2
 
 
 def back_face_share(
@@ -69,19 +104,13 @@ def back_face_share(
 ) -> float:
     """Of the rays from outside that hit the part, the share that meets a face from behind.
 
-    Zero for a sound surface.  `views` parallel beams from all round, each a square grid of
-    `rays_across`**2 rays as wide as the part.  Only such a test sees a solid that crosses itself:
-    it can be closed, valid and of positive volume all the same.
+    Zero for a sound surface.  The rays are `views` parallel beams of `rays_across`**2 from all
+    round.  Only such a test sees a solid that crosses itself: it can be closed, valid and of
+    positive volume all the same.
     """
-    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    reach = 0.5 * float(np.linalg.norm(extents_mm(vertices)))
     normals = doubled_normals(vertices, faces)
-    across = reach * (2 * np.arange(rays_across) + 1 - rays_across) / rays_across
-    grid = np.stack(np.meshgrid(across, across), axis=-1).reshape(-1, 2)
     hit = behind = 0
-    for direction in fibonacci_sphere(views):
-        sides = np.linalg.svd(direction[None])[2][1:]  # two unit vectors across the beam
-        origins = centre - 2 * reach * direction + grid @ sides
+    for origins, direction in beams(vertices, views, rays_across):
         face = first_face(origins, np.broadcast_to(direction, origins.shape))
         face = face[face >= 0]
         hit += len(face)

@@ -1,0 +1,80 @@
+"""One pleasant picture of a mesh, for people: contact sheets and reports, never an experiment."""
+
+import numpy as np
+from jaxtyping import Float, Int32, UInt8
+
+from industnerf.geometry.raycast import Scene
+
+TOWARDS_EYE = np.array([1.0, -1.2, 0.9])  # from the upper right: where a draughtsman would stand
+MARGIN = 0.04  # of the picture, left white on each side
+SUPERSAMPLES = 2  # rays across a pixel, both ways
+AMBIENT = 0.3
+# (right, up, towards the eye) in the picture, and intensity: one lamp to model, one to fill
+LAMPS = (((-0.5, 0.8, 0.6), 0.65), ((0.9, 0.1, 0.4), 0.2))
+
+
+def portrait(
+    vertices: Float[np.ndarray, "n 3"],
+    faces: Int32[np.ndarray, "m 3"],
+    albedo: Float[np.ndarray, "m 3"],
+    size_px: int,
+) -> UInt8[np.ndarray, "{size_px} {size_px} 3"]:
+    """The mesh as large as the picture allows, seen in parallel projection, +z up, on white.
+
+    `albedo` is linear, in [0, 1], and one colour a face; light follows Lambert's law, a face is
+    lit on the side that the viewer sees, and the picture is encoded in sRGB.
+    """
+    view = _axes()
+    seen = vertices @ view.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    side = float((high - low)[:2].max()) / (1 - 2 * MARGIN)
+    face = _first_faces(Scene(vertices, faces), view, (low + high) / 2, high[2], side, size_px)
+    paper = np.ones((1, 3), np.float32)
+    colours = np.concatenate([albedo * _light(vertices, faces, view), paper])  # face -1 is paper
+    linear = np.minimum(colours[face], 1).reshape(size_px, SUPERSAMPLES, size_px, SUPERSAMPLES, 3)
+    return np.round(255 * _srgb(linear.mean(axis=(1, 3)))).astype(np.uint8)
+
+
+def _axes() -> Float[np.ndarray, "3 3"]:
+    """Rows: right, up and towards the eye, in the world."""
+    back = TOWARDS_EYE / np.linalg.norm(TOWARDS_EYE)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(back, right), back])
+
+
+def _first_faces(
+    scene: Scene,
+    view: Float[np.ndarray, "3 3"],
+    centre: Float[np.ndarray, "3"],
+    nearest: float,
+    side: float,
+    size_px: int,
+) -> Int32[np.ndarray, "rays"]:
+    """The face that each ray of a square grid of width `side` (mm) meets first, row by row."""
+    rays = size_px * SUPERSAMPLES
+    across = side * ((np.arange(rays) + 0.5) / rays - 0.5)
+    x, y = np.meshgrid(centre[0] + across, centre[1] - across)
+    starts = np.stack([x.ravel(), y.ravel(), np.full(rays * rays, nearest + side)], axis=1) @ view
+    return scene.cast(starts, np.broadcast_to(-view[2], starts.shape)).face
+
+
+def _light(
+    vertices: Float[np.ndarray, "n 3"],
+    faces: Int32[np.ndarray, "m 3"],
+    view: Float[np.ndarray, "3 3"],
+) -> Float[np.ndarray, "m 1"]:
+    """What falls on each face: ambient + sum of intensity * max(0, cosine)."""
+    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
+    normal = np.cross(b - a, c - a) @ view.T
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal /= np.where(length > 0, length, 1) * np.where(normal[:, 2:] < 0, -1, 1)
+    light = np.full((len(faces), 1), AMBIENT)
+    for towards, intensity in LAMPS:
+        light[:, 0] += intensity * np.maximum(normal @ (towards / np.linalg.norm(towards)), 0)
+    return light
+
+
+def _srgb(linear: Float[np.ndarray, "h w 3"]) -> Float[np.ndarray, "h w 3"]:
+    """Encoded for a screen -- IEC 61966-2-1."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

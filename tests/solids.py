@@ -1,0 +1,58 @@
+"""Closed meshes of simple solids, in mm, their axis along z and their middle at the origin."""
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from industnerf.artifacts.part import Mesh
+
+SOME_TURN = Rotation.from_euler("xyz", [0.4, -1.1, 2.3]).as_matrix()  # no axis lies along another
+
+
+def mesh_of(mesh: trimesh.Trimesh) -> Mesh:
+    return Mesh.plain(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+
+
+def box(x: float, y: float, z: float) -> Mesh:
+    return mesh_of(trimesh.creation.box((x, y, z)))
+
+
+def ball(radius: float, subdivisions: int = 4) -> Mesh:
+    return mesh_of(trimesh.creation.icosphere(subdivisions, radius))
+
+
+def prism(sides: int, radius: float, height: float) -> Mesh:
+    """Over a regular polygon whose corners lie on the circle of `radius`."""
+    return mesh_of(trimesh.creation.cylinder(radius, height, sections=sides))
+
+
+def tube(inner: float, outer: float, length: float, sections: int = 64) -> Mesh:
+    return mesh_of(trimesh.creation.annulus(inner, outer, length, sections=sections))
+
+
+def torus(major: float, minor: float, sections: int = 64) -> Mesh:
+    return mesh_of(
+        trimesh.creation.torus(major, minor, major_sections=sections, minor_sections=sections)
+    )
+
+
+def cup(inner: float, outer: float, floor: float, height: float, sections: int = 64) -> Mesh:
+    """A tube with a floor `floor` mm thick, open at the top."""
+    outline = [(0, 0), (outer, 0), (outer, height), (inner, height), (inner, floor), (0, floor)]
+    turned = trimesh.creation.revolve(np.array(outline, float), sections=sections)
+    turned.vertices -= [0, 0, height / 2]
+    return mesh_of(turned)
+
+
+def together(*meshes: Mesh) -> Mesh:
+    """Several meshes as one, nothing merged."""
+    starts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
+    vertices = np.concatenate([mesh.vertices for mesh in meshes])
+    return Mesh.plain(vertices, np.concatenate(faces).astype(np.int32))
+
+
+def moved(mesh: Mesh, scale: float = 1.0, turn: np.ndarray | None = None, by=(0, 0, 0)) -> Mesh:
+    """Turned, then scaled, then shifted."""
+    turned = mesh.vertices if turn is None else mesh.vertices @ turn.T
+    return Mesh(scale * turned + np.array(by, float), mesh.faces, mesh.finish)
