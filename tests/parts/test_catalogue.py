@@ -12,7 +12,8 @@ import pytest
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
-from industnerf.parts.catalogue import EMBEDDED, catalogue, digest, load
+from industnerf.parts.catalogue import EMBEDDED, Entry, catalogue, digest, load
+from industnerf.parts.measure import Measured, measure
 
 ENTRIES = catalogue()
 every_part = pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.id)
@@ -27,8 +28,13 @@ def copied(tmp_path):
 
 
 def test_the_set_is_broad_enough():
-    assert len(ENTRIES) >= 24
-    assert len({entry.family for entry in ENTRIES}) >= 12
+    assert len(ENTRIES) >= 100
+    assert len({entry.family for entry in ENTRIES}) >= 16
+    assert {entry.origin for entry in ENTRIES} == {"embedded"}
+
+
+def test_the_set_is_small_enough_to_ship():
+    assert sum(path.stat().st_size for path in EMBEDDED.glob("*.npz")) < 10e6
 
 
 def test_ids_are_unique_and_name_the_files():
@@ -44,47 +50,56 @@ def test_entries_are_ordered():
 
 @every_part
 def test_mesh_is_closed_oriented_and_as_catalogued(entry):
-    vertices, faces = load(entry)
-    checks.require_sound(entry.id, vertices, faces)
-    assert len(faces) == entry.faces
-    assert np.array_equal(np.unique(faces), np.arange(len(vertices)))
-    assert checks.bodies(faces) == entry.bodies
-    # The catalogue rounds to four decimals.
-    assert checks.volume_mm3(vertices, faces) == pytest.approx(entry.volume_mm3, rel=0, abs=1e-4)
-    assert checks.area_mm2(vertices, faces) == pytest.approx(entry.area_mm2, rel=0, abs=1e-4)
-    assert checks.extents_mm(vertices) == pytest.approx(entry.extents_mm, rel=0, abs=1e-4)
+    mesh, known = load(entry), entry.measured
+    checks.require_sound(entry.id, mesh.vertices, mesh.faces)
+    assert len(mesh.faces) == known.faces
+    assert np.array_equal(np.unique(mesh.faces), np.arange(len(mesh.vertices)))
+    assert np.array_equal(np.unique(mesh.finish), np.arange(len(entry.finishes)))
+    assert checks.bodies(mesh.faces) == known.bodies
+    assert checks.euler_number(mesh.faces) == known.euler_number
+    # The catalogue keeps ten digits; the order of a sum can cost one more.
+    volume, area = (f(mesh.vertices, mesh.faces) for f in (checks.volume_mm3, checks.area_mm2))
+    assert volume == pytest.approx(known.volume_mm3, rel=1e-9)
+    assert area == pytest.approx(known.area_mm2, rel=1e-9)
+    assert checks.extents_mm(mesh.vertices) == pytest.approx(known.extents_mm, rel=1e-9)
 
 
 @every_part
 def test_volume_is_near_the_exact_one(entry):
-    if entry.brep_volume_mm3 is None:
-        assert entry.volume_deviation is None
-        return
     # Chords cut off up to 5e-4 of the diagonal, from the outside and from the bores alike; what
     # that takes from a part of ordinary thickness was measured on a hundred parts: below 0.5 %.
-    deviation = entry.volume_mm3 / entry.brep_volume_mm3 - 1
-    assert deviation == pytest.approx(entry.volume_deviation, abs=1e-6)
-    assert abs(deviation) < 0.005
+    # A spring is all thin wire.
+    assert abs(entry.volume_deviation) < (0.02 if "spring" in entry.id else 0.005)
 
 
 @every_part
 def test_hardly_a_ray_meets_a_face_from_behind(entry):
-    vertices, faces = load(entry)
-    scene = Scene(vertices, faces)
+    mesh = load(entry)
+    scene = Scene(mesh.vertices, mesh.faces)
     share = checks.back_face_share(
-        vertices, faces, lambda o, d: scene.cast(o, d).face, views=16, rays_across=48
+        mesh.vertices, mesh.faces, lambda o, d: scene.cast(o, d).face, views=16, rays_across=48
     )
     assert share <= checks.MOST_BACK_FACES
     assert entry.back_face_share <= checks.MOST_BACK_FACES
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("entry", ENTRIES[::5], ids=lambda entry: entry.id)
+def test_facts_are_those_of_the_mesh(entry):
+    known, found = entry.measured, measure(load(entry))
+    # Another processor's ray caster may round another way at an edge: some of 4096 samples.
+    assert found.visible_share == pytest.approx(known.visible_share, abs=2e-3)
+    assert found.hull_hidden_share == pytest.approx(known.hull_hidden_share, abs=2e-3)
+    assert found.strata == known.strata
 
 
 def test_a_moved_vertex_is_noticed(copied):
     entry, folder = copied
     path = folder / f"{entry.id}.npz"
     with np.load(path) as arrays:
-        vertices, faces = arrays["vertices"], arrays["faces"]
-    vertices[0, 0] = np.nextafter(vertices[0, 0], np.float32(np.inf))
-    np.savez_compressed(path, vertices=vertices, faces=faces)
+        stored = dict(arrays)
+    stored["vertices"][0, 0] = np.nextafter(stored["vertices"][0, 0], np.float32(np.inf))
+    np.savez_compressed(path, **stored)
     with pytest.raises(BadPart, match=f"'{entry.id}'.*another mesh than the catalogue.*edited"):
         load(entry, folder)
 
@@ -109,7 +124,8 @@ def test_a_missing_file_says_how_to_get_it(tmp_path):
     [
         ("{", "cannot be read"),
         ('{"schema": 0, "parts": []}', "schema 0"),
-        ('{"schema": 1, "parts": [{"id": "x", "extents_mm": [1, 1, 1]}]}', "cannot be read"),
+        ('{"schema": 1, "parts": []}', "schema 1, this code reads 2"),
+        ('{"schema": 2, "parts": [{"id": "x", "measured": {}}]}', "cannot be read"),
     ],
 )
 def test_a_bad_catalogue_is_refused(tmp_path, text, complaint):
@@ -120,16 +136,20 @@ def test_a_bad_catalogue_is_refused(tmp_path, text, complaint):
 
 def test_digest_names_the_mesh_and_not_its_storage():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=np.float32)
-    faces = np.array([[0, 1, 2]])
-    assert digest(vertices, faces.astype(np.uint16)) == digest(vertices, faces.astype(np.int64))
-    assert digest(vertices, faces) != digest(vertices, faces[:, ::-1])
-    assert digest(vertices, faces) != digest(-vertices, faces)
+    faces, finish = np.array([[0, 1, 2]]), np.array([0], np.uint8)
+    here = digest(vertices, faces.astype(np.uint16), finish)
+    assert here == digest(vertices, faces.astype(np.int64), finish)
+    assert here != digest(vertices, faces[:, ::-1], finish)
+    assert here != digest(-vertices, faces, finish)
+    assert here != digest(vertices, faces, finish + np.uint8(1))
 
 
 def test_the_stored_catalogue_holds_only_what_entries_hold():
     stored = json.loads((EMBEDDED / "catalogue.json").read_text())
-    names = {field.name for field in dataclasses.fields(ENTRIES[0])}
+    names = {field.name for field in dataclasses.fields(Entry)}
+    measured = {field.name for field in dataclasses.fields(Measured)}
     assert all(set(row) == names for row in stored["parts"])
+    assert all(set(row["measured"]) == measured for row in stored["parts"])
 
 
 def test_reading_needs_no_cad_kernel():

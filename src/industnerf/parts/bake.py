@@ -1,4 +1,4 @@
-"""Draw, mesh, check and write the embedded parts.  Needs the `[cad]` extra.
+"""Mesh, check and write the parts of a set.
 
 Parts are drawn in child processes: the CAD kernel can hang or crash on one without taking the
 others along.
@@ -6,25 +6,24 @@ others along.
 
 import dataclasses
 import json
-import multiprocessing
 import os
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
+import pickle
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from functools import partial
 from pathlib import Path
-from queue import SimpleQueue
 
 import numpy as np
-from jaxtyping import Float32, UInt
+from jaxtyping import Float32, UInt, UInt8
 
+from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadPart
 from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
 from industnerf.parts.catalogue import SCHEMA, Entry, digest
-from industnerf.parts.families import FAMILIES
-from industnerf.parts.recipe import Recipe
-from industnerf.parts.tessellate import tessellate
+from industnerf.parts.measure import measure
+from industnerf.parts.sets import Drawable, drawable
+from industnerf.runner import Outcome, Runner
 
 PATIENCE_S = 300.0  # for one part; the slowest takes about 20 s
 
@@ -34,111 +33,70 @@ class Baked:
     entry: Entry
     vertices: Float32[np.ndarray, "n 3"]
     faces: UInt[np.ndarray, "m 3"]
+    finish: UInt8[np.ndarray, "m"]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    part_id: str
-    answer: Baked | str  # or else why not
-
-
-def bake(family: str, recipe: Recipe) -> Baked:
+def bake(family: str, recipe: Drawable) -> Baked:
     """Draw and mesh one part here and now.  Raises `BadPart` if the mesh is not sound."""
-    mesh = tessellate(recipe.shape())
-    stored = mesh.vertices.astype(np.float32)
+    drawn = recipe.meshed()
+    stored = drawn.mesh.vertices.astype(np.float32)
     narrow = np.uint16 if len(stored) <= 1 << 16 else np.uint32
     # Everything below is said of the mesh as it is stored, after the rounding to float32.
-    vertices, faces = stored.astype(np.float64), mesh.faces
-    checks.require_sound(recipe.id, vertices, faces)
-    scene = Scene(vertices, faces)
-    behind = checks.back_face_share(
-        vertices, faces, lambda origins, directions: scene.cast(origins, directions).face
-    )
-    if behind > checks.MOST_BACK_FACES:
-        raise BadPart(
-            f"part {recipe.id!r} crosses itself: {behind:.2%} of the rays from outside meet a "
-            f"face from behind, at most {checks.MOST_BACK_FACES:.2%} may. Draw it otherwise, or "
-            "unite its solids as meshes (MeshBoolean)."
-        )
-    volume = checks.volume_mm3(vertices, faces)
-    exact = mesh.brep_volume_mm3
-    x, y, z = (round(float(side), 4) for side in checks.extents_mm(vertices))
+    mesh = Mesh(stored.astype(np.float64), drawn.mesh.faces, drawn.mesh.finish)
+    checks.require_sound(recipe.id, mesh.vertices, mesh.faces)
     entry = Entry(
         id=recipe.id,
         designation=recipe.designation,
         family=family,
+        origin=recipe.origin,
         library=recipe.library,
         parameters=recipe.parameters,
-        volume_mm3=round(volume, 4),
-        area_mm2=round(checks.area_mm2(vertices, faces), 4),
-        extents_mm=(x, y, z),
-        faces=len(faces),
-        bodies=checks.bodies(faces),
-        back_face_share=round(behind, 6),
-        brep_volume_mm3=None if exact is None else round(exact, 4),
-        volume_deviation=None if exact is None else round(volume / exact - 1, 6),
-        sha256=digest(stored, faces),
+        finishes=drawn.finishes,
+        measured=measure(mesh),
+        back_face_share=round(_behind(mesh), 6),
+        reference=drawn.reference,
+        reference_volume_mm3=round(drawn.reference_volume_mm3, 4),
+        sha256=digest(stored, mesh.faces, mesh.finish),
     )
-    return Baked(entry, stored, faces.astype(narrow))
+    _require_true(entry, recipe.volume_tolerance)
+    return Baked(entry, stored, mesh.faces.astype(narrow), mesh.finish)
 
 
-def bake_all(parts: list[tuple[str, Recipe]], workers: int) -> Iterator[Outcome]:
-    """Bake every (family, recipe), `workers` at a time, in the order in which they finish."""
-    idle: SimpleQueue[Workshop] = SimpleQueue()
-    for _ in range(workers):
-        idle.put(Workshop())
-
-    def bake_in_turn(family: str, recipe: Recipe) -> Outcome:
-        workshop = idle.get()
-        answer = workshop.bake(family, recipe.id)
-        idle.put(workshop if workshop.process.is_alive() else Workshop())
-        return Outcome(recipe.id, answer)
-
-    with ThreadPoolExecutor(workers) as lanes:
-        waiting = [lanes.submit(bake_in_turn, family, recipe) for family, recipe in parts]
-        for done in as_completed(waiting):
-            yield done.result()
+def _behind(mesh: Mesh) -> float:
+    scene = Scene(mesh.vertices, mesh.faces)
+    return checks.back_face_share(
+        mesh.vertices, mesh.faces, lambda origins, towards: scene.cast(origins, towards).face
+    )
 
 
-class Workshop:
-    """A child process that bakes part after part until it crashes or hangs.
-
-    Spawned, never forked: the CAD kernel starts threads when it is imported, and a fork of it
-    waits for them forever.  That import takes seconds, hence one child for many parts.
-    """
-
-    def __init__(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.wire, theirs = context.Pipe()
-        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self.process.start()
-        theirs.close()
-
-    def bake(self, family: str, part_id: str) -> Baked | str:
-        """The baked part, or why there is none; in the worst case the process is dead after it."""
-        try:
-            self.wire.send((family, part_id))
-            if self.wire.poll(PATIENCE_S):
-                return self.wire.recv()
-        except (EOFError, OSError):
-            self.process.join()
-            return f"its process died with exit code {self.process.exitcode}"
-        self.process.kill()
-        self.process.join()
-        return f"not done after {PATIENCE_S:.0f} s"
+def _require_true(entry: Entry, tolerance: float) -> None:
+    if entry.back_face_share > checks.MOST_BACK_FACES:
+        raise BadPart(
+            f"part {entry.id!r} crosses itself: {entry.back_face_share:.2%} of the rays from "
+            f"outside meet a face from behind, at most {checks.MOST_BACK_FACES:.2%} may. Draw it "
+            "otherwise, or unite its solids as meshes (MeshBoolean)."
+        )
+    if abs(entry.volume_deviation) > tolerance:
+        raise BadPart(
+            f"part {entry.id!r}: the mesh's volume is {entry.volume_deviation:+.2%} off that of "
+            f"the {entry.reference}, at most {tolerance:.2%} may be. Mesh it finer, or mend the "
+            "drawing."
+        )
 
 
-def _serve(wire: Connection) -> None:
-    while True:
-        try:
-            family, part_id = wire.recv()
-        except EOFError:  # the parent has closed the wire
-            return
-        (recipe,) = (recipe for recipe in FAMILIES[family] if recipe.id == part_id)
-        try:
-            wire.send(bake(family, recipe))
-        except Exception as error:  # the CAD kernel raises anything; the parent lists it
-            wire.send(f"{type(error).__name__}: {error}")
+def bake_all(name: str, part_ids: Sequence[str], drafts: Path, runner: Runner) -> Iterator[Outcome]:
+    """Bake parts of the set `name` into the folder `drafts`; each outcome as it is known."""
+    works = [partial(_bake_draft, name, part_id, drafts) for part_id in part_ids]
+    return runner.map(works, PATIENCE_S)
+
+
+def _bake_draft(name: str, part_id: str, drafts: Path) -> None:
+    (drafts / part_id).write_bytes(pickle.dumps(bake(*drawable(name, part_id))))
+
+
+def read_draft(drafts: Path, part_id: str) -> Baked:
+    """What `bake_all` left; only ever called on a folder of this process's own."""
+    return pickle.loads((drafts / part_id).read_bytes())
 
 
 def write(baked: list[Baked], kept: list[Entry], folder: Path) -> None:
@@ -162,5 +120,6 @@ def write(baked: list[Baked], kept: list[Entry], folder: Path) -> None:
 def _replace(path: Path, part: Baked) -> None:
     """Equal meshes give equal bytes: numpy writes no time stamp into the archive."""
     half_written = path.with_suffix(".tmp.npz")
-    np.savez_compressed(half_written, vertices=part.vertices, faces=part.faces)
+    arrays = {"vertices": part.vertices, "faces": part.faces, "finish": part.finish}
+    np.savez_compressed(half_written, **arrays)
     os.replace(half_written, path)

@@ -1,8 +1,9 @@
 """The embedded parts as they were baked: read, checked against their hash, and nothing else.
 
 Each part is `data/embedded/<id>.npz`: `vertices` (n, 3) float32 in mm, in the frame of the
-drawing, and `faces` (m, 3), counter-clockwise from outside.  The arrays are indexed: never weld
-them again by position, for neighbouring thread crests come closer than any safe tolerance.
+drawing, `faces` (m, 3), counter-clockwise from outside, and `finish` (m,), an index into the
+part's finishes.  The arrays are indexed: never weld them again by position, for neighbouring
+thread crests come closer than any safe tolerance.
 """
 
 import hashlib
@@ -10,15 +11,21 @@ import json
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int32, Integer
+from jaxtyping import Float32, Integer, UInt8
 
+from industnerf.artifacts.finish import Finish, finish_from
+from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadArtifact, BadPart
+from industnerf.parts.measure import Measured
 
-SCHEMA = 1
+SCHEMA = 2
 EMBEDDED = Path(__file__).parents[3] / "data" / "embedded"
-REBUILD = "restore data/embedded from version control, or run `python -m industnerf.parts build`"
+REBUILD = (
+    "restore it from version control, or run `python -m industnerf.parts build [--set organic]`"
+)
 
 
 @dataclass(frozen=True)
@@ -28,17 +35,20 @@ class Entry:
     id: str
     designation: str  # standard and size; "-like" where the proportions are ours
     family: str
+    origin: str  # the set: "embedded", or "organic" for the non-industrial one
     library: str  # that drew it
     parameters: dict[str, float | int | str]  # of the drawing; lengths in mm
-    volume_mm3: float
-    area_mm2: float
-    extents_mm: tuple[float, float, float]
-    faces: int
-    bodies: int  # connected pieces of surface
+    finishes: tuple[Finish, ...]  # that the mesh counts
+    measured: Measured
     back_face_share: float  # of the rays from outside that hit; 0 for a sound surface
-    brep_volume_mm3: float | None  # exact; None unless the part is one B-rep solid
-    volume_deviation: float | None  # (volume_mm3 - brep_volume_mm3) / brep_volume_mm3
+    reference: Literal["b-rep", "finer mesh"]  # what the volume is compared with
+    reference_volume_mm3: float  # exact if the part is one B-rep solid; else of a 4x finer mesh
     sha256: str  # of the mesh: see `digest`
+
+    @property
+    def volume_deviation(self) -> float:
+        """Of the mesh from the reference, as a share."""
+        return self.measured.volume_mm3 / self.reference_volume_mm3 - 1
 
 
 def catalogue(folder: Path = EMBEDDED) -> tuple[Entry, ...]:
@@ -53,18 +63,23 @@ def catalogue(folder: Path = EMBEDDED) -> tuple[Entry, ...]:
             raise BadArtifact(
                 f"{path}: catalogue schema {stored['schema']}, this code reads {SCHEMA}; {REBUILD}"
             )
-        rows = [{**row, "extents_mm": tuple(row["extents_mm"])} for row in stored["parts"]]
-        return tuple(Entry(**row) for row in rows)
+        return tuple(_entry(row) for row in stored["parts"])
     except FileNotFoundError:
         raise BadArtifact(f"{path} is missing; {REBUILD}") from None
     except (ValueError, KeyError, TypeError) as error:
         raise BadArtifact(f"{path} cannot be read ({error}); {REBUILD}") from error
 
 
-def load(
-    entry: Entry, folder: Path = EMBEDDED
-) -> tuple[Float64[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
-    """Vertices (mm) and faces of a baked part.
+def _entry(row: dict) -> Entry:
+    measured = dict(row["measured"])
+    for name in ("extents_mm", "strata"):
+        measured[name] = tuple(measured[name])
+    finishes = tuple(finish_from(finish) for finish in row["finishes"])
+    return Entry(**(row | {"measured": Measured(**measured), "finishes": finishes}))
+
+
+def load(entry: Entry, folder: Path = EMBEDDED) -> Mesh:
+    """The mesh of a baked part.
 
     Raises `BadArtifact` if the file is missing or torn, `BadPart` if it is not the mesh that the
     catalogue describes.
@@ -72,26 +87,31 @@ def load(
     path = folder / f"{entry.id}.npz"
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            vertices, faces = arrays["vertices"], arrays["faces"]
+            vertices, faces, finish = (arrays[n] for n in ("vertices", "faces", "finish"))
     except FileNotFoundError:
         raise BadArtifact(f"{path} is missing; {REBUILD}") from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise BadArtifact(f"{path} cannot be read ({error}); {REBUILD}") from error
-    found = digest(vertices, faces)
+    found = digest(vertices, faces, finish)
     if found != entry.sha256:
         raise BadPart(
             f"part {entry.id!r}: {path} holds another mesh than the catalogue describes "
             f"(sha256 {found[:12]}..., expected {entry.sha256[:12]}...). It was edited, or only "
             f"one of the two was updated; {REBUILD}"
         )
-    return vertices.astype(np.float64), faces.astype(np.int32)
+    return Mesh(vertices.astype(np.float64), faces.astype(np.int32), finish)
 
 
-def digest(vertices: Float32[np.ndarray, "n 3"], faces: Integer[np.ndarray, "m 3"]) -> str:
-    """SHA-256 of the vertices as little-endian float32, then the faces as little-endian int32.
+def digest(
+    vertices: Float32[np.ndarray, "n 3"],
+    faces: Integer[np.ndarray, "m 3"],
+    finish: UInt8[np.ndarray, "m"],
+) -> str:
+    """SHA-256 of the vertices as little-endian float32, the faces as int32, then the finishes.
 
     It names the mesh: the file's compression and its index type do not enter.
     """
     sha = hashlib.sha256(np.ascontiguousarray(vertices, dtype="<f4").tobytes())
     sha.update(np.ascontiguousarray(faces, dtype="<i4").tobytes())
+    sha.update(finish.tobytes())
     return sha.hexdigest()

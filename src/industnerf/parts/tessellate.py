@@ -1,4 +1,4 @@
-"""From a drawn shape to one closed, outward oriented surface mesh, in mm.
+"""From a drawing to one closed, outward oriented surface mesh, in mm.
 
 Each solid is meshed and welded by itself; solids that touch or overlap (a thread on its shank, a
 ball in its race) are then united as meshes, so that no surface is left inside.
@@ -9,118 +9,97 @@ from dataclasses import dataclass
 import manifold3d
 import numpy as np
 from build123d import Shape, Solid
-from jaxtyping import Float, Int, Int32
-from OCP.BRep import BRep_Tool
-from OCP.BRepMesh import BRepMesh_IncrementalMesh
-from OCP.BRepTools import BRepTools
-from OCP.TopAbs import TopAbs_Orientation
-from OCP.TopLoc import TopLoc_Location
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from jaxtyping import Float, Int32, UInt8
 
 from industnerf.errors import BadPart
-from industnerf.parts import checks
-from industnerf.parts.recipe import MeshBoolean
+from industnerf.parts.brep import CHORD, TURN, surface
+from industnerf.parts.recipe import Assembly, MeshBoolean
 
-# Shares of the part's bounding-box diagonal.  The chord error is 0.2 px of a 512 px view.
-CHORD = 5e-4
-WELD = 1e-6
-SIMPLIFY = 5e-5
-
+SIMPLIFY = 5e-5  # share of the part's bounding-box diagonal
 FILM = 1e-12  # share of the diagonal's cube
-
-TURN = 0.25  # rad, the most that neighbouring facets of a curved face may turn
 
 
 @dataclass(frozen=True)
-class Mesh:
+class Tessellated:
+    """A mesh, and which of the drawing's finishes each face has."""
+
     vertices: Float[np.ndarray, "n 3"]
     faces: Int32[np.ndarray, "m 3"]
-    brep_volume_mm3: float | None  # exact; None unless the part is one solid of OpenCASCADE's
+    finish: UInt8[np.ndarray, "m"]  # an index into the keys of `Assembly.bodies`
 
 
-def tessellate(shape: Shape | MeshBoolean) -> Mesh:
-    """The closed surface of `shape`.
+def tessellate(drawing: Assembly, finer: int = 1) -> Tessellated:
+    """The closed surface of `drawing`, `finer` times finer than the parts are baked.
 
     Raises `BadPart` if a face cannot be meshed or the solids do not unite to a manifold.
     """
-    join, cut = (shape.join, shape.cut) if isinstance(shape, MeshBoolean) else ([shape], [])
-    solids = [solid for piece in join for solid in piece.solids()]
+    bodies = [_joined_and_cut(body) for body in drawing.bodies.values()]
+    solids = [solid for join, _ in bodies for solid in join]
     if not solids:
         raise BadPart("the drawing holds no solid")
+    mesher = _Mesher(_diagonal(solids), finer)
+    if only_solid(drawing) is not None:
+        vertices, faces = mesher.surface(solids[0])
+        return Tessellated(vertices, faces, np.zeros(len(faces), np.uint8))
+    originals = [mesher.body(join, cut) for join, cut in bodies]
+    united = manifold3d.Manifold.batch_boolean(originals, manifold3d.OpType.Add)
+    return mesher.mesh(united, [original.original_id() for original in originals])
+
+
+def only_solid(drawing: Assembly) -> Solid | None:
+    """The one solid that the drawing is, or None: then its exact volume is not known."""
+    (join, cut), *others = (_joined_and_cut(body) for body in drawing.bodies.values())
+    return join[0] if len(join) == 1 and not cut and not others else None
+
+
+def _joined_and_cut(body: Shape | MeshBoolean) -> tuple[list[Solid], list[Solid]]:
+    join, cut = (body.join, body.cut) if isinstance(body, MeshBoolean) else ([body], [])
+    return [s for shape in join for s in shape.solids()], [
+        s for shape in cut for s in shape.solids()
+    ]
+
+
+def _diagonal(solids: list[Solid]) -> float:
     boxes = [solid.bounding_box() for solid in solids]
     low = np.min([tuple(box.min) for box in boxes], axis=0)
     high = np.max([tuple(box.max) for box in boxes], axis=0)
-    diagonal = float(np.linalg.norm(high - low))
-
-    if len(solids) == 1 and not cut:
-        vertices, faces = surface(solids[0], diagonal)
-        return Mesh(vertices, faces, float(solids[0].volume))
-
-    united = manifold3d.Manifold.batch_boolean(
-        [manifold(solid, diagonal) for solid in solids], manifold3d.OpType.Add
-    )
-    for solid in (solid for piece in cut for solid in piece.solids()):
-        united -= manifold(solid, diagonal)
-    # Surfaces that coincide can leave a film behind: a closed piece that holds nothing.
-    pieces = united.simplify(SIMPLIFY * diagonal).decompose()
-    solid_pieces = [piece for piece in pieces if abs(piece.volume()) > FILM * diagonal**3]
-    mesh = manifold3d.Manifold.compose(solid_pieces).to_mesh64()
-    return Mesh(mesh.vert_properties[:, :3].copy(), mesh.tri_verts.astype(np.int32), None)
+    return float(np.linalg.norm(high - low))
 
 
-def surface(
-    solid: Solid, diagonal: float
-) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
-    """The welded triangles of one solid; `diagonal` (mm) sets the tolerances."""
-    BRepTools.Clean_s(solid.wrapped)  # a bounding box may have left a coarser triangulation
-    BRepMesh_IncrementalMesh(solid.wrapped, CHORD * diagonal, False, TURN, False)
-    points, corners, offset = [], [], 0
-    for face in solid.faces():
-        location = TopLoc_Location()
-        # Not Shape.tessellate: it fails with "'NoneType' has no 'NbNodes'" on an unmeshed face.
-        patch = BRep_Tool.Triangulation_s(face.wrapped, location)
-        if patch is None:
-            at = tuple(round(x, 2) for x in face.center())
-            raise BadPart(f"OpenCASCADE left the face near {at} mm without triangles")
-        move = location.Transformation()
-        nodes = (patch.Node(i).Transformed(move) for i in range(1, patch.NbNodes() + 1))
-        points += [(node.X(), node.Y(), node.Z()) for node in nodes]
-        triangles = np.array([t.Get() for t in patch.Triangles()]) - 1 + offset
-        if face.wrapped.Orientation() == TopAbs_Orientation.TopAbs_REVERSED:
-            triangles = triangles[:, ::-1]
-        corners.append(triangles)
-        offset += patch.NbNodes()
-    vertices, faces = weld(np.array(points), np.concatenate(corners), WELD * diagonal)
-    if checks.volume_mm3(vertices, faces) < 0:  # some swept solids come inside out
-        faces = np.ascontiguousarray(faces[:, ::-1])
-    return vertices, faces
+@dataclass(frozen=True)
+class _Mesher:
+    diagonal: float  # mm, sets all tolerances
+    finer: int
 
+    def surface(self, solid: Solid) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
+        # The chord error goes with the square of a facet's turn.
+        chord, turn = CHORD / self.finer * self.diagonal, TURN / self.finer**0.5
+        return surface(solid.wrapped, chord, turn, self.diagonal)
 
-def weld(
-    vertices: Float[np.ndarray, "n 3"], faces: Int[np.ndarray, "m 3"], distance: float
-) -> tuple[Float[np.ndarray, "welded 3"], Int32[np.ndarray, "kept 3"]]:
-    """Merge vertices closer than `distance` (mm).
+    def body(self, join: list[Solid], cut: list[Solid]) -> manifold3d.Manifold:
+        """What is joined less what is cut, as one original: its faces can be told from others'."""
+        add = manifold3d.OpType.Add
+        united = manifold3d.Manifold.batch_boolean([self.manifold(s) for s in join], add)
+        if cut:
+            united -= manifold3d.Manifold.batch_boolean([self.manifold(s) for s in cut], add)
+        return united.as_original()
 
-    Only faces with a repeated index go.  Slivers stay, however thin: each closes a gap.
-    """
-    i, j = cKDTree(vertices).query_pairs(distance, output_type="ndarray").T
-    near = coo_array((np.ones(len(i)), (i, j)), shape=(len(vertices), len(vertices)))
-    _, cluster = connected_components(near, directed=False)
-    faces = cluster[faces]
-    a, b, c = faces.T
-    faces = faces[(a != b) & (b != c) & (c != a)]
-    _, first = np.unique(cluster, return_index=True)
-    used, faces = np.unique(faces, return_inverse=True)
-    return vertices[first[used]], faces.reshape(-1, 3).astype(np.int32)
+    def manifold(self, solid: Solid) -> manifold3d.Manifold:
+        vertices, faces = self.surface(solid)
+        mesh = manifold3d.Mesh64(vertices, np.ascontiguousarray(faces, dtype=np.uint64))
+        body = manifold3d.Manifold(mesh)
+        if body.status() != manifold3d.Error.NoError:
+            at = tuple(round(x, 2) for x in solid.center())
+            raise BadPart(f"the mesh of the solid near {at} mm is refused: {body.status().name}")
+        return body
 
-
-def manifold(solid: Solid, diagonal: float) -> manifold3d.Manifold:
-    vertices, faces = surface(solid, diagonal)
-    mesh = manifold3d.Mesh64(vertices, np.ascontiguousarray(faces, dtype=np.uint64))
-    body = manifold3d.Manifold(mesh)
-    if body.status() != manifold3d.Error.NoError:
-        at = tuple(round(x, 2) for x in solid.center())
-        raise BadPart(f"the mesh of the solid near {at} mm is refused: {body.status().name}")
-    return body
+    def mesh(self, united: manifold3d.Manifold, originals: list[int]) -> Tessellated:
+        """The mesh of all that has volume, each face with the place of its body in `originals`."""
+        # Surfaces that coincide can leave a film behind: a closed piece that holds nothing.
+        pieces = united.simplify(SIMPLIFY / self.finer * self.diagonal).decompose()
+        solid_pieces = [p for p in pieces if abs(p.volume()) > FILM * self.diagonal**3]
+        mesh = manifold3d.Manifold.compose(solid_pieces).to_mesh64()
+        lengths = np.diff(np.asarray(mesh.run_index, np.int64)) // 3
+        finish = np.repeat([originals.index(i) for i in mesh.run_original_id], lengths)
+        vertices = mesh.vert_properties[:, :3].copy()
+        return Tessellated(vertices, mesh.tri_verts.astype(np.int32), finish.astype(np.uint8))

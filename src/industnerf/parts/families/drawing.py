@@ -13,6 +13,7 @@ from build123d import (
     Box,
     Circle,
     Cylinder,
+    FilletPolyline,
     Plane,
     Polyline,
     Pos,
@@ -26,6 +27,7 @@ from build123d import (
     make_face,
     make_hull,
     revolve,
+    trace,
 )
 
 Real = float | int  # drawings write 0 for 0.0, and the type checker of the tests is strict
@@ -34,6 +36,7 @@ Place = tuple[Real, Real, Real]
 
 STANDING = (Align.CENTER, Align.CENTER, Align.MIN)
 ORIGIN: Place = (0, 0, 0)
+PRESS = 0.1  # of one body drawn into another, so that they unite as meshes
 
 
 def rod(diameter: Real, height: Real, at: Place = ORIGIN) -> Shape:
@@ -110,3 +113,90 @@ def rods(points: Iterable[Point], diameter: Real, height: Real, base: Real = 0.0
 def hub_keyway(bore: Real, width: Real, depth: Real, height: Real, base: Real = 0.0) -> Shape:
     """What a broach takes out of a hub at +x: `depth` beyond the bore, `width` along y."""
     return block(bore / 2 + depth, width, height, ((bore / 2 + depth) / 2, 0, base))
+
+
+def threaded(diameter: Real, pitch: Real, height: Real, at: Place = ORIGIN) -> Shape:
+    """A rod with the look of a thread: rings of the ISO 68-1 profile in place of its helix."""
+    crest, root = diameter / 2, diameter / 2 - 0.6134 * pitch
+    ring = [(root, 0.125), (crest, 0.4375), (crest, 0.5625), (root, 0.875)]  # z in pitches
+    turns = range(int(height / pitch))
+    profile = [(radius, (turn + z) * pitch) for turn in turns for radius, z in ring]
+    return Pos(*at) * turned([(0, 0), (root, 0), *profile, (root, height), (0, height)])
+
+
+def bent_sheet(middle: Sequence[Point], thickness: Real, bend: Real, width: Real) -> Shape:
+    """A sheet of `width` along y, its middle line through points of (x, z), bent at `bend`."""
+    line = FilletPolyline(*middle, radius=bend)
+    return extrude(Plane.XZ * trace(line, thickness), width / 2, both=True)
+
+
+def faced_hexagon(across_flats: Real, height: Real, at: Place = ORIGIN) -> Shape:
+    """A hexagonal bar whose corners are turned down at 30 degrees at both ends, like a nut's."""
+    corner, face = across_flats / math.sqrt(3), 0.475 * across_flats  # radii
+    drop = (corner - face) * math.tan(math.radians(30))
+    middle = [(corner, drop), (corner, height - drop)]
+    envelope = turned([(0, 0), (face, 0), *middle, (face, height), (0, height)])
+    return Pos(*at) * (hexagon(across_flats, height) & envelope)
+
+
+def raised_flange(
+    diameter: Real, plate: Real, bolt_circle: Real, bolts: int, bolt_hole: Real
+) -> Shape:
+    """A pipe flange, not yet bored: its raised face on z = 0, no bolt hole on the x axis."""
+    raised, step = 0.65 * diameter, 3.0
+    flange = rod(diameter, plate - step, (0, 0, step)) + rod(raised, plate)
+    return flange - rods(on_circle(bolts, bolt_circle, 180 / bolts), bolt_hole, plate)
+
+
+def keyed_bore(
+    bore: Real, key: Real, height: Real, base: Real = 0.0, depth: Real | None = None
+) -> list[Shape]:
+    """The drill and the broach of a hub; the keyway lies at +x, by default 0.45 `key` deep."""
+    depth = 0.45 * key if depth is None else depth
+    return [rod(bore, height, (0, 0, base)), hub_keyway(bore, key, depth, height, base)]
+
+
+def tube(outer: Real, inner: Real, height: Real, at: Place = ORIGIN) -> Shape:
+    """A round pipe along +z, or what an annular recess takes out of a disc."""
+    return rod(outer, height, at) - rod(inner, height, at)
+
+
+def chamfered_rod(diameter: Real, height: Real, chamfer: Real, at: Place = ORIGIN) -> Shape:
+    """A round bar along +z whose two rims are broken at 45 degrees."""
+    radius, small = diameter / 2, diameter / 2 - chamfer
+    outline = [(0, 0), (small, 0), (radius, chamfer)]
+    outline += [(radius, height - chamfer), (small, height), (0, height)]
+    return Pos(*at) * turned(outline)
+
+
+def round_section(diameter: Real, sides: int = 16) -> Sketch:
+    """A polygon that encloses the area of a circle, to be swept along a curve.
+
+    The swept body takes a quarter of the triangles, and keeps within the meshes' tolerance.
+    """
+    stretch = math.sqrt(2 * math.pi / (sides * math.sin(2 * math.pi / sides)))
+    return RegularPolygon(diameter / 2 * stretch, sides)
+
+
+def half_section(inner: Real, outer: Real, low: Real, high: Real, corner: Real = 0) -> Sketch:
+    """Of a ring between two diameters and two heights: its right half, `corner`s at 45 degrees."""
+    a, b, c = inner / 2, outer / 2, corner
+    below = [(a, low + c), (a + c, low), (b - c, low), (b, low + c)]
+    above = [(radius, low + high - z) for radius, z in reversed(below)]
+    return polygon(below + above if corner else [(a, low), (b, low), (b, high), (a, high)])
+
+
+def spun(half: Sketch) -> Shape:
+    """The ring of which this is half a section, drawn in radius and height."""
+    return revolve(Plane.XZ * half, Axis.Z)
+
+
+def mirrored(upper: Sequence[Point]) -> list[Point]:
+    """A closed profile of (radius, z): `upper`, and its image below z = 0."""
+    return [*upper, *((radius, -z) for radius, z in reversed(upper))]
+
+
+def fused(bodies: Sequence[Shape]) -> Shape:
+    """One shape of several that may overlap, touch or lie apart."""
+    first, *others = bodies
+    return first + others

@@ -2,8 +2,9 @@
 
 from build123d import Pos, Shape, Sphere, extrude
 
-from industnerf.parts.families.drawing import bar, block, polygon, rod, rounded_block, turned
-from industnerf.parts.recipe import Recipe
+from industnerf.parts.families import cylinder_block, engine_fittings
+from industnerf.parts.families.drawing import bar, block, fused, polygon, rod, rounded_block, turned
+from industnerf.parts.recipe import Assembly, Recipe
 
 
 def piston(bore: float, height: float, compression_height: float, pin: float) -> Shape:
@@ -49,7 +50,7 @@ def piston(bore: float, height: float, compression_height: float, pin: float) ->
     return body - Pos(0, 0, top + dish_radius - 0.05 * bore) * Sphere(dish_radius)
 
 
-def connecting_rod(centres: float, big_end: float, small_end: float) -> Shape:
+def connecting_rod(centres: float, big_end: float, small_end: float) -> Assembly:
     """I-section rod with its cap bolted on; small end at the origin, big end along +x.
 
     The joint of the cap shows as a fine groove across the bolt bosses.
@@ -86,18 +87,20 @@ def connecting_rod(centres: float, big_end: float, small_end: float) -> Shape:
             boss_along, boss_across, big_width, 2.0, (0, side * boss_y, -big_width / 2)
         )
         body += at_big(boss)
-        body += at_big(bar(head, 0.16 * big_end, "x", (0.36 * big_end, side * boss_y, 0)))
     body -= rod(small_end, 2 * small_width, (0, 0, -small_width))
     body -= at_big(rod(big_end, 2 * big_width, (0, 0, -big_width)))
-    body -= [
-        bar(0.6 * bolt, 0.2 * big_end, "x", (centres + 0.44 * big_end, s * boss_y, 0))
+    heads = [
+        at_big(
+            bar(head, 0.16 * big_end, "x", (0.36 * big_end, s * boss_y, 0))
+            - bar(0.6 * bolt, 0.2 * big_end, "x", (0.44 * big_end, s * boss_y, 0))
+        )
         for s in (1, -1)
     ]
     joint = block(0.5, 2 * big_outer, 2 * big_width, (centres, 0, -big_width))
     joint -= at_big(
         block(1, 2 * (boss_y + boss_across / 2 - 0.6), big_width - 1.2, (0, 0, 0.6 - big_width / 2))
     )
-    return body - joint
+    return Assembly({"steel": body - joint, "black oxide": fused(heads)})
 
 
 RECIPES = [
@@ -114,5 +117,8 @@ RECIPES = [
         "build123d",
         piston,
         {"bore": 84.0, "height": 56.0, "compression_height": 31.0, "pin": 21.0},
+        finish="aluminium",
     ),
+    *cylinder_block.RECIPES,
+    *engine_fittings.RECIPES,
 ]

@@ -1,14 +1,9 @@
-"""Enclosures, housings and motors."""
+"""Enclosures and gearbox housings; also `motors` and `pump_casings`."""
 
 from build123d import Axis, Shape, fillet
 
-from industnerf.parts.families.drawing import (
-    bar,
-    block,
-    on_grid,
-    rods,
-    rounded_block,
-)
+from industnerf.parts.families import motors, pump_casings
+from industnerf.parts.families.drawing import bar, block, on_grid, rods, rounded_block
 from industnerf.parts.recipe import Recipe
 
 
@@ -91,6 +86,7 @@ RECIPES = [
         "build123d",
         enclosure,
         {"length": 120.0, "width": 80.0, "height": 40.0, "wall": 3.0},
+        finish="aluminium",
     ),
     Recipe(
         "gearbox-housing-a75",
@@ -98,5 +94,8 @@ RECIPES = [
         "build123d",
         gearbox_housing,
         {"centre_distance": 75.0, "input_bearing": 47.0, "output_bearing": 62.0},
+        finish="green paint",
     ),
+    *motors.RECIPES,
+    *pump_casings.RECIPES,
 ]

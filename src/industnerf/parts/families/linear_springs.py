@@ -1,16 +1,36 @@
 """Linear motion and springs."""
 
 import numpy as np
-from build123d import Circle, Edge, Plane, Pos, Shape, Spline, Wire, sweep
+from build123d import (
+    Edge,
+    Line,
+    Plane,
+    Pos,
+    Shape,
+    Spline,
+    Wire,
+    sweep,
+)
 
-from industnerf.parts.families.drawing import bar, block, on_circle, rod, rods, turned
+from industnerf.parts.families import linear_guides
+from industnerf.parts.families.drawing import (
+    Real,
+    bar,
+    block,
+    on_circle,
+    rod,
+    rods,
+    round_section,
+    turned,
+)
 from industnerf.parts.recipe import MeshBoolean, Recipe
 
 
 def helix_rod(diameter: float, pitch: float, height: float, radius: float) -> Shape:
     """A round wire of `diameter` wound about z at `radius`, rising from z = 0."""
     path = Wire([Edge.make_helix(pitch, height, radius)])
-    return sweep(Plane(origin=path @ 0, z_dir=path % 0) * Circle(diameter / 2), path=path)
+    section = Plane(origin=path @ 0, z_dir=path % 0) * round_section(diameter)
+    return sweep(section, path=path, is_frenet=True)
 
 
 def ball_screw_nut(
@@ -59,7 +79,7 @@ def compression_spring(wire: float, mean: float, active: float, pitch: float) ->
     The ground ends lie at z = 0 and above.
     """
     closed = 1.04 * wire  # pitch of the end coils: all but touching
-    dead, ramp, steps = 1.25, 0.5, 24  # turns, turns, points per turn
+    dead, ramp, steps = 1.25, 0.5, 12  # turns, turns, points per turn
     turns = active + 2 * dead
     count = round(turns * steps)
     turn = np.linspace(0, turns, count + 1)
@@ -71,11 +91,21 @@ def compression_spring(wire: float, mean: float, active: float, pitch: float) ->
     top = rise[-1] - wire / 2
     angle = 2 * np.pi * turn
     path = Spline(*zip(mean / 2 * np.cos(angle), mean / 2 * np.sin(angle), z, strict=True))
-    coil = sweep(Plane(path @ 0, z_dir=path % 0) * Circle(wire / 2), path=path, is_frenet=True)
+    coil = sweep(Plane(path @ 0, z_dir=path % 0) * round_section(wire), path=path, is_frenet=True)
     far = 2 * mean
     return MeshBoolean(
         join=[coil], cut=[block(far, far, wire, (0, 0, -wire)), block(far, far, wire, (0, 0, top))]
     )
+
+
+def torsion_spring(wire: Real, mean: Real, coils: Real, leg: Real) -> Shape:
+    """Close-coiled torsion spring about z with straight tangential legs, after EN 13906-3."""
+    pitch = 1.06 * wire
+    helix = Edge.make_helix(pitch, coils * pitch, mean / 2)
+    start, end = helix @ 0 - leg * (helix % 0), helix @ 1 + leg * (helix % 1)
+    path = Wire([Line(start, helix @ 0).edge(), helix, Line(helix @ 1, end).edge()])
+    section = Plane(origin=start, x_dir=(0, 0, 1), z_dir=helix % 0) * round_section(wire)
+    return sweep(section, path=path, is_frenet=True)
 
 
 RECIPES = [
@@ -94,6 +124,7 @@ RECIPES = [
             "flats": 40.0,
             "length": 50.0,
         },
+        finish="bright steel",
     ),
     Recipe(
         "spring-compression-3-2x20",
@@ -102,4 +133,12 @@ RECIPES = [
         compression_spring,
         {"wire": 3.2, "mean": 20.0, "active": 8.5, "pitch": 7.0},
     ),
+    Recipe(
+        "spring-torsion-2-5x20",
+        "EN 13906-3-like torsion spring 2.5x20, 5.25 coils",
+        "build123d",
+        torsion_spring,
+        {"wire": 2.5, "mean": 20.0, "coils": 5.25, "leg": 32.0},
+    ),
+    *linear_guides.RECIPES,
 ]

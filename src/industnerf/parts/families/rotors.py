@@ -2,37 +2,12 @@
 
 import math
 
-from build123d import Line, Plane, Sketch, Spline, extrude, loft, make_face
+from build123d import Line, Spline, extrude, loft, make_face
 
-from industnerf.parts.families.drawing import Point, around, hub_keyway, rod, turned
+from industnerf.parts.families import brakes, fans, turbines
+from industnerf.parts.families.blades import blade_section
+from industnerf.parts.families.drawing import around, hub_keyway, rod, turned
 from industnerf.parts.recipe import MeshBoolean, Recipe
-
-
-def aerofoil(chord: float, thickness: float, camber: float) -> list[Point]:
-    """Outline of a NACA 4-digit section about its half-chord point, trailing edge first.
-
-    `thickness` and `camber` are shares of the chord; the trailing edge is 1 % thick.
-    """
-    stations = [0.5 * (1 - math.cos(math.pi * i / 12)) for i in range(13)]
-
-    def half(x: float) -> float:
-        root = 0.2969 * math.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1015 * x**4
-        return 5 * thickness * root + 0.005 * x
-
-    line = [4 * camber * x * (1 - x) for x in stations]
-    upper = [(x, y + half(x)) for x, y in zip(stations, line, strict=True)]
-    lower = [(x, y - half(x)) for x, y in zip(stations, line, strict=True)]
-    return [((x - 0.5) * chord, y * chord) for x, y in [*reversed(upper), *lower[1:]]]
-
-
-def blade_section(
-    radius: float, pitch_angle: float, chord: float, thickness: float, camber: float
-) -> Sketch:
-    """An aerofoil across the x axis at `radius`, turned by `pitch_angle` out of the xy plane."""
-    a = math.radians(pitch_angle)
-    plane = Plane((radius, 0, 0), x_dir=(0, math.cos(a), math.sin(a)), z_dir=(1, 0, 0))
-    outline = aerofoil(chord, thickness, camber)
-    return plane * make_face([Spline(*outline), Line(outline[-1], outline[0])])
 
 
 def propeller(diameter: float, blades: int, pitch: float, hub: float, bore: float) -> MeshBoolean:
@@ -140,6 +115,7 @@ RECIPES = [
         "build123d",
         pump_impeller,
         {"diameter": 140.0, "bore": 20.0, "key": 6.0, "vanes": 6},
+        finish="bronze",
     ),
     Recipe(
         "propeller-4-blade-d200",
@@ -147,5 +123,9 @@ RECIPES = [
         "build123d",
         propeller,
         {"diameter": 200.0, "blades": 4, "pitch": 160.0, "hub": 40.0, "bore": 16.0},
+        finish="brass",
     ),
+    *fans.RECIPES,
+    *turbines.RECIPES,
+    *brakes.RECIPES,
 ]

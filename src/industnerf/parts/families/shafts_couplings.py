@@ -1,9 +1,18 @@
 """Shafts and couplings."""
 
 from bd_warehouse.open_builds import FlexibleCoupler
-from build123d import Pos, Rot, Shape
+from build123d import Circle, Pos, Rectangle, Rot, Shape, extrude
 
-from industnerf.parts.families.drawing import rod, slot, turned
+from industnerf.parts.families import couplings, engine_shafts, joints
+from industnerf.parts.families.drawing import (
+    Real,
+    around,
+    chamfered_rod,
+    rod,
+    slot,
+    tube,
+    turned,
+)
 from industnerf.parts.recipe import Recipe
 
 
@@ -12,12 +21,12 @@ def helical_beam_coupler(bore: str) -> Shape:
     return FlexibleCoupler(bore)
 
 
-def keyseat(diameter: float, width: float, depth: float, length: float, middle: float) -> Shape:
+def keyseat(diameter: Real, width: Real, depth: Real, length: Real, middle: Real) -> Shape:
     """What an end mill takes out of a shaft along z at +x, for a round-ended key (DIN 6885-1 A)."""
     return Pos(diameter, 0, middle) * Rot(0, -90, 0) * slot(length, width, diameter / 2 + depth)
 
 
-def stepped_shaft(seat: float) -> Shape:
+def stepped_shaft(seat: Real) -> Shape:
     """Transmission shaft along z: two bearing seats, a gear seat against a collar, an end seat.
 
     Keyways of DIN 6885-1 for the 40 mm and 25 mm seats when `seat` is 30, groove of DIN 471,
@@ -45,6 +54,21 @@ def stepped_shaft(seat: float) -> Shape:
     return shaft - centre - Pos(0, 0, z) * Rot(180, 0, 0) * centre
 
 
+def splined_shaft(inner: Real, outer: Real, splines: int, width: Real, length: Real) -> Shape:
+    """Straight-sided splines of ISO 14 from z = 0, a collar above them, a seat and a thin end."""
+    section = Circle(inner / 2) + around(splines, Pos(outer / 4, 0) * Rectangle(outer / 2, width))
+    toothed = extrude(section, length) & chamfered_rod(outer, length + outer, 1.5)
+    relief, collar, seat = 0.25 * inner, 1.3 * outer, 0.95 * inner
+    steps = [(inner - 1.0, relief), (collar, 0.25 * outer), (seat, outer), (0.85 * seat, inner)]
+    shaft, z = toothed, length
+    for diameter, height in steps:
+        shaft += chamfered_rod(diameter, height, 0.8, (0, 0, z))
+        z += height
+    groove = tube(seat, 0.94 * seat, 1.85, (0, 0, z - inner - 3.5))
+    centre = turned([(0, -1), (4, -1), (4, 0), (1.6, 4), (1.6, 7), (0, 8)])
+    return shaft - groove - centre - Pos(0, 0, z) * Rot(180, 0, 0) * centre
+
+
 RECIPES = [
     Recipe(
         "coupler-helical-beam-8mm",
@@ -52,6 +76,7 @@ RECIPES = [
         "bd_warehouse",
         helical_beam_coupler,
         {"bore": "8mm"},
+        finish="aluminium",
     ),
     Recipe(
         "shaft-stepped-d30",
@@ -60,4 +85,14 @@ RECIPES = [
         stepped_shaft,
         {"seat": 30.0},
     ),
+    Recipe(
+        "shaft-splined-8x36x40",
+        "ISO 14 8x36x40 splined shaft, 90 of splines",
+        "build123d",
+        splined_shaft,
+        {"inner": 36.0, "outer": 40.0, "splines": 8, "width": 7.0, "length": 90.0},
+    ),
+    *engine_shafts.RECIPES,
+    *couplings.RECIPES,
+    *joints.RECIPES,
 ]

@@ -1,17 +1,23 @@
-"""Hand tools, tool holders and small hardware."""
+"""Hand tools and clamps; also `tool_holders` and small `hardware`."""
 
-import math
+from build123d import Circle, Plane, Pos, Rot, Shape, Sketch, chamfer, extrude
 
-from build123d import Circle, Pos, Rot, Shape, Sketch, extrude
-
+from industnerf.parts.families import hardware, tool_holders
 from industnerf.parts.families.drawing import (
+    Point,
+    bar,
     block,
+    faced_hexagon,
     hexagon,
+    on_grid,
     rod,
+    rods,
     tangent_hull,
+    threaded,
     turned,
+    upright,
 )
-from industnerf.parts.recipe import MeshBoolean, Recipe
+from industnerf.parts.recipe import Assembly, MeshBoolean, Recipe
 
 
 def combination_spanner(size: float, length: float) -> Shape:
@@ -46,44 +52,77 @@ def combination_spanner(size: float, length: float) -> Shape:
     return spanner
 
 
-def spring_collet(bore: float) -> MeshBoolean:
-    """ER32 collet of ISO 15488 (DIN 6499-B): 8 degree cone, 30 degree head, 16 slots."""
-    largest, length, slot_width = 33.0, 40.0, 1.2
-    groove_low, groove_high, groove_core = 31.5, 34.7, 29.2
-    cone = math.tan(math.radians(8))
-    tip = largest / 2 - groove_low * cone
-    collet = turned(
-        [
-            (0, 0),
-            (tip - 0.6, 0),
-            (tip, 0.8),
-            (largest / 2, groove_low),
-            (groove_core / 2, groove_low + 0.8),
-            (groove_core / 2, groove_high),
-            (largest / 2, groove_high + 1.1),
-            (largest / 2 - 2.5, length),
-            (0, length),
-        ]
+def toggle_clamp(reach: float, height: float) -> Assembly:
+    """Hold-down toggle clamp with an upright handle, drawn closed; the arm points along +x.
+
+    Pivots lie along y: `front` and `back` in the base, `knee` and `crank` in the handle.
+    """
+    front, back, knee, crank = (16.0, 28.0), (-20.0, 16.0), (-2.0, 34.0), (-12.0, 52.0)
+    sheet = 3.0
+    arm_y, link_y, cheek_y = 4.5, 7.4, 10.3  # of the plates, which come in pairs
+
+    def pair(start: Point, stop: Point, radius: float, y: float) -> list[Shape]:
+        """Two straps between two pivots, one at each side."""
+        return [_strap(start, stop, radius, sheet, side * y) for side in (1, -1)]
+
+    plates = [block(64.0, 50.0, sheet, (-2.0, 0, 0))]
+    cheek = [
+        (-30, 0),
+        (26, 0),
+        (26, 16),
+        (front[0] + 6, 36),
+        (front[0] - 6, 36),
+        (-14, 24),
+        (-30, 18),
+    ]
+    plates += [upright(cheek, sheet, side * cheek_y) for side in (1, -1)]
+    plates += pair(knee, front, 6.0, arm_y) + pair(front, (reach, front[1]), 6.0, arm_y)
+    plates += pair(back, crank, 5.0, link_y)
+    top, grip_start = (-14.0, height), (-7.0, (knee[1] + height) / 2 - 12)
+    plates += [_strap(knee, top, 6.0, 5.6, 0.0)]
+    holes = rods([(x - 2, y) for x, y in on_grid(50.0, 36.0)], 6.2, 3 * sheet, -sheet)
+    rivets = [
+        bar(5.0, 2 * y + 7, "y", (x, 0, z))
+        for (x, z), y in ((front, cheek_y), (back, cheek_y), (knee, arm_y + 1), (crank, link_y))
+    ]
+    foot = reach - 8.0
+    spindle = threaded(8.0, 1.25, front[1] + 24, (foot, 0, 6))
+    spindle += [faced_hexagon(13.0, 6.5, (foot, 0, z)) for z in (front[1] + 5.8, front[1] - 12.3)]
+    pad = turned([(0, 0), (9, 0), (8, 5), (5.5, 11), (0, 11)])
+    grip = _strap(grip_start, top, 8.0, 15.0, 0.0)
+    return Assembly(
+        {
+            "zinc": MeshBoolean(plates, holes),
+            "bright steel": MeshBoolean(rivets, []),
+            "black oxide": spindle,
+            "rubber": Pos(foot, 0, 0) * pad,
+            "red paint": chamfer(grip.edges(), 2.5),
+        }
     )
-    blade = block(largest, slot_width, length, (largest / 2, 0, 0))
-    from_below = [Rot(0, 0, 45 * i) * Pos(0, 0, -8) * blade for i in range(8)]
-    from_above = [Rot(0, 0, 22.5 + 45 * i) * Pos(0, 0, 8) * blade for i in range(8)]
-    return MeshBoolean(join=[collet], cut=[rod(bore, length), *from_below, *from_above])
+
+
+def _strap(start: Point, stop: Point, radius: float, thickness: float, centre_y: float) -> Shape:
+    """A flat bar with round ends between two points of (x, z)."""
+    outline = Plane.XZ * tangent_hull(start, radius, stop, radius)
+    return Pos(0, centre_y, 0) * extrude(outline, thickness / 2, both=True)
 
 
 RECIPES = [
-    Recipe(
-        "collet-er32-d12",
-        "ISO 15488 ER32 d12-like",
-        "build123d",
-        spring_collet,
-        {"bore": 12.0},
-    ),
     Recipe(
         "spanner-din3113-17",
         "DIN 3113 A 17-like",
         "build123d",
         combination_spanner,
         {"size": 17.0, "length": 200.0},
+        finish="bright steel",
     ),
+    Recipe(
+        "toggle-clamp-vertical",
+        "toggle clamp with upright handle, spindle M8",
+        "build123d",
+        toggle_clamp,
+        {"reach": 80.0, "height": 130.0},
+    ),
+    *tool_holders.RECIPES,
+    *hardware.RECIPES,
 ]

@@ -1,0 +1,19 @@
+"""What drawing a part gives, whether a CAD kernel drew it or a formula."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from industnerf.artifacts.finish import Finish
+from industnerf.artifacts.part import Mesh
+
+FINER = 4  # times finer: the mesh whose volume is taken for exact where no B-rep's is
+
+
+@dataclass(frozen=True)
+class Meshed:
+    """A mesh, its finishes, and the volume that it is held against."""
+
+    mesh: Mesh
+    finishes: tuple[Finish, ...]  # that the mesh counts
+    reference: Literal["b-rep", "finer mesh"]
+    reference_volume_mm3: float
