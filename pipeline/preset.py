@@ -16,7 +16,7 @@ from industnerf.config import build
 from industnerf.errors import BadParams, SuiteError
 from industnerf.schema import Params
 
-SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded")
+SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic")
 
 
 def main(preset: str) -> None:
