@@ -1,0 +1,112 @@
+"""`python -m industnerf.parts export`: parts as files for other programs.
+
+Triangles come from the baked mesh.  STEP is the exact drawing where there is one; else it is the
+mesh in flat facets, and its name says so: `<part>-faceted.step`.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rich.console import Console
+from rich.progress import track
+
+from industnerf.artifacts.finish import Finish
+from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadParams, PartsFailed, SuiteError
+from industnerf.parts.catalogue import Entry, catalogue, load
+from industnerf.parts.sets import drawable, folder_of
+from industnerf.runner import Outcome, runner_from_environment
+
+FORMATS = ("step", "stl", "glb", "ply", "obj")
+PATIENCE_S = 300.0  # for one part; the slowest drawing takes about 20 s
+
+
+def export(
+    console: Console, name: str, part_ids: Sequence[str] | None, form: str, out: Path
+) -> None:
+    """Write parts of the set `name`, or all of them, into the folder `out`.
+
+    Raises BadParams if a part is unknown or a file is there already, and PartsFailed if some could
+    not be written; the others are.
+    """
+    entries = _chosen(name, part_ids)
+    if form == "step" and find_spec("OCP") is None:
+        raise SuiteError("STEP needs the CAD libraries: `pip install -e '.[cad]'`")
+    _require_absent(
+        [_path(out, entry.id, form, flag) for entry in entries for flag in (False, True)]
+    )
+    out.mkdir(parents=True, exist_ok=True)
+    works = [partial(export_part, name, entry, form, out) for entry in entries]
+    outcomes = runner_from_environment().map(works, PATIENCE_S)
+    done = list(track(outcomes, "Exporting", total=len(works), console=console))
+    _report(console, entries, done, form, out)
+
+
+def _chosen(name: str, part_ids: Sequence[str] | None) -> list[Entry]:
+    entries = {entry.id: entry for entry in catalogue(folder_of(name))}
+    for part_id in part_ids or ():
+        if part_id not in entries:
+            raise BadParams(
+                f"export: no part {part_id!r} in the set {name!r}; "
+                f"`python -m industnerf.parts list --set {name}` names them"
+            )
+    return [entries[part_id] for part_id in dict.fromkeys(part_ids or entries)]
+
+
+def _path(out: Path, part_id: str, form: str, faceted: bool) -> Path:
+    return out / f"{part_id}{'-faceted' if faceted else ''}.{form}"
+
+
+def _require_absent(paths: list[Path]) -> None:
+    there = [path for path in paths if path.exists()]
+    if there:
+        raise BadParams(
+            f"export: {there[0]} is there already, {len(there)} files in all; remove them, or "
+            "give another --out"
+        )
+
+
+def _report(
+    console: Console, entries: list[Entry], done: list[Outcome], form: str, out: Path
+) -> None:
+    failed = [f"{entries[one.index].id}: {one.error}" for one in done if one.error is not None]
+    faceted = [entry.id for entry in entries if _path(out, entry.id, form, True).exists()]
+    console.print(f"{len(entries) - len(failed)} parts written to {out}", markup=False)
+    if faceted:
+        console.print(f"{len(faceted)} faceted, having no exact drawing: {', '.join(faceted)}")
+    if failed:
+        raise PartsFailed("\n".join([*failed, f"{len(failed)} parts could not be exported"]))
+
+
+def export_part(name: str, entry: Entry, form: str, out: Path) -> None:
+    """Write one part; its files appear whole or not at all."""
+    with TemporaryDirectory(prefix=".", dir=out) as draft:
+        _write(name, entry, form, Path(draft))
+        for path in Path(draft).iterdir():
+            path.replace(out / path.name)
+
+
+def _write(name: str, entry: Entry, form: str, folder: Path) -> None:
+    mesh = load(entry, folder_of(name))
+    path = _path(folder, entry.id, form, False)
+    if form != "step":
+        _writer(form)(path, mesh, entry.finishes)
+        return
+    from industnerf.parts.writing.step import write_drawing, write_faceted
+
+    # Only the CAD kernel's recipes have a drawing; whether it is exact shows when it is made.
+    drawing = None if name == "organic" else drawable(name, entry.id)[1].exact_drawing()
+    if drawing is None:
+        write_faceted(_path(folder, entry.id, form, True), mesh, entry.finishes)
+    else:
+        write_drawing(path, drawing)
+
+
+def _writer(form: str) -> Callable[[Path, Mesh, tuple[Finish, ...]], None]:
+    from industnerf.parts.writing.glb import write_glb
+    from industnerf.parts.writing.triangles import write_face_ply, write_obj, write_stl
+
+    return {"stl": write_stl, "glb": write_glb, "ply": write_face_ply, "obj": write_obj}[form]

@@ -1,0 +1,39 @@
+"""Which closed surfaces of a mesh bound one solid: an outer one, and the voids inside it."""
+
+import numpy as np
+from jaxtyping import Int, Int32
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from industnerf.artifacts.part import Mesh
+from industnerf.parts import checks
+
+
+def solids_of(mesh: Mesh) -> list[list[Int32[np.ndarray, "k"]]]:
+    """For each solid the faces of its shells, the outer one first.
+
+    A shell of negative volume is a void of the smallest solid whose box holds it.
+    """
+    shells = _shells(mesh.faces)
+    volumes = [checks.volume_mm3(mesh.vertices, mesh.faces[shell]) for shell in shells]
+    ordered = sorted(zip(volumes, shells, strict=True), key=lambda pair: pair[0])
+    solids = [[shell] for volume, shell in ordered if volume > 0]  # the smallest first
+    for void in (shell for volume, shell in ordered if volume <= 0):
+        holding = [solid for solid in solids if _holds(mesh, solid[0], void)]
+        (holding or solids)[0].append(void)
+    return solids
+
+
+def _shells(faces: Int32[np.ndarray, "m 3"]) -> list[Int32[np.ndarray, "k"]]:
+    a, b, c = faces.T
+    start, end = np.concatenate([a, b]), np.concatenate([b, c])
+    n = int(faces.max()) + 1
+    links = coo_array((np.ones(len(start)), (start, end)), shape=(n, n))
+    piece: Int[np.ndarray, "n"] = connected_components(links, directed=False)[1]
+    of_face = piece[a]
+    return [np.flatnonzero(of_face == each).astype(np.int32) for each in np.unique(of_face)]
+
+
+def _holds(mesh: Mesh, outer: Int32[np.ndarray, "k"], inner: Int32[np.ndarray, "j"]) -> bool:
+    out, within = (mesh.triangles[faces].reshape(-1, 3) for faces in (outer, inner))
+    return bool(((out.min(0) <= within.min(0)) & (within.max(0) <= out.max(0))).all())
