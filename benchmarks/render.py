@@ -1,6 +1,6 @@
 """How fast are views rendered, against bare ray casting of as many primary rays?
 
-python benchmarks/render.py [part ...]     ids of embedded parts; without any, a choice of ten
+python benchmarks/render.py [photo] [part ...]     ids of embedded parts, or a choice of ten
 
 Both are timed in turn, view by view, on one core (set OMP_NUM_THREADS=1), so that a busy machine
 slows both.  Shares are of rendering; PNG files are written, and timed, apart.  `part s` is all of
@@ -23,13 +23,16 @@ from solids import solids
 
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.views import Frame, Views, save_views
+from industnerf.capture.chance import draws_of
 from industnerf.capture.develop import develop, through_centres
-from industnerf.capture.photograph import DEPTH_STEPS
+from industnerf.capture.materials import Materials
+from industnerf.capture.photograph import DEPTH_STEPS, shading, share_seen
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.capture.surface import Surface
 from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, back_projection
 from industnerf.geometry.raycast import Scene
+from industnerf.parts.finishes import FINISHES
 from industnerf.schema import ViewsParams
 
 # Each share: the functions that it counts, less those in them that another share counts.
@@ -37,9 +40,9 @@ SHARES = {
     "bounds": (("project", "may_show"), ()),
     "rays": (("through_centres",), ()),
     "casting": (("cast",), ()),
-    "shading": (("look",), ("cast",)),
-    "edges": (("on_edge", "pixel_means"), ("light_along",)),
-    "8 bits": (("composed",), ()),
+    "shading": (("shown_by",), ("cast",)),
+    "edges": (("on_edge", "pixel_means"), ("light_at",)),
+    "8 bits": (("composed", "expose"), ()),
 }
 HEADS = ["faces", "ready ms", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
 HEADS += [f"{name} %" for name in SHARES]
@@ -62,15 +65,22 @@ def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
     start = perf_counter()
     centre, radius_mm = bounding_ball(mesh.vertices)
     cameras, held_out = cameras_around(centre, radius_mm, settings)
-    surface, frames = Surface(mesh, settings.crease_deg, settings.light), []
+    surface, frames = Surface(mesh, settings.crease_deg), []
+    materials = Materials.of(mesh, tuple(FINISHES.values()), settings.albedo)
+    share = share_seen(surface, mesh, cameras[~held_out])
+    own = draws_of(0, "part", settings)[0]
+    shade = shading(surface, materials, settings, own)
+    plain = np.ones(3), settings, own
     ready, seconds, profile = perf_counter() - start, np.zeros(2), cProfile.Profile()
     for K, c2w, casting in zip(cameras.K, cameras.c2w, bare(mesh, cameras), strict=True):
         start = perf_counter()
-        frames.append(develop(surface, K, c2w, settings))
+        frames.append(develop(surface, shade, K, c2w, *plain))
         seconds += perf_counter() - start, casting
-        profile.runcall(develop, surface, K, c2w, settings)
+        profile.runcall(develop, surface, shade, K, c2w, *plain)
     step_mm = (settings.radius + 1) * radius_mm / DEPTH_STEPS
-    written, size = write(Views(Path(), "part", cameras, held_out, np.ones(3), step_mm), frames)
+    behind = np.ones((len(frames), 3))
+    views = Views(Path(), "part", cameras, held_out, behind, step_mm, share)
+    written, size = write(views, frames)
     rendering, casting = len(frames) / seconds
     row = [len(mesh.faces), 1000 * ready, rendering, casting, rendering / casting]
     row += [1000 * written / len(frames), size / 1e6, ready + seconds[0] + written]
@@ -101,7 +111,10 @@ def shares(profile: cProfile.Profile) -> list[float]:
 
 def main(names: list[str]) -> None:
     settings, console = load_params().views, Console(width=190)
-    table = Table(title=f"{settings.count + settings.held_out} views, {settings.resolution} px")
+    if names[:1] == ["photo"]:
+        settings, names = replace(settings, shading="photo"), names[1:]
+    views = f"{settings.count + settings.held_out} {settings.shading} views"
+    table = Table(title=f"{views}, {settings.resolution} px")
     table.add_column("part")
     for head in HEADS:
         table.add_column(head, justify="right")

@@ -3,6 +3,7 @@
 from functools import partial
 from pathlib import Path
 
+from industnerf.capture.chance import is_random
 from industnerf.capture.photograph import photograph
 from industnerf.cli import run_as_stage
 from industnerf.config import Masked
@@ -10,11 +11,13 @@ from industnerf.stage import Task, read_failures, read_index, run_stage
 
 
 def main(cfg: Masked, parts: str, out: str) -> None:
+    # Without a random knob another seed gives the same photographs, and finds them in the store.
+    settings = [cfg.views, cfg.seed] if is_random(cfg.views) else cfg.views
     tasks = [
         Task(
             part_id,
-            partial(photograph, Path(parts) / part_id, settings=cfg.views),
-            cfg.views,
+            partial(photograph, Path(parts) / part_id, settings=cfg.views, seed=cfg.seed),
+            settings,
             (Path(parts) / part_id / "part.json", Path(parts) / part_id / "mesh.npz"),
         )
         for part_id in read_index(Path(parts))

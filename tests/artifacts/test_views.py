@@ -1,12 +1,13 @@
 """Views: what is written is what is read, by us and by NeRF tools, or an error that names it."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.views import Frame, Views, load_views, save_views
+from industnerf.artifacts.views import Frame, Views, load_true_cameras, load_views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras, look_at, pinhole, project
 from industnerf.geometry.sphere import fibonacci_sphere
@@ -31,14 +32,15 @@ def views(tmp_path, frames) -> Views:
         np.tile(pinhole(35.0, SIDE), (COUNT, 1, 1)), look_at(eyes, np.zeros(3)), SIDE, SIDE
     )
     held_out = np.arange(COUNT) >= 3
-    written = Views(tmp_path / "p", "p", cameras, held_out, np.array([1, 0.5, 0]), STEP)
+    background = np.linspace(0, 1, 3 * COUNT).reshape(COUNT, 3)
+    written = Views(tmp_path / "p", "p", cameras, held_out, background, STEP, 0.75)
     save_views(written, frames)
     return written
 
 
 def test_views_survive_their_files(views, frames):
     read = load_views(views.folder)
-    assert (read.part_id, read.depth_scale_mm) == ("p", STEP)
+    assert (read.part_id, read.depth_scale_mm, read.seen_by_training) == ("p", STEP, 0.75)
     assert (read.cameras.width, read.cameras.height) == (SIDE, SIDE)
     for name in ("held_out", "background"):
         np.testing.assert_array_equal(getattr(read, name), getattr(views, name))
@@ -82,6 +84,44 @@ def test_the_angle_that_older_nerf_tools_read_gives_the_same_focal_length(views)
     content = json.loads((views.folder / "transforms.json").read_text())
     focal = 0.5 * content["w"] / np.tan(0.5 * content["camera_angle_x"])
     assert focal == pytest.approx(views.cameras.K[0, 0, 0], rel=1e-12)
+
+
+def test_cameras_of_different_lenses_have_one_each_for_nerf_tools(views, frames, tmp_path):
+    """And none for all, which tools would take instead."""
+    cameras = views.cameras
+    K = cameras.K * np.linspace(1, 1.2, COUNT)[:, None, None]
+    K[:, 2, 2] = 1
+    cameras = Cameras(K, cameras.c2w, SIDE, SIDE)
+    save_views(replace(views, folder=tmp_path / "lenses", cameras=cameras), frames)
+    content = json.loads((tmp_path / "lenses" / "transforms.json").read_text())
+    assert not {"fl_x", "fl_y", "cx", "cy", "camera_angle_x"} & set(content)
+    assert (content["w"], content["h"]) == (SIDE, SIDE)
+    for frame, lens in zip(content["frames"], K, strict=True):
+        assert [frame["fl_x"], frame["fl_y"]] == [lens[0, 0], lens[1, 1]]
+        assert [frame["cx"], frame["cy"]] == [lens[0, 2], lens[1, 2]]
+        half = np.tan(frame["camera_angle_x"] / 2)
+        assert SIDE / 2 / half == pytest.approx(lens[0, 0], rel=1e-12)
+
+
+def test_exact_cameras_are_their_own_truth(views):
+    assert json.loads((views.folder / "cameras.json").read_text())["exact"] is True
+    assert not (views.folder / "true_cameras.json").exists()
+    np.testing.assert_array_equal(load_true_cameras(views.folder).c2w, views.cameras.c2w)
+
+
+def test_the_truth_about_wrong_cameras_stands_apart(views, frames, tmp_path):
+    truth = Cameras(2 * views.cameras.K, views.cameras.c2w + 1.0, SIDE, SIDE)
+    save_views(replace(views, folder=tmp_path / "wrong"), frames, truth)
+    assert json.loads((tmp_path / "wrong" / "cameras.json").read_text())["exact"] is False
+    recorded = load_views(tmp_path / "wrong").cameras
+    np.testing.assert_array_equal(recorded.c2w, views.cameras.c2w)
+    found = load_true_cameras(tmp_path / "wrong")
+    np.testing.assert_array_equal(found.K, truth.K)
+    np.testing.assert_array_equal(found.c2w, truth.c2w)
+    assert (found.width, found.height) == (SIDE, SIDE)
+    for name in ("rgb/000.png", "mask/001.png", "transforms.json"):
+        one, other = (folder / name for folder in (views.folder, tmp_path / "wrong"))
+        assert one.read_bytes() == other.read_bytes()
 
 
 def test_files_that_nerf_tools_are_told_of_exist(views):

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.artifacts.part import Mesh, save_part
 from industnerf.config import load_params
 from industnerf.schema import ViewsParams
+from tests.samples import unit_part
 
 
 @pytest.fixture
@@ -28,7 +29,9 @@ def settings(shipped: ViewsParams) -> ViewsParams:
 @pytest.fixture
 def as_mesh() -> Callable[[trimesh.Trimesh], Mesh]:
     """Turns trimesh's solids into ours."""
-    return lambda solid: Mesh(np.array(solid.vertices, float), np.array(solid.faces, np.int32))
+    return lambda solid: Mesh.plain(
+        np.array(solid.vertices, float), np.array(solid.faces, np.int32)
+    )
 
 
 @pytest.fixture
@@ -37,9 +40,8 @@ def as_part(tmp_path: Path) -> Callable[[Mesh], Path]:
 
     def write(mesh: Mesh) -> Path:
         extents = tuple(np.ptp(mesh.vertices, axis=0).tolist())
-        facts = ("block", "test", "none", "file", "made here", extents, 1.0, None, 1)
         (tmp_path / "block").mkdir()
-        save_part(tmp_path / "block", Part(*facts, len(mesh.faces), 1.0, ()), mesh)
+        save_part(tmp_path / "block", unit_part("block", extents_mm=extents), mesh)
         return tmp_path / "block"
 
     return write

@@ -7,11 +7,25 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
+from industnerf.artifacts.finish import UNSTATED, Finish
+from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.views import Frame
+from industnerf.capture.chance import Draws
 from industnerf.capture.develop import composed, develop, may_show, through_centres
+from industnerf.capture.light import Lamps
+from industnerf.capture.materials import Materials
 from industnerf.capture.rigs import bounding_ball, cameras_around
+from industnerf.capture.shading import Matte
 from industnerf.capture.surface import Surface
-from industnerf.geometry.cameras import Cameras, back_projection, pixel_centres, project, unproject
+from industnerf.geometry.cameras import (
+    Cameras,
+    back_projection,
+    look_at,
+    pinhole,
+    pixel_centres,
+    project,
+    unproject,
+)
 
 RADIUS = 10.0  # mm, of the ball
 BALL = trimesh.creation.icosphere(subdivisions=5, radius=RADIUS)
@@ -19,16 +33,21 @@ BOX = trimesh.creation.box((20, 30, 40))
 RING = trimesh.creation.annulus(5, 10, 4, sections=64)
 
 
+def matte(mesh, settings) -> Matte:
+    return Matte(Materials.of(mesh, [UNSTATED], settings.albedo), Lamps.of(settings.light))
+
+
 @pytest.fixture
 def shoot(as_mesh):
-    """Cameras around a solid, and the photograph from each."""
+    """Cameras around a solid, and the photograph from each, before white."""
 
     def photographs(solid, settings) -> tuple[Cameras, list[Frame]]:
-        mesh = as_mesh(solid)
+        mesh = solid if isinstance(solid, Mesh) else as_mesh(solid)
         cameras, _ = cameras_around(*bounding_ball(mesh.vertices), settings)
-        surface = Surface(mesh, settings.crease_deg, settings.light)
+        surface, shade = Surface(mesh, settings.crease_deg), matte(mesh, settings)
         shots = zip(cameras.K, cameras.c2w, strict=True)
-        return cameras, [develop(surface, K, c2w, settings) for K, c2w in shots]
+        plain = np.ones(3), settings, Draws(0, "part", "view")
+        return cameras, [develop(surface, shade, K, c2w, *plain) for K, c2w in shots]
 
     return photographs
 
@@ -101,7 +120,7 @@ def test_colours_off_the_edges_are_those_of_three_faces_and_the_background(shoot
     lamps = np.array(light.directions) / np.linalg.norm(light.directions, axis=1, keepdims=True)
     normals = np.vstack([np.eye(3), -np.eye(3)])
     bright = light.ambient + np.maximum(normals @ lamps.T, 0) @ light.intensities
-    colours = np.vstack([bright[:, None] * settings.albedo, [settings.background]])
+    colours = np.vstack([bright[:, None] * settings.albedo, [[1, 1, 1]]])
     known = {tuple(colour) for colour in np.rint(255 * colours).astype(int).tolist()}
     for frame in shoot(BOX, settings)[1]:
         found, count = np.unique(frame.rgb.reshape(-1, 3), axis=0, return_counts=True)
@@ -127,19 +146,73 @@ def test_pixels_are_the_mean_of_a_picture_eight_times_as_fine(shoot, settings, s
         assert (error**2).mean() < 0.1 * (plain**2).mean()
 
 
-def test_mixing_on_edges_is_mixing_of_light(settings):
-    settings = replace(settings, albedo=[0.5, 0.25, 1.0], background=[1.0, 0.0, 0.5])
+def two_coloured_box() -> tuple[Mesh, Finish, Finish]:
+    """The box with red towards +x, and blue elsewhere."""
+    normals = np.array(BOX.face_normals)
+    finish = np.where(normals[:, 0] > 0.5, 1, 0).astype(np.uint8)
+    mesh = Mesh(np.array(BOX.vertices, float), np.array(BOX.faces, np.int32), finish)
+    return mesh, Finish("blue", (0.1, 0.2, 0.8), 0.0, 1.0), Finish("red", (0.7, 0.2, 0.1), 0.0, 1.0)
+
+
+def test_an_edge_between_two_finishes_is_the_mean_of_their_colours(settings):
+    """The camera looks along the edge's bisector; the edge cuts the pixels of two columns' border.
+
+    64 px are even, so the middle line u = 32 runs along the edge between columns 31 and 32; a
+    principal point half a pixel to the right puts it through the middles of column 32.
+    """
+    mesh, *finishes = two_coloured_box()
+    light = replace(settings.light, ambient=1.0, directions=[], intensities=[])
+    eye = np.array([10.0, -15, 0]) + 100 * np.array([1, -1, 0])
+    c2w = look_at(eye[None], np.array([10.0, -15, 0]))[0]
+    K = pinhole(30.0, 64)
+    K[0, 2] += 0.5
+    shade = Matte(Materials.of(mesh, finishes, settings.albedo), Lamps.of(light))
+    plain = np.ones(3), settings, Draws(0, "part", "view")
+    rgb = develop(Surface(mesh, 30.0), shade, K, c2w, *plain).rgb[32]
+    blue, red = (np.array(finish.albedo) for finish in finishes)
+    # 8 bits round by half a level
+    np.testing.assert_allclose(rgb[31], 255 * blue, rtol=0, atol=0.5 + 1e-4)
+    np.testing.assert_allclose(rgb[33], 255 * red, rtol=0, atol=0.5 + 1e-4)
+    # both faces are seen alike, so each covers half: 8 of 16 columns of samples
+    np.testing.assert_allclose(rgb[32], 255 * (blue + red) / 2, rtol=0, atol=0.5 + 1e-4)
+
+
+def test_three_channels_and_one_give_the_same_picture(shoot, settings):
+    """Of a part of one colour; the edges are found by light in one, by radiance in the other."""
+    mesh, _, red = two_coloured_box()
+    twice = [red, replace(red, albedo=(0.7, 0.2, 0.1 + 1e-6))]
+    cameras, plain = cameras_around(*bounding_ball(mesh.vertices), settings)[0], []
+    for finishes in ([red, red], twice):
+        shade = Matte(Materials.of(mesh, finishes, settings.albedo), Lamps.of(settings.light))
+        assert len(shade.tint) == 3
+        plain.append(
+            develop(
+                Surface(mesh, 30.0),
+                shade,
+                cameras.K[1],
+                cameras.c2w[1],
+                np.ones(3),
+                settings,
+                Draws(0, "part", "view"),
+            ).rgb.astype(int)
+        )
+    # where only one of the two finds an edge it is fainter than 0.03, of which half is mixed in
+    assert np.abs(plain[0] - plain[1]).max() <= 0.03 * 255
+
+
+def test_mixing_on_edges_is_mixing_of_light():
     light, cover = (np.array([[value]], np.float32) for value in (0.3, 0.6))
+    mixed = composed(light[None], cover, (0.5, 0.25, 1.0), np.array([1.0, 0.0, 0.5]))
     # channel by channel: albedo * light + background * (1 - cover), linear, in 255ths
-    expected = [0.15 + 0.4, 0.075, 0.3 + 0.2]
-    np.testing.assert_array_equal(
-        composed(light, cover, settings)[0, 0], np.rint(np.multiply(255, expected))
-    )
+    expected = 255 * np.array([0.15 + 0.4, 0.075, 0.3 + 0.2])
+    np.testing.assert_allclose(np.ravel(list(mixed)), expected, rtol=1e-6)
 
 
-def test_too_much_light_is_white(settings):
-    light, cover = np.full((1, 1), 9, np.float32), np.ones((1, 1), np.float32)
-    assert (composed(light, cover, settings) == 255).all()
+def test_three_channels_are_mixed_each_with_its_own():
+    light, cover = np.array([0.1, 0.2, 0.3], np.float32).reshape(3, 1, 1), np.full((1, 1), 0.5)
+    mixed = composed(light, cover.astype(np.float32), (1.0, 1.0, 1.0), np.array([0, 0.2, 1.0]))
+    expected = 255 * np.array([0.1, 0.2 + 0.1, 0.3 + 0.5])
+    np.testing.assert_allclose(np.ravel(list(mixed)), expected, rtol=1e-6)
 
 
 def test_rays_left_out_could_not_have_hit():

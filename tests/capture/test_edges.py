@@ -9,7 +9,7 @@ from industnerf.capture.edges import BACKGROUND, on_edge, pixel_means, sample_pa
 
 SIDE, FOCAL = 16, 30.0
 V, U = (np.mgrid[:SIDE, :SIDE] + 0.5).astype(np.float32)
-FLAT = np.full((SIDE, SIDE), 0.5, np.float32)
+FLAT = np.full((1, SIDE, SIDE), 0.5, np.float32)  # one channel
 
 
 def plane(tilt: float, depth: float = 100.0) -> np.ndarray:
@@ -45,7 +45,7 @@ def test_a_step_between_equally_bright_planes_is_an_edge(pixels_deep, found):
 
 def half_plane(normal: np.ndarray, offset: float, bright: float, dark: float):
     def light_at(uv: np.ndarray) -> np.ndarray:
-        return np.where(uv @ normal < offset, bright, dark).astype(np.float32)
+        return np.where(uv @ normal < offset, bright, dark).astype(np.float32)[None]
 
     return light_at
 
@@ -60,9 +60,10 @@ def covered(pixel: np.ndarray, normal: np.ndarray, offset: float) -> float:
 
 
 def means(light_at, samples: int):
-    light = light_at(np.stack([U, V], axis=-1).reshape(-1, 2)).reshape(SIDE, SIDE)
+    light = light_at(np.stack([U, V], axis=-1).reshape(-1, 2)).reshape(-1, SIDE, SIDE)
     edge = np.flatnonzero(on_edge(plane(0.0), light, FOCAL))
-    return (*pixel_means(light, edge, light_at, samples), edge)
+    mean, cover = pixel_means(light, edge, light_at, samples)
+    return mean[0], cover, edge
 
 
 @given(st.floats(0, 2 * np.pi), st.floats(-3, 3))
@@ -119,12 +120,34 @@ def test_a_faint_edge_needs_no_further_points(angle, shift):
         assert light.flat[at] == pytest.approx(0.5 + 0.1 * share, abs=0.1 * 3 / 8 + 1e-3)
 
 
+def test_a_change_of_colour_is_an_edge_though_two_channels_stay():
+    painted = np.tile(FLAT, (3, 1, 1))
+    painted[1] += np.float32(0.1) * (U > 9)
+    np.testing.assert_array_equal(on_edge(plane(0.0), painted, FOCAL), (U > 8) & (U < 10))
+
+
+def test_each_channel_has_its_own_mean():
+    """What is left of 7.375 is (0.5, 0.1, 0.9), what is right of it (0.5, 0.2, 0.1)."""
+    sides = np.array([[0.5, 0.5], [0.1, 0.2], [0.9, 0.1]], np.float32)
+
+    def light_at(uv: np.ndarray) -> np.ndarray:
+        return sides[:, (uv[:, 0] > 7.375).astype(int)]
+
+    light = light_at(np.stack([U, V], axis=-1).reshape(-1, 2)).reshape(3, SIDE, SIDE)
+    edge = np.flatnonzero(on_edge(plane(0.0), light, FOCAL))
+    mean, cover = pixel_means(light, edge, light_at, 16)
+    assert (cover == 1).all()
+    # 6 of column 7's 16 columns of samples are left of the border
+    np.testing.assert_allclose(mean[:, 3, 7], sides @ [0.375, 0.625], rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(mean[:, 3, [6, 8]], sides)
+
+
 def test_nothing_is_asked_twice_of_a_corner():
     asked: list[np.ndarray] = []
 
     def light_at(uv: np.ndarray) -> np.ndarray:
         asked.append(uv)
-        return np.full(len(uv), 0.5, np.float32)
+        return np.full((1, len(uv)), 0.5, np.float32)
 
     pixel_means(FLAT, np.arange(SIDE**2), light_at, 16)
     assert len(asked[0]) == len(np.unique(asked[0], axis=0)) == (SIDE + 1) ** 2
@@ -132,7 +155,9 @@ def test_nothing_is_asked_twice_of_a_corner():
 
 def test_without_edges_light_is_that_of_the_centres():
     light = np.where(U < 5, FLAT, BACKGROUND)
-    mean, cover = pixel_means(light, np.arange(0), lambda uv: np.zeros(len(uv), np.float32), 16)
+    mean, cover = pixel_means(
+        light, np.arange(0), lambda uv: np.zeros((1, len(uv)), np.float32), 16
+    )
     np.testing.assert_array_equal(mean, np.where(U < 5, FLAT, 0))
     np.testing.assert_array_equal(cover, U < 5)
 

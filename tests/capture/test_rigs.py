@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from industnerf.capture.rigs import best_turn, bounding_ball, cameras_around
 from industnerf.errors import BadParams
 from industnerf.geometry.cameras import framed_ball, project
-from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
 
 CENTRE = np.array([100.0, -20, 7])
 
@@ -58,13 +58,14 @@ def test_as_many_held_out_as_training_views_do_not_coincide(shipped):
     assert smallest_angle_deg(eyes[~held_out], eyes[held_out]) > 20
 
 
+@pytest.mark.parametrize("lattice", [fibonacci_sphere, fibonacci_hemisphere])
 @given(st.integers(1, 60), st.integers(1, 12))
-def test_they_are_new_views_of_any_rig(count, held_out):
+def test_they_are_new_views_of_any_rig(lattice, count, held_out):
     """Never nearer than without a turn; equal counts would coincide without it."""
-    train = fibonacci_sphere(count)
-    turned = fibonacci_sphere(held_out, best_turn(train, held_out))
+    train = lattice(count)
+    turned = lattice(held_out, best_turn(train, held_out, lattice))
     apart = smallest_angle_deg(train, turned)
-    assert apart >= smallest_angle_deg(train, fibonacci_sphere(held_out)) - 1e-6
+    assert apart >= smallest_angle_deg(train, lattice(held_out)) - 1e-6
     assert apart > 1
 
 

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.artifacts.part import Mesh, save_part
 from industnerf.capture.photograph import photograph
 from industnerf.config import load_params
 from industnerf.schema import Params
+from tests.samples import unit_part
 
 PLACE = np.array([300.0, -150.0, 90.0])  # mm: far enough off to tell any other frame apart
 SIZE = np.array([40.0, 25.0, 60.0])
@@ -24,14 +25,13 @@ def a_part() -> Mesh:
             trimesh.creation.icosphere(2, 9.0).apply_translation([20, 5, 8]),
         ]
     )
-    return Mesh(np.array(solid.vertices, float) + PLACE, solid.faces.astype(np.int32))
+    return Mesh.plain(np.array(solid.vertices, float) + PLACE, solid.faces.astype(np.int32))
 
 
 def save_as_part(folder: Path, mesh: Mesh) -> None:
     extents = tuple(float(e) for e in np.ptp(mesh.vertices, axis=0))
-    part = Part("p", "f", "d", "file", "s", extents, 1.0, 1.0, 1, len(mesh.faces), 1.0, ())
     folder.mkdir()
-    save_part(folder, part, mesh)
+    save_part(folder, unit_part(extents_mm=extents), mesh)
 
 
 @pytest.fixture(scope="session")
@@ -46,5 +46,5 @@ def photographed(tmp_path_factory: pytest.TempPathFactory, params: Params) -> Pa
     folder = tmp_path_factory.mktemp("photographed")
     save_as_part(folder / "part", a_part())
     small = replace(params.views, count=12, held_out=2, resolution=64)
-    photograph(folder / "part", folder / "views", small)
+    photograph(folder / "part", folder / "views", small, params.seed)
     return folder

@@ -24,6 +24,7 @@ READ_AS = {
     Input.OWN_MESH: "own_mesh",
 }
 IMAGES = {Input.RGB, Input.MASK, Input.DEPTH}
+BY_VIEW = IMAGES | {Input.BACKGROUND}
 every_method = pytest.mark.parametrize("name", MODULES)
 
 
@@ -70,7 +71,7 @@ def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
 def move(source: Path, target: Path, scale: float, shift: np.ndarray) -> None:
     """Scale and shift part and cameras together: every photograph stays as it is."""
     mesh = a_part()
-    save_as_part(target / "part", Mesh(scale * mesh.vertices + shift, mesh.faces))
+    save_as_part(target / "part", Mesh.plain(scale * mesh.vertices + shift, mesh.faces))
     shutil.copytree(source / "views", target / "views")
     path = target / "views" / "cameras.json"
     content = json.loads(path.read_text())
@@ -108,7 +109,7 @@ def test_only_declared_files_are_read(name, photographed, params, tmp_path):
 def test_held_out_views_are_not_handed_over(name, photographed):
     given = given_to(name, photographed)
     assert len(given.cameras) == 12
-    assert all(len(given.handed[kind]) == 12 for kind in given.handed if kind in IMAGES)
+    assert all(len(given.handed[kind]) == 12 for kind in given.handed if kind in BY_VIEW)
 
 
 def looking_at_nothing(given: Given) -> Given:

@@ -19,13 +19,17 @@ class Truth:
     visible: Bool[np.ndarray, "n"]  # to at least one camera of the reference rig
     floors: dict[str, float]  # "metric protocol" -> value between two samples of the truth
 
+    @property
+    def visible_share(self) -> float:
+        """Share of the area that the reference rig sees."""
+        return float(self.visible.mean())
+
     def save(self, folder: Path) -> None:
         """Write `samples.npz` and `floors.json` into `folder`."""
         np.savez_compressed(folder / "samples.npz", points_mm=self.points_mm, visible=self.visible)
-        share = float(self.visible.mean())
         write_json(
             folder / "floors.json",
-            {"schema": SCHEMA, "visible_share": share, "floors": self.floors},
+            {"schema": SCHEMA, "visible_share": self.visible_share, "floors": self.floors},
         )
 
     @staticmethod

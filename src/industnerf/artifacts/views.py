@@ -3,8 +3,14 @@
     <part>/cameras.json      our convention: OpenCV axes, mm, px
     <part>/transforms.json   the NeRF convention: OpenGL axes
     <part>/rgb|mask|depth/000.png ...   training views first, then the held-out ones
+    <part>/true_cameras.json only where the training cameras above are wrong on purpose
 
 Depth is z in mm, stored as a multiple of `depth_scale_mm` in 16 bits; 0 is background.
+
+With `views.calibration` the photographs are those of the true cameras, while cameras.json and
+transforms.json hold what a faulty calibration would say of the training views; held-out cameras
+are always exact.  The truth stands in a file of its own, which no method is given, to look at
+afterwards.
 """
 
 from collections.abc import Iterable
@@ -19,7 +25,8 @@ from industnerf.artifacts.files import read_json, write_json
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
 
-SCHEMA = 1
+SCHEMA = 2
+TRUTH = "true_cameras.json"
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # NeRF tools: +y up, camera looks along -z
 
 
@@ -40,8 +47,9 @@ class Views:
     part_id: str
     cameras: Cameras
     held_out: Bool[np.ndarray, "n"]
-    background: Float[np.ndarray, "3"]  # in [0, 1]
+    background: Float[np.ndarray, "n 3"]  # in [0, 1]
     depth_scale_mm: float
+    seen_by_training: float  # share of the part's area that a training view has in its frame
 
     @property
     def train(self) -> np.ndarray:
@@ -79,28 +87,49 @@ class Views:
 def load_views(folder: Path) -> Views:
     """Read `cameras.json`; raises BadArtifact if it is missing, torn or of another schema."""
     content = read_json(folder / "cameras.json", SCHEMA, "views")
-    cameras = content["cameras"]
+    rows = content["cameras"]
     return Views(
         folder,
         content["part_id"],
-        Cameras(
-            np.array([camera["K"] for camera in cameras], float),
-            np.array([camera["c2w"] for camera in cameras], float),
-            content["width"],
-            content["height"],
-        ),
-        np.array([camera["held_out"] for camera in cameras], bool),
-        np.array(content["background"], float),
+        _cameras(content, rows),
+        np.array([row["held_out"] for row in rows], bool),
+        np.array([row["background"] for row in rows], float),
         content["depth_scale_mm"],
+        content["seen_by_training"],
     )
 
 
-def save_views(views: Views, frames: Iterable[Frame]) -> None:
-    """Write the cameras, and every frame as soon as it comes, into `views.folder`."""
+def load_true_cameras(folder: Path) -> Cameras:
+    """The cameras that took the photographs, which differ from `Views.cameras` if these are wrong.
+
+    To judge by, and never for a method.  Raises BadArtifact as `load_views` does.
+    """
+    if not (folder / TRUTH).exists():
+        return load_views(folder).cameras
+    content = read_json(folder / TRUTH, SCHEMA, "views")
+    return _cameras(content, content["cameras"])
+
+
+def _cameras(content: dict, rows: list[dict]) -> Cameras:
+    return Cameras(
+        np.array([row["K"] for row in rows], float),
+        np.array([row["c2w"] for row in rows], float),
+        content["width"],
+        content["height"],
+    )
+
+
+def save_views(views: Views, frames: Iterable[Frame], truth: Cameras | None = None) -> None:
+    """Write the cameras, and every frame as soon as it comes, into `views.folder`.
+
+    `truth` are the cameras that took the frames, where `views.cameras` are wrong.
+    """
     for kind in ("rgb", "mask", "depth"):
         (views.folder / kind).mkdir(parents=True)
-    write_json(views.folder / "cameras.json", _ours(views))
+    write_json(views.folder / "cameras.json", _ours(views, exact=truth is None))
     write_json(views.folder / "transforms.json", _nerf(views))
+    if truth is not None:
+        write_json(views.folder / TRUTH, _truth(truth))
     for index, frame in enumerate(frames):
         depth = np.rint(frame.depth_mm / views.depth_scale_mm).astype(np.uint16)
         _write_png(views.folder / f"rgb/{index:03d}.png", frame.rgb)
@@ -113,26 +142,42 @@ def _write_png(path: Path, pixels: np.ndarray) -> None:
     Image.fromarray(pixels).save(path, compress_level=2)
 
 
-def _ours(views: Views) -> dict:
-    cameras = zip(views.cameras.K, views.cameras.c2w, views.held_out, strict=True)
+def _ours(views: Views, *, exact: bool) -> dict:
+    rows = zip(_rows(views.cameras), views.held_out, views.background, strict=True)
     return {
         "schema": SCHEMA,
         "part_id": views.part_id,
         "convention": "OpenCV axes (+x right, +y down, +z forward), mm; pixel (0, 0) is the "
         "top-left corner; depth = value * depth_scale_mm along z, 0 = background",
+        "exact": exact,  # false: the training cameras are wrong by views.calibration
         "width": views.cameras.width,
         "height": views.cameras.height,
-        "background": views.background.tolist(),
         "depth_scale_mm": views.depth_scale_mm,
+        "seen_by_training": views.seen_by_training,
         "cameras": [
-            {"held_out": bool(held_out), "K": K.tolist(), "c2w": c2w.tolist()}
-            for K, c2w, held_out in cameras
+            {"held_out": bool(held_out), "background": colour.tolist()} | row
+            for row, held_out, colour in rows
         ],
     }
 
 
+def _truth(cameras: Cameras) -> dict:
+    size = {"width": cameras.width, "height": cameras.height}
+    return {"schema": SCHEMA} | size | {"cameras": _rows(cameras)}
+
+
+def _rows(cameras: Cameras) -> list[dict]:
+    return [
+        {"K": K.tolist(), "c2w": c2w.tolist()}
+        for K, c2w in zip(cameras.K, cameras.c2w, strict=True)
+    ]
+
+
 def _nerf(views: Views) -> dict:
-    K, names = views.cameras.K[0], [f"rgb/{i:03d}.png" for i in range(len(views.cameras))]
+    """One lens for all frames where they share it, else one for each: NeRF tools read both."""
+    cameras, names = views.cameras, [f"rgb/{i:03d}.png" for i in range(len(views.cameras))]
+    lenses = [_lens(K, cameras.width) for K in cameras.K]
+    shared = all(lens == lenses[0] for lens in lenses)
     frames = [
         {
             "file_path": name,
@@ -140,19 +185,26 @@ def _nerf(views: Views) -> dict:
             "depth_file_path": name.replace("rgb", "depth"),
             "transform_matrix": (c2w @ OPENGL).tolist(),
         }
-        for name, c2w in zip(names, views.cameras.c2w, strict=True)
+        | ({} if shared else lens)
+        for name, c2w, lens in zip(names, cameras.c2w, lenses, strict=True)
     ]
     return {
         "camera_model": "OPENCV",
-        "camera_angle_x": float(2 * np.arctan(views.cameras.width / 2 / K[0, 0])),
-        "fl_x": float(K[0, 0]),
-        "fl_y": float(K[1, 1]),
-        "cx": float(K[0, 2]),
-        "cy": float(K[1, 2]),
-        "w": views.cameras.width,
-        "h": views.cameras.height,
+        **(lenses[0] if shared else {}),
+        "w": cameras.width,
+        "h": cameras.height,
         "depth_unit_scale_factor": views.depth_scale_mm,
         "train_filenames": [names[i] for i in views.train],
         "test_filenames": [names[i] for i in np.flatnonzero(views.held_out)],
         "frames": frames,
+    }
+
+
+def _lens(K: Float[np.ndarray, "3 3"], width: int) -> dict[str, float]:
+    return {
+        "camera_angle_x": float(2 * np.arctan(width / 2 / K[0, 0])),
+        "fl_x": float(K[0, 0]),
+        "fl_y": float(K[1, 1]),
+        "cx": float(K[0, 2]),
+        "cy": float(K[1, 2]),
     }

@@ -1,11 +1,16 @@
 """One photograph: what each pixel's centre shows, then the means of the pixels on an edge."""
 
+from collections.abc import Iterator
+
 import numpy as np
-from jaxtyping import Bool, Float, Float32, UInt8
+from jaxtyping import Bool, Float, Float32, Int
 
 from industnerf.artifacts.views import Frame
-from industnerf.capture.edges import BACKGROUND, on_edge, pixel_means
-from industnerf.capture.surface import Surface
+from industnerf.capture.chance import Draws
+from industnerf.capture.edges import BACKGROUND, Light, on_edge, pixel_means
+from industnerf.capture.sensor import expose
+from industnerf.capture.shading import Shading
+from industnerf.capture.surface import Spots, Surface
 from industnerf.geometry.cameras import back_projection, project
 from industnerf.schema import ViewsParams
 
@@ -15,9 +20,12 @@ MARGIN_PX = 0.01  # far above what float32 does to a pixel coordinate, 1e-4 px
 
 def develop(
     surface: Surface,
+    shade: Shading,
     K: Float[np.ndarray, "3 3"],
     c2w: Float[np.ndarray, "4 4"],
+    background: Float[np.ndarray, "3"],
     settings: ViewsParams,
+    draws: Draws,
 ) -> Frame:
     """The photograph of `surface` from one camera.
 
@@ -26,17 +34,34 @@ def develop(
     side, eye = settings.resolution, c2w[:3, 3]
     towards = back_projection(K, c2w).astype(np.float32)
     candidates = np.flatnonzero(may_show(project(surface.vertices, K, c2w)[0], side))
-    seen = surface.look(eye, through_centres(towards, side).take(candidates, axis=0))
-    depth, light = np.zeros((side, side), np.float32), np.full((side, side), BACKGROUND)
-    shown = candidates[seen.ray]
-    depth.flat[shown], light.flat[shown] = seen.t, seen.light
 
-    def light_at(uv: Float32[np.ndarray, "n 2"]) -> Float32[np.ndarray, "n"]:
-        return surface.light_along(eye, uv @ towards[:, :2].T + towards[:, 2])
+    def shown_by(directions: Float32[np.ndarray, "rays 3"]) -> tuple[Spots, Light]:
+        spots = surface.look(eye, directions)
+        return spots, shade(spots)
+
+    spots, light = shown_by(through_centres(towards, side).take(candidates, axis=0))
+    depth, shown = np.zeros((side, side), np.float32), candidates[spots.ray]
+    depth.flat[shown] = spots.t
+    light = spread(light, shown, side * side).reshape(-1, side, side)
+
+    def light_at(uv: Float32[np.ndarray, "n 2"]) -> Light:
+        spots, light = shown_by(uv @ towards[:, :2].T + towards[:, 2])
+        return spread(light, spots.ray, len(uv))
 
     edge = np.flatnonzero(on_edge(depth, light, K[0, 0]))
     mean, cover = pixel_means(light, edge, light_at, settings.edge_samples)
-    return Frame(composed(mean, cover, settings), depth > 0, depth)
+    radiance = composed(mean, cover, shade.tint, background)
+    return Frame(expose(radiance, settings.sensor, draws.of("noise")), depth > 0, depth)
+
+
+def spread(
+    light: Float32[np.ndarray, "channels hits"], at: Int[np.ndarray, "hits"], rays: int
+) -> Float32[np.ndarray, "channels {rays}"]:
+    """`light` of the rays `at`, among all `rays`; BACKGROUND at the others."""
+    everywhere = np.full((len(light), rays), BACKGROUND)
+    for plane, values in zip(everywhere, light, strict=True):
+        plane[at] = values
+    return everywhere
 
 
 def may_show(points: Float[np.ndarray, "n 2"], side: int) -> Bool[np.ndarray, "{side} {side}"]:
@@ -68,12 +93,16 @@ def through_centres(
 
 
 def composed(
-    light: Float32[np.ndarray, "h w"], cover: Float32[np.ndarray, "h w"], settings: ViewsParams
-) -> UInt8[np.ndarray, "h w 3"]:
-    """Linear radiance over the background, in 8 bits; `light` counts covered area only."""
-    rgb, bare = np.empty((*light.shape, 3), np.uint8), 1 - cover
-    for channel, colours in enumerate(zip(settings.albedo, settings.background, strict=True)):
-        albedo, background = (np.float32(255 * colour) for colour in colours)
-        value = albedo * light + background * bare
-        rgb[..., channel] = np.minimum(value, 255) + np.float32(0.5)  # the cast rounds down
-    return rgb
+    light: Float32[np.ndarray, "channels h w"],
+    cover: Float32[np.ndarray, "h w"],
+    tint: tuple[float, ...],
+    background: Float[np.ndarray, "3"],
+) -> Iterator[Float32[np.ndarray, "h w"]]:
+    """Linear radiance over the background, colour by colour, white being 255.
+
+    `light` counts covered area only.
+    """
+    bare = 1 - cover
+    for colour, albedo in enumerate(tint):
+        behind = np.float32(255 * background[colour])
+        yield np.float32(255 * albedo) * light[colour % len(light)] + behind * bare

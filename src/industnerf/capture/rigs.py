@@ -1,15 +1,21 @@
-"""Where the cameras stand: on a sphere around the part, all looking at its centre."""
+"""Where the cameras stand: around the part, all looking at its centre."""
+
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from industnerf.capture.rings import between, rings
 from industnerf.errors import BadParams
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
-from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
 from industnerf.schema import ViewsParams
 
 ROUNDING = 1e-9  # by which a ball that just fits may seem too large
 TURNS = 360  # candidates for the turn between held-out and training cameras
+
+Directions = Float[np.ndarray, "_ 3"]
+Lattice = Callable[[int, float], Directions]
 
 
 def bounding_ball(vertices: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
@@ -25,38 +31,63 @@ def cameras_around(
 
     Raises BadParams if the ball is larger than the field of view.
     """
-    require_in_frame(settings.radius, settings.fov_deg)
-    train = fibonacci_sphere(settings.count)
-    held_out = fibonacci_sphere(settings.held_out, best_turn(train, settings.held_out))
-    eyes = centre + settings.radius * radius_mm * np.concatenate([train, held_out])
+    require_in_frame(settings)
+    eyes = centre + settings.radius * radius_mm * np.concatenate(directions(settings))
     K = np.tile(pinhole(settings.fov_deg, settings.resolution), (len(eyes), 1, 1))
     cameras = Cameras(K, look_at(eyes, centre), settings.resolution, settings.resolution)
     return cameras, np.arange(len(eyes)) >= settings.count
 
 
-def require_in_frame(radius: float, fov_deg: float) -> None:
-    """Raise BadParams unless a ball is in frame from `radius` times its own radius."""
-    half = np.radians(fov_deg) / 2
-    if radius * np.sin(half) >= 1 - ROUNDING:
+def directions(settings: ViewsParams) -> tuple[Directions, Directions]:
+    """Unit vectors towards the training cameras and towards the held-out ones.
+
+    Both stand on the same kind of rig, the held-out ones as far from the others as it allows.
+    """
+    count, held_out = settings.count, settings.held_out
+    if settings.rig == "rings":
+        elevations = np.radians(settings.elevations_deg)
+        return rings(count, elevations), between(count, held_out, elevations)
+    lattice = fibonacci_sphere if settings.rig == "sphere" else fibonacci_hemisphere
+    train = lattice(count, 0.0)
+    return train, lattice(held_out, best_turn(train, held_out, lattice))
+
+
+def best_turn(train: Directions, held_out: int, lattice: Lattice) -> float:
+    """The turn (radians) of `held_out` cameras that keeps them farthest from `train`."""
+    if not held_out:
+        return 0.0
+    turns = np.arange(TURNS) * (2 * np.pi / TURNS)
+    nearest = [(lattice(held_out, turn) @ train.T).max() for turn in turns]
+    return float(turns[np.argmin(nearest)])
+
+
+def least_distance(half: float, aside: float) -> float:
+    """The distance, in radii, from which a ball fits half a field of view of `half` radians.
+
+    It does so wherever within `aside` radii of its centre the camera may aim: seen from the
+    distance d the centre is at most atan(aside / d) off the axis, and asin(1 / d) wide;
+    together they are less than asin((1 + aside) / d), for asin is convex.
+    """
+    return (1 + aside) / np.sin(half)
+
+
+def require_in_frame(settings: ViewsParams) -> None:
+    """Raise BadParams unless the ball is in frame from where the rig has its cameras."""
+    radius, fov_deg, aside = settings.radius, settings.fov_deg, settings.jitter.aim
+    needed = least_distance(np.radians(fov_deg) / 2, aside)
+    if radius >= needed * (1 - ROUNDING):
         return
-    spans = np.degrees(2 * np.arcsin(min(1 / radius, 1))) if radius > 0 else 180.0
+    wide = 1 + aside
+    spans = np.degrees(2 * np.arcsin(min(wide / radius, 1))) if radius > 0 else 180.0
+    aiming = f", with {aside:g} radii around it for views.jitter.aim," if aside else ""
     raise BadParams(
         f"params.yaml: the cameras do not frame the part. From views.radius = {radius:g} its "
-        f"bounding ball spans {spans:.2f} degrees, {spans - fov_deg:.2f} more than views.fov_deg "
-        f"= {fov_deg:g}. Raise views.radius to {round_up(1 / np.sin(half), 3):g} or views.fov_deg "
-        f"to {round_up(spans, 2):g}."
+        f"bounding ball{aiming} spans {spans:.2f} degrees, {spans - fov_deg:.2f} more than "
+        f"views.fov_deg = {fov_deg:g}. Raise views.radius to {round_up(needed, 3):g} or "
+        f"views.fov_deg to {round_up(spans, 2):g}."
     )
 
 
 def round_up(value: float, digits: int) -> float:
     """`value` with so many decimals, never less than it is."""
     return float(np.ceil(value * 10**digits - ROUNDING) / 10**digits)
-
-
-def best_turn(train: Float[np.ndarray, "n 3"], held_out: int) -> float:
-    """The turn (radians) of `held_out` cameras that keeps them farthest from `train`."""
-    if not held_out:
-        return 0.0
-    turns = np.arange(TURNS) * (2 * np.pi / TURNS)
-    nearest = [(fibonacci_sphere(held_out, turn) @ train.T).max() for turn in turns]
-    return float(turns[np.argmin(nearest)])

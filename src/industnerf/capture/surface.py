@@ -1,37 +1,35 @@
-"""The lit surface of a part: how much light it sends along a ray.
-
-Lights are fixed to the part and the material is matte, so a point is as bright from every side
-that sees it (photo-consistency).  A face is lit on the side that the viewer sees.
-"""
+"""The surface of a part: what a ray meets, and which way it faces there."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Bool, Float, Float32, Int, Int32
 
 from industnerf.artifacts.part import Mesh
-from industnerf.capture.edges import BACKGROUND
 from industnerf.capture.normals import corner_normals, face_normals
 from industnerf.geometry.raycast import Scene
-from industnerf.schema import LightParams
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What the rays that hit the part show."""
+class Spots:
+    """Where the rays from one eye that hit the part meet it."""
 
     ray: Int[np.ndarray, "hits"]  # which rays
     t: Float32[np.ndarray, "hits"]  # in lengths of their directions
-    light: Float32[np.ndarray, "hits"]  # times albedo = radiance
+    face: Int32[np.ndarray, "hits"]
+    uv: Float32[np.ndarray, "hits 2"]  # barycentric weights of the face's 2nd and 3rd corner
+    normal: Float32[np.ndarray, "3 hits"]  # for shading, towards the eye; at most 1 long
+    turned: Bool[np.ndarray, "hits"]  # the face is seen from its back
+    eye: Float[np.ndarray, "3"]
 
 
 class Surface:
-    """A mesh under lamps, ready to be looked at from anywhere."""
+    """A mesh, ready to be looked at from anywhere.  A face has the side that the viewer sees."""
 
-    def __init__(self, mesh: Mesh, crease_deg: float, light: LightParams) -> None:
+    def __init__(self, mesh: Mesh, crease_deg: float) -> None:
         self.vertices, triangles = mesh.vertices, mesh.triangles
-        self._scene = Scene(mesh.vertices, mesh.faces)
-        self._lamps = Lamps.of(light)
+        self.scene = Scene(mesh.vertices, mesh.faces)
+        self._corners = triangles
         self._facing = face_normals(triangles)
         self._offset = np.einsum("ij,ij->i", self._facing, triangles[:, 0])
         # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0): for each axis n0 and the two differences
@@ -39,44 +37,33 @@ class Surface:
         normals[:, 1:] -= normals[:, :1]
         self._normals = np.ascontiguousarray(normals.transpose(2, 1, 0))
 
-    def look(self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]) -> Seen:
-        """What the rays from `eye` show."""
-        hits = self._scene.cast(eye[None], directions)
+    def look(self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]) -> Spots:
+        """What the rays from `eye` meet."""
+        hits = self.scene.cast(eye[None], directions)
         ray = np.flatnonzero(hits.face >= 0)
-        face, (u, v) = hits.face.take(ray), hits.uv.take(ray, axis=0).T
-        normal = np.empty((3, len(ray)), np.float32)
+        face, uv = hits.face.take(ray), hits.uv.take(ray, axis=0)
+        (u, v), normal = uv.T, np.empty((3, len(ray)), np.float32)
         for axis, (n, du, dv) in enumerate(self._normals):
             normal[axis] = n.take(face) + u * du.take(face) + v * dv.take(face)
-        normal[:, (self._facing @ eye < self._offset).take(face)] *= -1
-        return Seen(ray, hits.t.take(ray), self._lamps.shine(normal))
+        turned = (self._facing @ eye < self._offset).take(face)
+        normal[:, turned] *= -1
+        return Spots(ray, hits.t.take(ray), face, uv, normal, turned, eye)
 
-    def light_along(
-        self, eye: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
-    ) -> Float32[np.ndarray, "rays"]:
-        """The light that the rays from `eye` show, or BACKGROUND."""
-        seen = self.look(eye, directions)
-        light = np.full(len(directions), BACKGROUND)
-        light[seen.ray] = seen.light
-        return light
+    def lifted(self, spots: Spots) -> Float[np.ndarray, "hits 3"]:
+        """The spots (mm) on the round surface that the facets stand for, never below these.
 
-
-@dataclass(frozen=True)
-class Lamps:
-    """Ambient light and distant lamps."""
-
-    ambient: np.float32
-    towards: Float32[np.ndarray, "lamps 3"]  # unit
-    intensity: Float32[np.ndarray, "lamps"]
-
-    @staticmethod
-    def of(light: LightParams) -> "Lamps":
-        """`light` as arrays."""
-        towards = np.array(light.directions, np.float32).reshape(-1, 3)
-        towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-        return Lamps(np.float32(light.ambient), towards, np.array(light.intensities, np.float32))
-
-    def shine(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
-        """Lambert's law: ambient + sum of intensity * max(0, cosine); normals of any length."""
-        length = np.sqrt(np.einsum("ij,ij->j", normals, normals))
-        lit = self.intensity @ np.maximum(self.towards @ normals, 0)
-        return np.maximum(self.ambient + lit / np.maximum(length, np.float32(1e-12)), 0)
+        A ray from a facet of a round surface towards a low lamp would meet the next facet.  So
+        each spot goes to the mean of its feet on the planes across the corners' normals, where
+        these lie above -- Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021).
+        """
+        corners = self._corners.take(spots.face, axis=0)
+        weights = np.concatenate([1 - spots.uv.sum(axis=1, keepdims=True), spots.uv], axis=1)
+        at = np.einsum("ni,nij->nj", weights, corners)
+        normals = self._normals.take(spots.face, axis=2).transpose(1, 2, 0)
+        normals[1:] += normals[0]
+        normals[:, spots.turned] *= -1
+        up = np.zeros_like(at)
+        for corner, normal, weight in zip(corners.swapaxes(0, 1), normals, weights.T, strict=True):
+            below = np.minimum(np.einsum("nj,nj->n", at - corner, normal), 0)
+            up -= (weight * below)[:, None] * normal
+        return at + up

@@ -60,8 +60,8 @@ class Given:
         return self._declared(Input.RGB)
 
     @property
-    def background(self) -> Float[np.ndarray, "3"]:
-        """In [0, 1]."""
+    def background(self) -> Float[np.ndarray, "n 3"]:
+        """One colour a view, in [0, 1]."""
         return self._declared(Input.BACKGROUND)
 
     @property
@@ -119,7 +119,7 @@ def hand_over(method: Method, part: Path, views: Path) -> Given:
     taken = load_views(views)
     readers: dict[Input, Callable[[], Any]] = {
         Input.RGB: lambda: taken.rgb(taken.train),
-        Input.BACKGROUND: lambda: taken.background,
+        Input.BACKGROUND: lambda: taken.background[taken.train],
         Input.MASK: lambda: taken.mask(taken.train),
         Input.DEPTH: lambda: taken.depth_mm(taken.train),
         Input.OWN_MESH: lambda: load_mesh(part),

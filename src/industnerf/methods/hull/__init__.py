@@ -38,12 +38,16 @@ def reconstruct_from_colour(
 
 
 def differs(
-    rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "3"], tolerance: float
+    rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "n 3"], tolerance: float
 ) -> Bool[np.ndarray, "n h w"]:
-    """Whether any channel is farther than `tolerance` from the background's, in [0, 1]."""
+    """Whether any channel is farther than `tolerance` from its view's background, in [0, 1]."""
     level = np.arange(256)[:, None] / 255
-    table = np.abs(level - background) > tolerance
-    return table[rgb[..., 0], 0] | table[rgb[..., 1], 1] | table[rgb[..., 2], 2]
+    masks = np.zeros(rgb.shape[:3], bool)
+    for mask, picture, colour in zip(masks, rgb, background, strict=True):
+        table = np.abs(level - colour) > tolerance
+        for channel in range(3):
+            mask |= table[picture[..., channel], channel]
+    return masks
 
 
 def hull(

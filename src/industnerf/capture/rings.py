@@ -1,0 +1,48 @@
+"""Cameras of a turntable: the same elevations all round, some elevations one above the other."""
+
+import numpy as np
+from jaxtyping import Float
+
+Elevations = Float[np.ndarray, "rings"]  # radians
+
+
+def rings(count: int, elevations: Elevations) -> Float[np.ndarray, "{count} 3"]:
+    """`count` unit vectors, ring by ring.
+
+    The rings share them as evenly as possible, the first having one more; each ring is evenly
+    spaced, and turned by its part of a step, so that no two rings have cameras at one azimuth.
+    """
+    azimuths = [
+        (np.arange(n) + ring / len(elevations)) / max(n, 1)
+        for ring, n in enumerate(shares(count, len(elevations)))
+    ]
+    return _at(elevations, azimuths)
+
+
+def between(count: int, held_out: int, elevations: Elevations) -> Float[np.ndarray, "{held_out} 3"]:
+    """`held_out` unit vectors on the rings of `count` others, in the middles of their gaps.
+
+    Where a ring has more of them than gaps, they divide its gaps evenly.
+    """
+    azimuths, levels = [], len(elevations)
+    per_ring = zip(shares(count, levels), shares(held_out, levels), strict=True)
+    for ring, (gaps, n) in enumerate(per_ring):
+        gaps = max(gaps, 1)
+        places = -(-n // gaps)  # in a gap
+        # the rings begin at different gaps, so that they do not leave the same side out
+        place = ((np.arange(n) + ring / levels) * (gaps * places) / max(n, 1)).astype(int)
+        gap, inside = place // max(places, 1), place % max(places, 1)
+        azimuths.append((gap + (inside + 1) / (places + 1) + ring / levels) / gaps)
+    return _at(elevations, azimuths)
+
+
+def shares(count: int, levels: int) -> list[int]:
+    """`count` in `levels` whole parts that differ by one at most."""
+    return [count // levels + (level < count % levels) for level in range(levels)]
+
+
+def _at(elevations: Elevations, azimuths: list[Float[np.ndarray, "_"]]) -> Float[np.ndarray, "_ 3"]:
+    """Unit vectors of every ring's azimuths, which are in turns."""
+    up = np.repeat(elevations, [len(ring) for ring in azimuths])
+    angle = 2 * np.pi * np.concatenate(azimuths)
+    return np.stack([np.cos(up) * np.cos(angle), np.cos(up) * np.sin(angle), np.sin(up)], axis=1)
