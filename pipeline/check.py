@@ -4,13 +4,11 @@ from pathlib import Path
 
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
-from industnerf.errors import BadParams
+from industnerf.parts.files import require_place
 
 
 def main() -> None:
-    folder = load_params().parts.path
-    if not Path(folder).is_dir():
-        raise BadParams(f"params.yaml: parts.path {folder!r} is not a folder")
+    require_place(Path(load_params().parts.path))
 
 
 if __name__ == "__main__":

@@ -1,14 +1,16 @@
 """Runners: one broken piece of work ends itself, not the others."""
 
 import os
+import resource
 import signal
 import time
 from functools import partial
 
+import numpy as np
 import pytest
 
 from industnerf.errors import BadParams, BadPart
-from industnerf.runner import ProcessRunner, SerialRunner, runner_from_environment
+from industnerf.runner import ProcessRunner, SerialRunner, _attempt, runner_from_environment
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
 
@@ -33,6 +35,22 @@ def hang():
     time.sleep(60)
 
 
+def gobble():
+    """One block of 2 GB; nothing is touched, so only the address space grows."""
+    np.empty(2 * 2**30, np.uint8)
+
+
+def nibble(path):
+    """64 MB, and what the limit is meanwhile."""
+    np.empty(2**26, np.uint8)
+    path.write_text(str(resource.getrlimit(resource.RLIMIT_AS)[0]))
+
+
+def abort():
+    """What C++ does where it cannot allocate and nobody catches."""
+    os.abort()
+
+
 @pytest.mark.parametrize("runner", RUNNERS, ids=str)
 def test_every_piece_of_work_has_one_outcome(runner, tmp_path):
     works = [partial(write, tmp_path / str(i)) for i in range(5)]
@@ -50,9 +68,31 @@ def test_a_crash_and_a_hang_cost_themselves_only(workers, tmp_path):
     works = [crash, partial(write, tmp_path / "a"), hang, partial(write, tmp_path / "b")]
     outcomes = {o.index: o.error for o in ProcessRunner(workers).map(works, 6.0)}
     assert outcomes[0] == "crashed: its process ended with exit code -11"
-    assert outcomes[2] == "timed out: more than 6 s"
+    assert outcomes[2] == "timed out: more than 6 s (time_limit_s)"
     assert outcomes[1] is None
     assert outcomes[3] is None
+
+
+def test_a_piece_that_needs_too_much_memory_costs_itself_only(tmp_path):
+    works = [gobble, partial(nibble, tmp_path / "a"), abort, partial(nibble, tmp_path / "b")]
+    outcomes = {o.index: o.error for o in ProcessRunner(1).map(works, 60.0, 1500)}
+    assert outcomes[0] == "out of memory: needs more than 1500 MB (memory_limit_mb)"
+    assert outcomes[1] is None
+    assert outcomes[2] == (
+        "crashed: its process ended with exit code -6; it may have needed more than 1500 MB "
+        "(memory_limit_mb)"
+    )
+    assert outcomes[3] is None
+    assert (tmp_path / "a").read_text() == str(1500 * 2**20)
+
+
+def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
+    """The process that did `nibble` under a limit then allocates 2 GB without one."""
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    assert _attempt(partial(nibble, tmp_path / "a"), 100_000) is None
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+    assert (tmp_path / "a").read_text() == str(100_000 * 2**20)
+    assert _attempt(gobble, None) is None
 
 
 def test_workers_have_one_thread_each(tmp_path):

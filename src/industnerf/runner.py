@@ -14,6 +14,7 @@ import signal
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any, Protocol, runtime_checkable
@@ -34,10 +35,13 @@ class Outcome:
 
 @runtime_checkable
 class Runner(Protocol):
-    def map(self, works: Sequence[Work], limit_s: float) -> Iterator[Outcome]:
+    def map(
+        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[Outcome]:
         """Do every piece of work, and yield each outcome as soon as it is known.
 
-        Failure, a crash or more than `limit_s` seconds end one piece of work, not the others.
+        Failure, a crash, more than `limit_s` seconds or an address space of more than `memory_mb`
+        end one piece of work, not the others.
         """
 
 
@@ -56,11 +60,17 @@ def runner_from_environment() -> Runner:
 
 @dataclass(frozen=True)
 class SerialRunner:
-    """One piece after the other in this process, without a time limit: for debugging."""
+    """One piece after the other in this process: for debugging.
 
-    def map(self, works: Sequence[Work], limit_s: float) -> Iterator[Outcome]:
+    It cannot end a piece that hangs, and one that crashes takes everything down.  It sets no limit
+    of memory either: what this process holds already would count.
+    """
+
+    def map(
+        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[Outcome]:
         for index, work in enumerate(works):
-            yield Outcome(index, _attempt(work))
+            yield Outcome(index, _attempt(work, None))
 
 
 @dataclass(frozen=True)
@@ -69,15 +79,18 @@ class ProcessRunner:
 
     workers: int
 
-    def map(self, works: Sequence[Work], limit_s: float) -> Iterator[Outcome]:
+    def map(
+        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[Outcome]:
         os.environ.update(
             dict.fromkeys(THREADS, "1")
         )  # inherited by the workers, before they import numpy
+        limits = _Limits(limit_s, memory_mb)
         todo = list(enumerate(works))[::-1]
         busy: dict[Connection, _Worker] = {}
         try:
             for _ in range(min(self.workers, len(works))):
-                worker = _Worker.start(todo.pop(), limit_s)
+                worker = _Worker.start(todo.pop(), limits)
                 busy[worker.connection] = worker
             while busy:
                 soonest = min(worker.deadline for worker in busy.values())
@@ -86,15 +99,30 @@ class ProcessRunner:
                 late = [c for c, w in busy.items() if w.deadline <= time.monotonic()]
                 for connection in {*ready, *late}:
                     worker = busy.pop(connection)
-                    yield Outcome(worker.index, worker.collect(limit_s))
+                    yield Outcome(worker.index, worker.collect(limits))
                     if todo:
-                        worker = worker.next(todo.pop(), limit_s)
+                        worker = worker.next(todo.pop(), limits)
                         busy[worker.connection] = worker
                     else:
                         worker.stop()
         finally:
             for worker in busy.values():
                 worker.stop()
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """What one piece of work may take; params.yaml has both under the section of its stage."""
+
+    seconds: float
+    memory_mb: int | None
+
+    @property
+    def hint(self) -> str:
+        """What a process that died may have died of."""
+        if self.memory_mb is None:
+            return ""
+        return f"; it may have needed more than {self.memory_mb} MB (memory_limit_mb)"
 
 
 @dataclass
@@ -107,32 +135,33 @@ class _Worker:
     deadline: float
 
     @staticmethod
-    def start(task: tuple[int, Work], limit_s: float) -> "_Worker":
+    def start(task: tuple[int, Work], limits: _Limits) -> "_Worker":
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs,), daemon=True)
         process.start()
         theirs.close()
-        ours.send(task[1])
-        return _Worker(process, ours, task[0], time.monotonic() + limit_s)
+        ours.send((task[1], limits.memory_mb))
+        return _Worker(process, ours, task[0], time.monotonic() + limits.seconds)
 
-    def collect(self, limit_s: float) -> str | None:
+    def collect(self, limits: _Limits) -> str | None:
         """The error of the current piece of work, or None."""
         if not self.connection.poll():
             self.stop()
-            return f"timed out: more than {limit_s:g} s"
+            return f"timed out: more than {limits.seconds:g} s (time_limit_s)"
         try:
             return self.connection.recv()
-        except EOFError:
+        except (EOFError, OSError):
             self.process.join()
-            return f"crashed: its process ended with exit code {self.process.exitcode}"
+            code = self.process.exitcode
+            return f"crashed: its process ended with exit code {code}{limits.hint}"
 
-    def next(self, task: tuple[int, Work], limit_s: float) -> "_Worker":
+    def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
         """This worker at another piece of work, or a fresh one if it is dead."""
         if not self.process.is_alive():
-            return _Worker.start(task, limit_s)
-        self.connection.send(task[1])
-        self.index, self.deadline = task[0], time.monotonic() + limit_s
+            return _Worker.start(task, limits)
+        self.connection.send((task[1], limits.memory_mb))
+        self.index, self.deadline = task[0], time.monotonic() + limits.seconds
         return self
 
     def stop(self) -> None:
@@ -145,22 +174,53 @@ def _serve(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends us
     while True:
         try:
-            work = connection.recv()
+            work, memory_mb = connection.recv()
         except EOFError:
             return
-        connection.send(_attempt(work))
+        connection.send(_attempt(work, memory_mb))
 
 
-def _attempt(work: Work) -> str | None:
+def _attempt(work: Work, memory_mb: int | None) -> str | None:
     try:
-        work()
+        with _address_space(memory_mb):
+            work()
     except SuiteError as error:
         return str(error)
+    except MemoryError:
+        most = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
+        return f"out of memory: needs more than {most}"
     except Exception as error:
         if os.environ.get("INDUSTNERF_DEBUG"):
             traceback.print_exc()
         return f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
     return None
+
+
+@contextmanager
+def _address_space(memory_mb: int | None) -> Iterator[None]:
+    """Let this process have at most `memory_mb`, counted as Linux counts addresses; then no more.
+
+    A system that does not know the limit goes without.
+    """
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if memory_mb is not None:
+        wanted = memory_mb * 2**20
+        _limit(wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard)
+    try:
+        yield
+    finally:
+        _limit(soft, hard)
+
+
+def _limit(soft: int, hard: int) -> None:
+    import resource
+
+    try:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    except (ValueError, OSError):
+        return
 
 
 def die_with_parent() -> None:

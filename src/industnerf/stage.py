@@ -48,8 +48,11 @@ def run_stage(
     *,
     failed_before: dict[str, str] | None = None,
     limit_s: float = math.inf,
+    memory_mb: int | None = None,
 ) -> None:
     """Bring every task's result to `out`, finished ones from the store.
+
+    A part that takes more than `limit_s` seconds or `memory_mb` of memory fails.
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded.
@@ -60,7 +63,7 @@ def run_stage(
     failures = dict(failed_before or {})
     works = [partial(_make, store, step, keys[i], tasks[i].make) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
-        for outcome in runner_from_environment().map(works, limit_s):
+        for outcome in runner_from_environment().map(works, limit_s, memory_mb):
             at = todo[outcome.index]
             if outcome.error is not None:
                 failures[tasks[at].part_id] = outcome.error
@@ -90,10 +93,11 @@ def _key(step: str, task: Task) -> str:
 
 
 def _make(store: Store, step: str, key: str, make: Callable[[Path], None]) -> None:
-    store.put(step, key, partial(_measured, make))
+    store.put(step, key, partial(measured, make))
 
 
-def _measured(make: Callable[[Path], None], target: Path) -> Cost:
+def measured(make: Callable[[Path], None], target: Path) -> Cost:
+    """What it takes to run `make(target)` in this process."""
     _reset_peak()
     start = time.perf_counter()
     make(target)

@@ -83,7 +83,10 @@ def outdated(here):
     [
         ("views.count", 8, {"views", "report"}),
         ("views.light.ambient", 0.5, {"views"}),
-        ("parts.eyes", 7, {"parts"}),
+        ("parts.clean.orient", False, {"parts"}),
+        ("parts.split_bodies", True, {"parts"}),
+        ("parts.units", "cm", {"solids"}),
+        ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
         ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
         ("method.box.points", 5, set()),

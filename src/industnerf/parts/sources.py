@@ -1,4 +1,8 @@
-"""Where parts come from: the embedded catalogue, or a folder of the user's own files."""
+"""Where parts come from: the embedded catalogue, or the user's own files.
+
+Own files become parts in two steps.  `solids` reads each file once; `parts` cleans what was read,
+whole or one part per solid, so that another way of cleaning never reads a file again.
+"""
 
 import re
 from collections import Counter
@@ -7,11 +11,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from industnerf.artifacts.solids import names_of
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue import Entry, catalogue
-from industnerf.parts.ingest import ingest_embedded, ingest_file
-from industnerf.parts.read import SUFFIXES
-from industnerf.schema import PartsParams
+from industnerf.parts.embedded import place_embedded
+from industnerf.parts.files import OwnFile, find_files, slug
+from industnerf.parts.ingest import ingest
 
 
 @dataclass(frozen=True)
@@ -24,24 +29,11 @@ class Source:
     files: tuple[Path, ...]
 
 
-def find_sources(folder: Path, settings: PartsParams, seed: int) -> list[Source]:
-    """The parts that params.yaml asks for, by id.
+def embedded_parts(folder: Path, select: list[str]) -> list[Source]:
+    """The baked parts that params.yaml asks for, by id.
 
-    Raises BadParams if the folder is missing, holds no such file, or `parts.select` names a part
-    that is not there.
+    Raises BadParams if the folder holds no catalogue, or lacks a part that `select` names.
     """
-    if not folder.is_dir():
-        raise BadParams(f"parts.path: {folder} is not a folder")
-    find = {"embedded": _embedded, "path": _own}[settings.source]
-    found = sorted(find(folder, settings, seed), key=lambda source: source.part_id)
-    known = {source.part_id for source in found}
-    for part_id in settings.select:
-        if part_id not in known:
-            raise BadParams(f"parts.select: {part_id!r} is not among {', '.join(sorted(known))}")
-    return [source for source in found if not settings.select or source.part_id in settings.select]
-
-
-def _embedded(folder: Path, settings: PartsParams, seed: int) -> list[Source]:
     if not (folder / "catalogue.json").exists():
         raise BadParams(
             f"parts.path: {folder} holds no catalogue.json; for files of your own set "
@@ -49,46 +41,64 @@ def _embedded(folder: Path, settings: PartsParams, seed: int) -> list[Source]:
         )
 
     def source(entry: Entry) -> Source:
-        make = partial(ingest_embedded, folder, entry, eyes=settings.eyes, seed=seed)
-        return Source(entry.id, make, [entry, settings.eyes, seed], (folder / f"{entry.id}.npz",))
+        make = partial(place_embedded, folder, entry)
+        return Source(entry.id, make, entry, (folder / f"{entry.id}.npz",))
 
-    return [source(entry) for entry in catalogue(folder)]
-
-
-def _own(folder: Path, settings: PartsParams, seed: int) -> list[Source]:
-    files = [p for p in sorted(folder.glob(settings.pattern)) if p.suffix.lower() in SUFFIXES]
-    if not files:
-        raise BadParams(
-            f"parts.path: no file in {folder} matches parts.pattern {settings.pattern!r} and ends "
-            f"in {', '.join(SUFFIXES)}"
-        )
-
-    def source(part_id: str, path: Path) -> Source:
-        family = path.parent.name if path.parent != folder else "own"
-        cleaning = {"units": settings.units, "weld": settings.weld, "eyes": settings.eyes}
-        make = partial(ingest_file, path, part_id, family, seed=seed, **cleaning)
-        return Source(part_id, make, [part_id, family, cleaning, seed], (path,))
-
-    return [source(i, path) for i, path in zip(part_ids(folder, files), files, strict=True)]
+    found = {entry.id: source(entry) for entry in catalogue(folder)}
+    for part_id in select:
+        if part_id not in found:
+            raise BadParams(f"parts.select: {part_id!r} is not among {', '.join(sorted(found))}")
+    return [found[part_id] for part_id in sorted(found) if not select or part_id in select]
 
 
-def part_ids(folder: Path, files: list[Path]) -> list[str]:
-    """An id for every file: its path below `folder`, and its type where that alone tells two apart.
+def own_parts(place: Path, solids: Path, read: set[str], parts: Any) -> list[Source]:
+    """The parts in the files of ids `read`, which the stage `solids` has read into `solids`.
 
-    Raises BadParams if two files would still share an id.
+    `parts` has the keys pattern, select, split_bodies and clean of params.yaml.  Raises BadParams
+    if two parts would share an id, or `select` names one that is neither a part nor a file.
     """
-    plain = [_slug(str(path.relative_to(folder).with_suffix(""))) for path in files]
-    often = Counter(plain)
-    ids = [
-        name if often[name] == 1 else f"{name}-{path.suffix[1:].lower()}"
-        for name, path in zip(plain, files, strict=True)
+    files = find_files(place, parts.pattern, [])
+    found = [
+        source
+        for file in files
+        if file.file_id in read
+        for source in _parts_of(file, solids / file.file_id, parts)
     ]
-    twice = [name for name, count in Counter(ids).items() if count > 1]
+    ids = Counter(source.part_id for source in found)
+    twice = [part_id for part_id, count in ids.items() if count > 1]
     if twice:
-        named = [str(path) for name, path in zip(ids, files, strict=True) if name == twice[0]]
-        raise BadParams(f"parts.path: {' and '.join(named)} share the id {twice[0]!r}; rename one")
-    return ids
+        raise BadParams(f"parts.path: two parts share the id {twice[0]!r}; rename a file")
+    known = {file.file_id for file in files} | set(ids)
+    for name in parts.select:
+        if name not in known:
+            raise BadParams(f"parts.select: {name!r} is not among {', '.join(sorted(known))}")
+    return found
 
 
-def _slug(text: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "part"
+def _parts_of(file: OwnFile, folder: Path, parts: Any) -> list[Source]:
+    """The parts of one file: itself, or its solids; those that `parts.select` names."""
+    names = names_of(folder)
+    places: dict[str, int | None] = {file.file_id: None}
+    if parts.split_bodies and len(names) > 1:
+        places = {f"{file.file_id}-{name}": i for i, name in enumerate(_distinct(names))}
+
+    def source(part_id: str, which: int | None) -> Source:
+        make = partial(ingest, folder, part_id, file.family, which, parts.clean)
+        settings = [part_id, file.family, which, parts.clean]
+        return Source(part_id, make, settings, (folder / "solids.json", folder / "solids.npz"))
+
+    wanted = set(parts.select)
+    return [
+        source(part_id, which)
+        for part_id, which in places.items()
+        if not wanted or wanted & {part_id, file.file_id}
+    ]
+
+
+def _distinct(names: tuple[str, ...]) -> list[str]:
+    """A short name for every solid of a file; equal ones get their place in the file."""
+    plain = [slug(re.sub(r"^solid (?=\d+$)", "", name)) for name in names]
+    often = Counter(plain)
+    several = [name if often[name] == 1 else f"{name}-{i}" for i, name in enumerate(plain, start=1)]
+    distinct = len(set(several)) == len(several)
+    return several if distinct else [str(i) for i in range(1, len(names) + 1)]

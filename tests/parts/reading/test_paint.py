@@ -1,0 +1,175 @@
+"""Colours: decoded once, told apart up to 256, and never invented."""
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from industnerf.artifacts.finish import UNSTATED
+from industnerf.parts.reading import texture
+from industnerf.parts.reading.content import Body
+from industnerf.parts.reading.paint import MOST, encoded, finishes_of, hex_colour, linear
+from tests.parts.reading import samples
+from tests.parts.reading.samples import CORNERS, FACES, TOP
+
+
+def body(albedo):
+    count = len(albedo)
+    faces = np.arange(3 * count).reshape(-1, 3)
+    return Body("b", np.zeros((3 * count, 3)), faces, np.asarray(albedo, float).reshape(-1, 3))
+
+
+def test_every_8_bit_colour_comes_back():
+    ramp = np.repeat(np.arange(256)[:, None], 3, axis=1)
+    np.testing.assert_array_equal(encoded(linear(ramp / 255)), ramp)
+
+
+def test_the_decoding_is_that_of_the_standard():
+    # IEC 61966-2-1: linear below 0.04045, and 0.5 decodes to 0.214041
+    assert linear(np.array([[0.0, 0.02, 0.5]]))[0] == pytest.approx(
+        (0, 0.02 / 12.92, 0.214041), 1e-5
+    )
+    assert linear(np.array([[1.0, 2.0, -1.0]])).tolist() == [[1, 1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "colour"),
+    [("#ff0000", (1, 0, 0)), ("#00FF0080", (0, 1, 0)), ("red", None), ("#ff00", None), ("", None)],
+)
+def test_hex_colours(text, colour):
+    found = hex_colour(text)
+    assert (found is None) == (colour is None)
+    assert colour is None or tuple(found) == colour
+
+
+@given(st.lists(st.integers(0, 400), min_size=1, max_size=600), st.booleans())
+def test_up_to_256_finishes_keep_every_colour_and_more_are_reduced(numbers, bare):
+    """Each face gets a finish near its colour: exactly, while all fit."""
+    colours = np.array([(n % 20 * 12, n // 20 * 12, n % 7 * 30) for n in numbers], np.uint8)
+    albedo = linear(colours / 255)
+    rows = np.concatenate([albedo, np.full((int(bare), 3), np.nan)])
+    finishes, (finish,), remarks = finishes_of((body(rows),))
+    distinct = len(np.unique(colours, axis=0))
+    assert len(finishes) <= MOST
+    assert (distinct + bare > MOST) == bool(remarks)
+    assert (finishes[0] == UNSTATED) == bare
+    if not remarks:
+        found = np.array([finishes[i].albedo for i in finish[: len(colours)]])
+        np.testing.assert_allclose(found, albedo, atol=1e-6)  # rounded to 6 digits
+        assert len(finishes) == distinct + bare
+    if bare:
+        assert finish[-1] == 0
+
+
+@pytest.mark.parametrize(("bare", "kept"), [(False, 256), (True, 255)])
+def test_no_colour_stated_takes_one_of_the_256_places(bare, kept):
+    grey = np.repeat(np.arange(256)[:, None], 3, axis=1)
+    rows = np.concatenate([linear(grey / 255), np.full((int(bare), 3), np.nan)])
+    finishes, (finish,), _ = finishes_of((body(rows),))
+    assert len(finishes) <= kept + bare
+    assert finish.max() < len(finishes)
+    assert len(np.unique(finish[:256])) > 200  # the reduced ones are still told apart
+
+
+def test_a_reduced_palette_says_how_far_off_it_is(read):
+    ramp = np.stack(np.meshgrid(*[np.arange(0, 256, 25)] * 3), axis=-1).reshape(-1, 3)
+    finishes, (finish,), (remark,) = finishes_of((body(linear(ramp / 255)),))
+    found = np.array([bytes.fromhex(finishes[i].name[1:]) for i in finish])
+    shown = np.array([list(row) for row in found])
+    worst = int(np.abs(shown - ramp).max())
+    assert remark == f"1331 colours reduced to {len(finishes)}, at most {worst} of 255 off"
+    assert worst <= 40  # 1331 grid colours, 25 apart, to 256: each stands for a 2x2x2 block or so
+
+
+def picture(left, right):
+    memory = io.BytesIO()
+    pixels = np.zeros((4, 8, 3), np.uint8)
+    pixels[:, :4], pixels[:, 4:] = left, right
+    Image.fromarray(pixels).save(memory, "PNG")
+    return memory.getvalue()
+
+
+TEXTURED = b"""mtllib quad.mtl
+v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 1 0 0\nv 1 1 0
+vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5 0\nvt 0.5 1
+usemtl skin
+f 1/1 5/5 6/6 4/4\nf 5/5 2/2 3/3 6/6
+"""
+
+
+def test_a_picture_becomes_the_colour_under_the_middle_of_each_face(read, tmp_path):
+    (tmp_path / "my skin.png").write_bytes(picture((255, 0, 0), (0, 255, 0)))
+    (tmp_path / "quad.mtl").write_bytes(b"newmtl skin\nKd 1 1 1\nmap_Kd -s 1 1 1 my skin.png\n")
+    solids = read("quad.obj", TEXTURED)
+    names = [solids.finishes[i].name for i in solids.solids[0].mesh.finish]
+    assert names == ["#ff0000", "#ff0000", "#00ff00", "#00ff00"]
+    assert solids.remarks == (texture.REMARK,)
+
+
+def test_a_missing_or_torn_picture_leaves_the_materials_colour(read, tmp_path):
+    (tmp_path / "quad.mtl").write_bytes(b"newmtl skin\nKd 1 0 0\nmap_Kd gone.png\n")
+    assert [f.name for f in read("quad.obj", TEXTURED).finishes] == ["#ff0000"]
+    (tmp_path / "gone.png").write_bytes(picture((1, 2, 3), (4, 5, 6))[:50])
+    solids = read("quad.obj", TEXTURED)
+    assert [f.name for f in solids.finishes] == ["#ff0000"]
+    assert solids.remarks == ("picture gone.png cannot be read",)
+
+
+def test_a_texture_repeats_and_its_first_row_is_the_top():
+    pixels = np.array([[(255, 0, 0)], [(0, 0, 255)]], np.uint8)
+    memory = io.BytesIO()
+    Image.fromarray(pixels).save(memory, "PNG")
+    corners = np.array([[(0.5, 0.9)] * 3, [(0.5, 0.1)] * 3, [(-3.5, 2.9)] * 3, [(np.nan, 7.1)] * 3])
+    found = texture.sampled(memory.getvalue(), corners)
+    assert found.tolist() == [[1, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 1]]
+
+
+def test_vertex_colours_are_mixed_as_light(read):
+    """Half white and half black is 0.5 of the light, not 0.5 of the code."""
+    content = b"v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 0 0 0\nf 1 2 3\n"
+    (finish,) = read("vertex.obj", content).finishes
+    assert finish.albedo == pytest.approx((2 / 3,) * 3, abs=4e-3)  # 8 bits of sRGB
+
+
+def test_trimeshs_own_ply_and_glb_with_vertex_colours(read):
+    mesh = trimesh.Trimesh(CORNERS, FACES, process=False)
+    mesh.visual.vertex_colors = np.tile((200, 100, 50, 255), (8, 1))
+    for name in ("a.ply", "a.off", "a.obj"):
+        solids = (
+            read(name, trimesh.exchange.export.export_mesh(mesh, None, name[2:]).encode())
+            if name != "a.ply"
+            else read(name, mesh.export(file_type="ply"))
+        )
+        assert [f.name for f in solids.finishes] == (
+            ["#c86432"] if name != "a.off" else ["unstated"]
+        )
+
+
+def test_gltf_factors_are_linear_and_multiply_the_picture(read):
+    tree, data = samples.gltf_tree()
+    image = picture((255, 255, 255), (255, 255, 255))
+    data = data.ljust(-(-len(data) // 4) * 4, b"\0")
+    uvs = np.zeros((8, 2), "<f4").tobytes()
+    tree["bufferViews"] += [
+        {"buffer": 0, "byteOffset": len(data), "byteLength": len(uvs)},
+        {"buffer": 0, "byteOffset": len(data) + len(uvs), "byteLength": len(image)},
+    ]
+    tree["buffers"][0]["byteLength"] = len(data) + len(uvs) + len(image)
+    tree["accessors"].append({"bufferView": 3, "componentType": 5126, "count": 8, "type": "VEC2"})
+    tree["images"], tree["textures"] = [{"bufferView": 4, "mimeType": "image/png"}], [{"source": 0}]
+    tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    tree["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3
+    solids = read("skin.glb", samples.glb(tree, data + uvs + image))
+    assert [f.name for f in solids.finishes] == ["#000080", "#ff0000"]
+    assert solids.remarks == (texture.REMARK,)
+    np.testing.assert_array_equal(solids.solids[0].mesh.finish, TOP)
+
+
+def test_a_gltf_material_that_states_nothing_is_unstated(read):
+    tree, data = samples.gltf_tree()
+    tree["materials"] = [{}, {"pbrMetallicRoughness": {"metallicFactor": 1}}]
+    assert read("bare.glb", samples.glb(tree, data)).finishes == (UNSTATED,)
