@@ -1,19 +1,29 @@
-"""List the embedded parts, or draw and bake them anew.
+"""List, export, or draw and bake anew the embedded parts; check CAD files of your own.
 
-python -m industnerf.parts list
+python -m industnerf.parts list [--set organic]
 python -m industnerf.parts build [--family gears]     needs the [cad] extra
+python -m industnerf.parts build --set organic        does not
+python -m industnerf.parts export PART... | --all --format step|stl|glb|ply|obj --out FOLDER
+python -m industnerf.parts check FILES... [--units mm] [--split-bodies] [--out cad-check]
+python -m industnerf.parts card                       docs/dataset.md and its contact sheets
 """
 
 import argparse
-import os
 import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
 
 from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
-from industnerf.errors import BadParams, BadPart, SuiteError
-from industnerf.parts.catalogue import EMBEDDED, catalogue
+from industnerf.errors import BadParams, SuiteError
+from industnerf.parts.catalogue import EMBEDDED
+from industnerf.parts.export import FORMATS, export
+from industnerf.parts.listing import show
+from industnerf.parts.sets import FOLDERS
+from industnerf.schema.parts import Units
+
+UNITS = get_args(Units)
 
 
 def main() -> int:
@@ -23,61 +33,70 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("list", help="the baked parts, as a table")
+    list_command = commands.add_parser("list", help="the baked parts, as a table")
     build_command = commands.add_parser("build", help="draw, check and bake them anew")
     build_command.add_argument("--family", help="only this family")
+    export_command = commands.add_parser("export", help="parts as files for other programs")
+    export_command.add_argument("part_ids", nargs="*", metavar="PART", help="as `list` names it")
+    export_command.add_argument("--all", action="store_true", help="every part of the set")
+    export_command.add_argument("--format", required=True, choices=FORMATS)
+    export_command.add_argument("--out", required=True, type=Path, metavar="FOLDER")
+    for command in (list_command, build_command, export_command):
+        command.add_argument("--set", default="embedded", choices=FOLDERS)
+    check_command = commands.add_parser("check", help="what is the matter with CAD files of yours")
+    check_command.add_argument("paths", nargs="+", type=Path, metavar="FILE", help="or folder")
+    check_command.add_argument("--units", choices=UNITS, help="of files that state none")
+    check_command.add_argument("--split-bodies", action="store_true", help="one row per solid")
+    check_command.add_argument("--out", type=Path, default=Path("cad-check"), metavar="FOLDER")
+    commands.add_parser("card", help="write docs/dataset.md and its contact sheets")
     arguments = parser.parse_args()
     console = Console()
     try:
         if arguments.command == "list":
-            show(console)
+            show(console, arguments.set)
+        elif arguments.command == "export":
+            export_parts(console, arguments)
+        elif arguments.command == "card":
+            card(console)
+        elif arguments.command == "check":
+            return check_files(console, arguments)
         else:
-            build(console, arguments.family)
+            from industnerf.parts.build import build
+
+            build(console, arguments.set, arguments.family)
     except SuiteError as error:
         print(error, file=sys.stderr)
         return 1
     return 0
 
 
-def show(console: Console) -> None:
-    entries = catalogue()
-    families = {entry.family for entry in entries}
-    table = Table(title=f"{len(entries)} parts in {len(families)} families")
-    for heading in ("part", "designation", "family", "drawn with"):
-        table.add_column(heading)
-    for heading in ("size, mm", "volume, cm³", "faces", "bodies"):
-        table.add_column(heading, justify="right")
-    for entry in entries:
-        size = " x ".join(f"{side:.1f}" for side in entry.extents_mm)
-        counts = (f"{entry.volume_mm3 / 1000:.2f}", str(entry.faces), str(entry.bodies))
-        table.add_row(entry.id, entry.designation, entry.family, entry.library, size, *counts)
-    console.print(table)
+def check_files(console: Console, arguments: argparse.Namespace) -> int:
+    """Check files under `parts` of params.yaml, less what the command line says otherwise."""
+    from industnerf.config import load_params
+    from industnerf.parts.check import check
+
+    settings = load_params().parts
+    settings = replace(
+        settings,
+        units=arguments.units or settings.units,
+        split_bodies=arguments.split_bodies or settings.split_bodies,
+    )
+    return check(arguments.paths, settings, arguments.out, console)
 
 
-def build(console: Console, family: str | None) -> None:
-    """Bake all parts or those of one family; if one fails, nothing is written."""
-    try:
-        from industnerf.parts import bake
-    except ModuleNotFoundError as error:
-        raise SuiteError(
-            f"drawing parts needs the CAD libraries ({error}): `pip install -e '.[cad]'`"
-        ) from error
-    if family is not None and family not in bake.FAMILIES:
-        raise BadParams(f"--family: no family {family!r}, only {', '.join(bake.FAMILIES)}")
-    parts = [
-        (name, recipe)
-        for name, recipes in bake.FAMILIES.items()
-        for recipe in recipes
-        if family in (None, name)
-    ]
-    outcomes = bake.bake_all(parts, workers=len(os.sched_getaffinity(0)))
-    finished = list(track(outcomes, "Baking", total=len(parts), console=console))
-    failed = [f"{done.part_id}: {done.answer}" for done in finished if isinstance(done.answer, str)]
-    if failed:
-        raise BadPart("\n".join([*failed, f"{len(failed)} parts failed; nothing was written"]))
-    kept = [entry for entry in catalogue() if entry.family != family] if family else []
-    bake.write([done.answer for done in finished], kept, EMBEDDED)
-    console.print(f"{len(finished)} parts baked into {EMBEDDED}")
+def card(console: Console) -> None:
+    from industnerf.parts.card import write_card
+
+    for path in write_card(EMBEDDED.parents[1]):
+        console.print(f"wrote {path}")
+
+
+def export_parts(console: Console, arguments: argparse.Namespace) -> None:
+
+    if bool(arguments.part_ids) == arguments.all:
+        raise BadParams("export: name the parts to export, or give --all")
+    part_ids = None if arguments.all else arguments.part_ids
+    export(console, arguments.set, part_ids, arguments.format, arguments.out)
 
 
 if __name__ == "__main__":

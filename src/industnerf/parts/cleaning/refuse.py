@@ -1,0 +1,24 @@
+"""What cannot be a part."""
+
+import numpy as np
+
+from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadPart
+from industnerf.parts.checks import area_mm2
+
+FEWEST_FACES = 2  # a single triangle is no part; two make a sheet, and four a solid
+THINNEST = 1e-6  # area in squared diagonals: a ribbon so narrow is a line to any camera
+
+
+def require_surface(solids: list[Mesh]) -> None:
+    """Raise BadPart unless `solids`, in the unit frame, hold a surface that can be seen."""
+    faces = sum(len(solid.faces) for solid in solids)
+    if faces < FEWEST_FACES:
+        raise BadPart(f"{faces} face is left: no part has fewer than {FEWEST_FACES}")
+    area = sum(area_mm2(solid.vertices, solid.faces) for solid in solids)
+    if area < THINNEST:
+        raise BadPart(
+            f"its {faces} faces lie on a line: their area is {area:.1e} of the squared diagonal"
+        )
+    if not np.isfinite(area):
+        raise BadPart("its area is not finite")

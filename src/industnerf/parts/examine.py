@@ -1,0 +1,111 @@
+"""One file looked at by itself, in a process that it may take down: read, cleaned, and reported.
+
+<target>/findings.json    a finding for the file, or one for each of its solids
+<target>/cost.json        seconds and memory
+<target>/solids.*         the cleaned meshes of those that are usable
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+
+from industnerf.artifacts.files import write_json
+from industnerf.artifacts.solids import Solid, Solids
+from industnerf.errors import BadPart
+from industnerf.parts.checks import extents_mm
+from industnerf.parts.cleaning import clean
+from industnerf.parts.reading import read_solids
+from industnerf.schema import CleanParams
+from industnerf.stage import measured
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What there is to say of a file, or of one solid of it."""
+
+    file: str
+    refused: str = ""  # why it cannot be a part; empty if it can
+    solid: str = ""  # its name, where a file's solids are looked at one by one
+    format: str = ""
+    unit: str = ""
+    solids: int = 0
+    size_mm: tuple[float, ...] = ()
+    faces: int = 0
+    open_edges: int = 0
+    back_face_share: float = 0.0
+    mended: tuple[str, ...] = ()
+    remaining: tuple[str, ...] = ()
+    seconds: float = 0.0  # of the whole file
+    peak_mb: float = 0.0
+
+    @property
+    def name(self) -> str:
+        return f"{self.file}: {self.solid}" if self.solid else self.file
+
+    @property
+    def verdict(self) -> str:
+        if self.refused:
+            return "refused"
+        return "usable with remarks" if self.remaining else "usable"
+
+
+def examine(path: Path, units: str, split: bool, settings: CleanParams, target: Path) -> None:
+    """Fill the folder `target` with what becomes of the file at `path`.
+
+    Raises BadPart if it cannot be read, or is looked at as a whole and cannot be a part.
+    """
+    target.mkdir(parents=True)
+    cost = measured(partial(_examine, path, units, split, settings), target)
+    write_json(target / "cost.json", asdict(cost))
+
+
+def findings_of(target: Path, file: str) -> list[Finding]:
+    """The findings in the folder `target`; `file` is the name under which to report them."""
+    rows, cost = (json.loads((target / n).read_text()) for n in ("findings.json", "cost.json"))
+    known = {"file": file, "seconds": cost["seconds"], "peak_mb": cost["peak_mb"]}
+    return [Finding(**(_listed(row) | known)) for row in rows]
+
+
+def _listed(row: dict) -> dict:
+    return row | {key: tuple(row[key]) for key in ("size_mm", "mended", "remaining")}
+
+
+def _examine(path: Path, units: str, split: bool, settings: CleanParams, target: Path) -> None:
+    file = read_solids(path, units)
+    groups = [(solid,) for solid in file.solids] if split else [file.solids]
+    looked_at = list(_look_at(file, groups, split, settings))
+    usable = tuple(solid for _, solid in looked_at if solid is not None)
+    cleaned = Solids(file.file, file.format, file.unit, file.finishes, file.remarks, usable)
+    cleaned.save(target)
+    write_json(target / "findings.json", [asdict(finding) for finding, _ in looked_at])
+
+
+def _look_at(
+    file: Solids, groups: Sequence[Sequence[Solid]], split: bool, settings: CleanParams
+) -> Iterator[tuple[Finding, Solid | None]]:
+    """A finding for each of `groups`, and the cleaned mesh of those that can be a part."""
+    for group in groups:
+        name = group[0].name if split else ""
+        try:
+            found = clean([solid.mesh for solid in group], settings)
+        except BadPart as refusal:
+            if not split:
+                raise
+            yield Finding(file.file, str(refusal), name, file.format, file.unit, len(group)), None
+            continue
+        finding = Finding(
+            file=file.file,
+            solid=name,
+            format=file.format,
+            unit=file.unit,
+            solids=len(group),
+            size_mm=tuple(float(side) for side in extents_mm(found.mesh.vertices)),
+            faces=len(found.mesh.faces),
+            open_edges=found.open_edges,
+            back_face_share=found.back_face_share,
+            mended=found.mended,
+            remaining=file.remarks + found.remaining,
+        )
+        yield finding, Solid(name, found.mesh)

@@ -1,0 +1,27 @@
+"""The embedded parts never pass through cleaning: here they show that it leaves sound parts alone.
+
+Among them are threads whose crests come nearer than the weld, cavities, and tiny loose balls.
+"""
+
+import numpy as np
+import pytest
+
+from industnerf.parts.catalogue import catalogue, load
+from industnerf.parts.cleaning import clean
+from tests.parts.cleaning.shapes import settings
+
+
+@pytest.mark.slow
+def test_every_embedded_part_is_left_as_it_is():
+    entries = catalogue()
+    for entry in entries:
+        mesh = load(entry)
+        cleaned = clean([mesh], settings())
+        assert (entry.id, cleaned.mended, cleaned.remaining) == (entry.id, (), ())
+        np.testing.assert_array_equal(cleaned.mesh.faces, mesh.faces)
+        np.testing.assert_array_equal(cleaned.mesh.finish, mesh.finish)
+        # There and back are two roundings, of a coordinate of at most a few diagonals.
+        np.testing.assert_allclose(
+            cleaned.mesh.vertices, mesh.vertices, rtol=1e-15, atol=1e-15 * np.ptp(mesh.vertices)
+        )
+    assert entries

@@ -1,0 +1,156 @@
+"""`python -m industnerf.parts check`: a verdict on each file, whatever the others do."""
+
+import csv
+import io
+import os
+import signal
+from dataclasses import replace
+
+import pytest
+import trimesh
+from PIL import Image
+from rich.console import Console
+
+from industnerf.config import load_params
+from industnerf.errors import BadParams
+from industnerf.parts import check as checking
+from industnerf.parts import examine
+from industnerf.parts.check import check, find_files
+from tests.conftest import ROOT
+
+
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch):
+    """Starting processes is the runner's to test."""
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A box; a box without a face and another inside it; text; and a file of no known type."""
+    box = trimesh.creation.box((30, 20, 10))
+    box.export(tmp_path / "good.stl")
+    box.update_faces([i > 0 for i in range(12)])
+    trimesh.util.concatenate([box, trimesh.creation.icosphere(1, 2.0)]).export(
+        tmp_path / "open.ply"
+    )
+    (tmp_path / "bad.stl").write_text("this is no mesh at all")
+    (tmp_path / "readme.txt").write_text("nor is this")
+    return tmp_path
+
+
+def settings(**changes):
+    return replace(load_params(ROOT / "params.yaml").parts, **changes)
+
+
+def run(paths, out, **changes):
+    """The exit code, what was printed, and the rows of check.csv by file name."""
+    console = Console(file=io.StringIO(), width=120)
+    code = check(paths, settings(**changes), out, console)
+    with (out / "check.csv").open() as file:
+        rows = {os.path.basename(row["file"]): row for row in csv.DictReader(file)}
+    return code, console.file.getvalue(), rows
+
+
+def test_every_file_gets_its_verdict(folder):
+    code, text, rows = run([folder], folder / "out")
+    assert code == 1  # one is refused
+    assert {name: row["verdict"] for name, row in rows.items()} == {
+        "bad.stl": "refused",
+        "good.stl": "usable",
+        "open.ply": "usable with remarks",
+    }
+    assert rows["bad.stl"]["refused"].startswith("no STL")  # the name is said once
+    assert rows["good.stl"]["size_mm"] == "30; 20; 10"
+    assert rows["good.stl"]["unit"] == "mm, assumed"
+    assert rows["open.ply"]["open_edges"] == "3"
+    assert "open edges: 3" in rows["open.ply"]["remaining"]
+    assert float(rows["good.stl"]["seconds"]) > 0
+    assert float(rows["good.stl"]["peak_mb"]) > 0
+    assert "1 refused, 1 usable, 1 usable with remarks" in text
+    for line in ("bad.stl: refused: no STL", "good.stl: usable\n", "    remains: open edges: 3"):
+        assert line in text
+
+
+def test_the_sheet_has_a_tile_for_every_file(folder, monkeypatch):
+    tiles = []
+    monkeypatch.setattr(checking, "contact_sheet", lambda given, path, columns: tiles.extend(given))
+    run([folder], folder / "out")
+    assert [(tile.caption.split("\n"), tile.mesh is None) for tile in tiles] == [
+        (["bad.stl", "refused"], True),
+        (["good.stl", "usable"], False),
+        (["open.ply", "usable with remarks"], False),
+    ]
+
+
+def test_sound_files_alone_succeed_and_the_sheet_can_be_seen(folder):
+    code, _, rows = run([folder / "good.stl"], folder / "out")
+    assert code == 0
+    assert list(rows) == ["good.stl"]
+    with Image.open(folder / "out" / "check.png") as picture:
+        assert picture.getextrema() != ((255, 255),) * 3
+
+
+def test_units_are_those_that_are_stated(folder):
+    _, _, rows = run([folder / "good.stl"], folder / "out", units="inch")
+    assert rows["good.stl"]["size_mm"] == "762; 508; 254"
+
+
+def test_solids_can_be_looked_at_one_by_one(tmp_path):
+    dot = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    scene = trimesh.Scene({"plate": trimesh.creation.box((3, 2, 1)), "dot": dot})
+    scene.export(tmp_path / "two.glb")
+    _, text, _ = run([tmp_path / "two.glb"], tmp_path / "out", split_bodies=True)
+    assert "two.glb: plate: usable\n" in text
+    assert "two.glb: dot: refused: 1 face is left" in text
+    _, text, rows = run([tmp_path / "two.glb"], tmp_path / "out")
+    assert rows["two.glb"]["solids"] == "2"
+
+
+def test_a_named_file_is_looked_at_whatever_its_type(folder):
+    _, text, rows = run([folder / "readme.txt", folder / "nowhere.stl"], folder / "out")
+    assert rows["readme.txt"]["verdict"] == rows["nowhere.stl"]["verdict"] == "refused"
+    assert "nowhere.stl: refused: cannot be opened: No such file" in text
+
+
+def test_a_folder_without_cad_is_named(tmp_path):
+    (tmp_path / "readme.txt").touch()
+    with pytest.raises(BadParams, match=r"check: no file in .* ends in \.step"):
+        find_files([tmp_path])
+
+
+def test_ctrl_c_leaves_what_was_finished(folder, monkeypatch):
+    honest = examine.read_solids
+
+    def read(path, units):
+        if path.name == "open.ply":
+            raise KeyboardInterrupt
+        return honest(path, units)
+
+    monkeypatch.setattr(examine, "read_solids", read)
+    code, _, rows = run([folder], folder / "out")
+    assert code == 130
+    assert sorted(rows) == ["bad.stl", "good.stl"]
+
+
+def test_the_command_line(folder, monkeypatch, capsys):
+    from industnerf.parts.__main__ import main
+
+    monkeypatch.chdir(ROOT)
+    arguments = ["check", str(folder / "good.stl"), "--units", "cm", "--out", str(folder / "out")]
+    monkeypatch.setattr("sys.argv", ["industnerf.parts", *arguments])
+    assert main() == 0
+    assert "good.stl: usable\n" in capsys.readouterr().out
+    assert "300; 200; 100" in (folder / "out" / "check.csv").read_text()
+
+
+@pytest.mark.slow
+def test_a_file_that_takes_too_long_or_too_much_costs_itself_only(folder, monkeypatch):
+    """In processes: one file hangs, and the other is done."""
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "process")
+    os.mkfifo(folder / "hangs.stl")  # to open it waits for a writer that never comes
+    before = signal.getsignal(signal.SIGINT)
+    _, _, rows = run([folder / "hangs.stl", folder / "good.stl"], folder / "out", time_limit_s=8.0)
+    assert rows["good.stl"]["verdict"] == "usable"
+    assert "8" in rows["hangs.stl"]["refused"]
+    assert signal.getsignal(signal.SIGINT) == before
