@@ -92,8 +92,22 @@ def test_sound_files_alone_succeed_and_the_sheet_can_be_seen(folder):
 
 
 def test_units_are_those_that_are_stated(folder):
-    _, _, rows = run([folder / "good.stl"], folder / "out", units="inch")
+    _, text, rows = run([folder / "good.stl"], folder / "out", units="inch")
     assert rows["good.stl"]["size_mm"] == "762; 508; 254"
+    assert "binary STL (inch?), 762 x 508 x 254" in text
+    assert "note:" not in text
+
+
+def test_a_unit_that_makes_a_mite_of_a_part_is_noted_and_no_fault(tmp_path):
+    trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "metres.stl")
+    trimesh.creation.box((0.003, 0.002, 0.001)).export(tmp_path / "stated.glb")
+    code, text, rows = run([tmp_path], tmp_path / "out")
+    assert code == 0
+    note = "its largest side is 0.3 mm if its numbers are mm, as assumed; it is 300 if m, 7.62 if"
+    assert f"metres.stl: usable\n    note: {note}" in text
+    assert note in rows["metres.stl"]["note"]
+    assert rows["stated.glb"]["note"] == ""
+    assert "GLB (m), 3 x 1 x 2" in text
 
 
 def test_solids_can_be_looked_at_one_by_one(tmp_path):
@@ -117,6 +131,47 @@ def test_a_folder_without_cad_is_named(tmp_path):
     (tmp_path / "readme.txt").touch()
     with pytest.raises(BadParams, match=r"check: no file in .* ends in \.step"):
         find_files([tmp_path])
+
+
+def test_a_folder_is_searched_for_files_and_not_for_hidden_ones_or_folders(folder):
+    (folder / "deep.stl").mkdir()
+    for name in ("._good.stl", "deep.stl/more.STL"):  # macOS writes the former beside each file
+        (folder / name).write_bytes((folder / "good.stl").read_bytes())
+    found = [str(path.relative_to(folder)) for path in find_files([folder])]
+    assert found == ["bad.stl", "deep.stl/more.STL", "good.stl", "open.ply"]
+
+
+def test_a_refusal_names_its_file_once(folder, capsys):
+    run([folder / "bad.stl"], folder / "out")
+    said = " ".join(capsys.readouterr().out.split())  # of the bar; a narrow terminal breaks lines
+    assert "bad.stl failed: no STL: neither" in said
+
+
+@pytest.mark.parametrize("out", ["good.stl", "good.stl/below"])
+def test_a_place_that_cannot_be_written_is_refused_before_any_work(folder, monkeypatch, out):
+    monkeypatch.setattr(checking, "_look_at_all", lambda *_: pytest.fail("it worked"))
+    with pytest.raises(BadParams, match=r"check: --out .*good.stl.*: cannot be written: .*"):
+        run([folder], folder / out)
+
+
+def test_a_full_or_locked_disk_is_noticed_before_any_work(folder, monkeypatch):
+    def locked(dir):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(checking.tempfile, "TemporaryFile", locked)
+    with pytest.raises(BadParams, match="cannot be written: Read-only file system"):
+        run([folder], folder / "out")
+
+
+def test_solids_of_one_name_are_told_apart_as_in_part_ids(tmp_path):
+    box = trimesh.creation.box((3, 2, 1))
+    scene = trimesh.Scene()
+    for node in ("nut", "bolt", "Nut"):
+        scene.add_geometry(box, node_name=node, geom_name=node)
+    scene.export(tmp_path / "three.glb")
+    _, text, _ = run([tmp_path / "three.glb"], tmp_path / "out", split_bodies=True)
+    for name in ("nut-1", "bolt", "nut-3"):
+        assert f"three.glb: {name}: usable\n" in text
 
 
 def test_ctrl_c_leaves_what_was_finished(folder, monkeypatch):

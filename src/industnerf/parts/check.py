@@ -14,6 +14,7 @@ from rich.console import Console
 from industnerf.artifacts.solids import Solids
 from industnerf.errors import BadParams
 from industnerf.parts.examine import Finding, examine, findings_of
+from industnerf.parts.files import is_cad
 from industnerf.parts.findings import short_name, table, verdicts, write_csv
 from industnerf.parts.ingest import used_finishes
 from industnerf.parts.reading.formats import SUFFIXES
@@ -31,9 +32,11 @@ def check(paths: Sequence[Path], settings: PartsParams, out: Path, console: Cons
     """Print a table and verdicts, and write `check.csv` and `check.png` into `out`.
 
     Returns 0, 1 if a file is refused, or 130 after Ctrl-C: then for the files that were finished.
-    Raises BadParams if a folder among `paths` holds no file that could be read.
+    Raises BadParams if a folder among `paths` holds no file that could be read, or `out` cannot be
+    written.
     """
     files = find_files(paths)
+    _make_folder(out)
     done: dict[int, tuple[list[Finding], list[Tile]]] = {}
     code = 0
     with tempfile.TemporaryDirectory() as scratch:
@@ -50,14 +53,23 @@ def check(paths: Sequence[Path], settings: PartsParams, out: Path, console: Cons
 
 
 def find_files(paths: Sequence[Path]) -> list[Path]:
-    """`paths`, with the files of every known type in place of each folder."""
+    """`paths`, with the files of every known type in place of each folder; no hidden ones."""
     files: list[Path] = []
     for path in paths:
-        below = [p for p in sorted(path.rglob("*")) if p.suffix.lower() in SUFFIXES]
+        below = [p for p in sorted(path.rglob("*")) if is_cad(p) and p.is_file()]
         if path.is_dir() and not below:
             raise BadParams(f"check: no file in {path} ends in {', '.join(SUFFIXES)}")
         files += below if path.is_dir() else [path]
     return files
+
+
+def _make_folder(out: Path) -> None:
+    """Before any work is done that could then not be written."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=out).close()
+    except OSError as error:
+        raise BadParams(f"check: --out {out}: cannot be written: {error.strerror}") from None
 
 
 def _look_at_all(
@@ -74,12 +86,9 @@ def _look_at_all(
         for outcome in outcomes:
             path, target = files[outcome.index], targets[outcome.index]
             name = str(path)
-            if outcome.error is None:
-                found = findings_of(target, name)
-            else:
-                found = [Finding(name, refused=outcome.error.removeprefix(f"{path.name}: "))]
-            cost = Cost(found[0].seconds, found[0].peak_mb, "cpu")
-            progress.advance(name, outcome.error, cost)
+            error = outcome.error and outcome.error.removeprefix(f"{path.name}: ")
+            found = findings_of(target, name) if error is None else [Finding(name, refused=error)]
+            progress.advance(name, error, Cost(found[0].seconds, found[0].peak_mb, "cpu"))
             yield outcome.index, found, _tiles(found, target)
 
 
@@ -101,7 +110,6 @@ def _tiles(found: Sequence[Finding], target: Path) -> list[Tile]:
 def _report(
     findings: Sequence[Finding], tiles: Sequence[Tile], out: Path, console: Console
 ) -> None:
-    out.mkdir(parents=True, exist_ok=True)
     write_csv(out / "check.csv", findings)
     contact_sheet(tiles, out / "check.png", COLUMNS)
     console.print(table(findings))

@@ -16,6 +16,8 @@ from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadPart
 from industnerf.parts.checks import extents_mm
 from industnerf.parts.cleaning import clean
+from industnerf.parts.files import solid_slugs
+from industnerf.parts.plausible import unit_note
 from industnerf.parts.reading import read_solids
 from industnerf.schema import CleanParams
 from industnerf.stage import measured
@@ -27,7 +29,7 @@ class Finding:
 
     file: str
     refused: str = ""  # why it cannot be a part; empty if it can
-    solid: str = ""  # its name, where a file's solids are looked at one by one
+    solid: str = ""  # its name in part ids, where a file's solids are looked at one by one
     format: str = ""
     unit: str = ""
     solids: int = 0
@@ -49,6 +51,11 @@ class Finding:
         if self.refused:
             return "refused"
         return "usable with remarks" if self.remaining else "usable"
+
+    @property
+    def note(self) -> str:
+        """What is no fault, but may be a mistake; mostly empty."""
+        return unit_note(self.unit, max(self.size_mm)) if self.size_mm else ""
 
 
 def examine(path: Path, units: str, split: bool, settings: CleanParams, target: Path) -> None:
@@ -86,8 +93,8 @@ def _look_at(
     file: Solids, groups: Sequence[Sequence[Solid]], split: bool, settings: CleanParams
 ) -> Iterator[tuple[Finding, Solid | None]]:
     """A finding for each of `groups`, and the cleaned mesh of those that can be a part."""
-    for group in groups:
-        name = group[0].name if split else ""
+    names = solid_slugs([solid.name for solid in file.solids]) if split else [""]
+    for name, group in zip(names, groups, strict=True):
         try:
             found = clean([solid.mesh for solid in group], settings)
         except BadPart as refusal:

@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,7 +33,7 @@ def find_files(place: Path, pattern: str, select: list[str]) -> list[OwnFile]:
         paths = sorted(place.glob(pattern))
     except (ValueError, NotImplementedError) as error:
         raise BadParams(f"parts.pattern: {pattern!r}: {error}") from None
-    files = [path for path in paths if path.is_file() and _is_cad(path)]
+    files = [path for path in paths if path.is_file() and is_cad(path)]
     if not files:
         raise BadParams(
             f"parts.path: no file in {place} matches parts.pattern {pattern!r} and ends in "
@@ -83,7 +84,17 @@ def slug(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or "part"
 
 
-def _is_cad(path: Path) -> bool:
+def solid_slugs(names: Sequence[str]) -> list[str]:
+    """A short name for every solid of a file; equal ones get their place in the file."""
+    plain = [slug(re.sub(r"^solid (?=\d+$)", "", name)) for name in names]
+    often = Counter(plain)
+    several = [name if often[name] == 1 else f"{name}-{i}" for i, name in enumerate(plain, start=1)]
+    distinct = len(set(several)) == len(several)
+    return several if distinct else [str(i) for i in range(1, len(names) + 1)]
+
+
+def is_cad(path: Path) -> bool:
+    """Whether the name is that of a type that is read, and not a hidden file's."""
     return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
 
 

@@ -27,6 +27,7 @@ COLUMNS = (
     "back_face_share",
     "mended",
     "remaining",
+    "note",
     "seconds",
     "peak_mb",
 )
@@ -35,7 +36,7 @@ COLUMNS = (
 def table(findings: Sequence[Finding]) -> Table:
     """A row for each of `findings`; the sentences behind the counts are in `verdicts`."""
     grid = Table(title=_counted(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    grid.add_column("file, format, size in mm", overflow="fold")
+    grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
     for heading in (
         "solids",
         "faces",
@@ -55,7 +56,8 @@ def table(findings: Sequence[Finding]) -> Table:
 
 def _heading(found: Finding) -> Text:
     size = " x ".join(f"{side:.4g}" for side in found.size_mm)
-    below = "refused" if found.refused else f"{found.format}, {size}"
+    unit = found.unit.replace(", assumed", "?").removesuffix(", stated")
+    below = "refused" if found.refused else f"{found.format} ({unit}), {size}"
     return Text.assemble(short_name(found), "\n", (below, "red" if found.refused else "dim"))
 
 
@@ -83,11 +85,12 @@ def _counted(findings: Sequence[Finding]) -> str:
 
 
 def verdicts(findings: Sequence[Finding]) -> Iterator[str]:
-    """A line for each of `findings`, and below it one for each thing mended or left."""
+    """A line for each of `findings`, and below it one for each thing mended, left or to note."""
     for found in findings:
         yield f"{found.name}: {found.verdict}" + (f": {found.refused}" if found.refused else "")
         yield from (f"    mended: {sentence}" for sentence in found.mended)
         yield from (f"    remains: {sentence}" for sentence in found.remaining)
+        yield from (f"    note: {sentence}" for sentence in (found.note,) if sentence)
 
 
 def write_csv(path: Path, findings: Sequence[Finding]) -> None:

@@ -4,7 +4,6 @@ Own files become parts in two steps.  `solids` reads each file once; `parts` cle
 whole or one part per solid, so that another way of cleaning never reads a file again.
 """
 
-import re
 from collections import Counter
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +14,7 @@ from industnerf.artifacts.solids import names_of
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue import Entry, catalogue
 from industnerf.parts.embedded import place_embedded
-from industnerf.parts.files import OwnFile, find_files, slug
+from industnerf.parts.files import OwnFile, find_files, solid_slugs
 from industnerf.parts.ingest import ingest
 
 
@@ -80,7 +79,7 @@ def _parts_of(file: OwnFile, folder: Path, parts: Any) -> list[Source]:
     names = names_of(folder)
     places: dict[str, int | None] = {file.file_id: None}
     if parts.split_bodies and len(names) > 1:
-        places = {f"{file.file_id}-{name}": i for i, name in enumerate(_distinct(names))}
+        places = {f"{file.file_id}-{name}": i for i, name in enumerate(solid_slugs(names))}
 
     def source(part_id: str, which: int | None) -> Source:
         make = partial(ingest, folder, part_id, file.family, which, parts.clean)
@@ -93,12 +92,3 @@ def _parts_of(file: OwnFile, folder: Path, parts: Any) -> list[Source]:
         for part_id, which in places.items()
         if not wanted or wanted & {part_id, file.file_id}
     ]
-
-
-def _distinct(names: tuple[str, ...]) -> list[str]:
-    """A short name for every solid of a file; equal ones get their place in the file."""
-    plain = [slug(re.sub(r"^solid (?=\d+$)", "", name)) for name in names]
-    often = Counter(plain)
-    several = [name if often[name] == 1 else f"{name}-{i}" for i, name in enumerate(plain, start=1)]
-    distinct = len(set(several)) == len(several)
-    return several if distinct else [str(i) for i in range(1, len(names) + 1)]

@@ -99,7 +99,7 @@ def test_gltf_has_y_up_whatever_its_nodes_do(read):
     tree, data = samples.gltf_tree()
     tree["nodes"] = [{"mesh": 0, "translation": [0, 1, 0]}]  # a metre up
     mesh = read("high.glb", samples.glb(tree, data)).solids[0].mesh
-    np.testing.assert_allclose(mesh.vertices, TWICE + (0, 0, 1000), atol=1e-4)
+    np.testing.assert_allclose(mesh.vertices, TWICE + np.array([0, 0, 1000]), atol=1e-4)
 
 
 def test_3mf_items_and_components_are_placed_and_supports_left_out(read):

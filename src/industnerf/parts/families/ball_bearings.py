@@ -1,7 +1,7 @@
 """Ball bearings: boundary dimensions of ISO 15 and ISO 104, the inside drawn by us.
 
-A bearing stands on z = 0, about z.  Balls sink a little into their raceways, and cages have no
-pockets, so that each bearing is in one piece.
+A bearing stands on z = 0, about z.  Balls have a little play between their raceways, and cages no
+pockets: two rings, and balls and cage in one piece.
 """
 
 from build123d import Circle, Pos, Shape, Sphere
@@ -9,7 +9,7 @@ from build123d import Circle, Pos, Shape, Sphere
 from industnerf.parts.families.drawing import around, half_section, spun, turned
 from industnerf.parts.recipe import Assembly, MeshBoolean, Recipe
 
-BITE = 0.01  # of a ball's or roller's diameter, on each side
+PLAY = 0.01  # of a ball's or roller's diameter, on each side
 
 
 def assembled(rings: list[Shape], rolling: list[Shape], cage: Shape) -> Assembly:
@@ -32,7 +32,7 @@ def ball_bearing(
     gone (0.17) for angular contact, 0 for a deep groove.
     """
     pitch, middle, corner, groove = (bore + outside) / 2, width / 2, 0.05 * width, 0.52 * ball
-    sunk = groove - (0.5 - BITE) * ball  # of the grooves' centres, from the balls' towards them
+    sunk = groove - (0.5 + PLAY) * ball  # of the grooves' centres, from the balls' towards them
     inner = half_section(bore, pitch - 0.6 * ball, 0, width, corner)
     inner -= Pos(pitch / 2 + sunk, middle) * Circle(groove)
     outer = half_section(pitch + 0.6 * ball, outside, 0, width, corner)
@@ -76,7 +76,7 @@ def thrust_ball_bearing(
     """Single direction: a housing washer below, a shaft washer above, a flat cage between."""
     pitch, groove, play, corner = (bore + outside) / 2, 0.54 * ball, 0.5, 0.06 * height
     washer = height / 2 - 0.3 * ball
-    sunk = groove - (0.5 - BITE) * ball
+    sunk = groove - (0.5 + PLAY) * ball
     housing = half_section(bore + 2 * play, outside, 0, washer, corner)
     housing -= Pos(pitch / 2, height / 2 + sunk) * Circle(groove)
     shaft = half_section(bore, outside - 2 * play, height - washer, height, corner)

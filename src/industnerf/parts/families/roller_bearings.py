@@ -1,13 +1,13 @@
 """Roller bearings: boundary dimensions of ISO 15 and ISO 355, the inside drawn by us.
 
-A bearing stands on z = 0, about z, and is in one piece, as the ball bearings are.
+A bearing stands on z = 0, about z, and has play, as the ball bearings have.
 """
 
 import math
 
 from build123d import Pos, Rot, Shape
 
-from industnerf.parts.families.ball_bearings import BITE, assembled
+from industnerf.parts.families.ball_bearings import PLAY, assembled
 from industnerf.parts.families.drawing import Point, Real, around, half_section, spun, turned
 from industnerf.parts.recipe import Assembly, Recipe
 
@@ -30,10 +30,10 @@ def cylindrical_roller_bearing(
     low, slack = (width - length) / 2, 0.1
     inner = half_section(bore, raceway, 0, width, 0.05 * width)
     outer = half_section(pitch + 0.6 * barrel, outside, 0, width, 0.05 * width)
-    outer -= half_section(pitch, pitch + (1 - 2 * BITE) * barrel, low - slack, width - low + slack)
+    outer -= half_section(pitch, pitch + barrel, low - slack, width - low + slack)
     cage = half_section(pitch - 0.36 * barrel, pitch + 0.36 * barrel, 0.06 * width, 0.94 * width)
-    bitten = (1 + 2 * BITE) * barrel
-    standing = Pos(pitch / 2, 0, low) * roller(bitten, bitten, length, 0.07 * barrel)
+    free = (1 - 2 * PLAY) * barrel
+    standing = Pos(pitch / 2, 0, low) * roller(free, free, length, 0.07 * barrel)
     return assembled([spun(inner), spun(outer)], around(rollers, standing), spun(cage))
 
 
@@ -53,6 +53,7 @@ def taper_roller_bearing(
     cup's raceway (ISO 355: T, B, C, E, alpha).  Raceways and rollers share one apex on the axis.
     """
     half_cone, hem = 1.8, 1.2  # of a roller, degrees; of the cage beyond the rollers, mm
+    slack = 0.1  # mm, at the ends of the rollers
     tilt = math.radians(contact - half_cone)
     taper = math.tan(math.radians(half_cone))
     apex = total + mouth / 2 / math.tan(math.radians(contact))
@@ -65,8 +66,9 @@ def taper_roller_bearing(
         radius = along * math.sin(tilt) + off * math.cos(tilt)
         return radius, apex - along * math.cos(tilt) + off * math.sin(tilt)
 
-    touch = 1 - 2 * BITE
-    rib, lip = beside(far, -0.3), beside(near, -0.6)
+    clear = 1 + 2 * PLAY
+    top, bottom = far + slack, near - slack
+    rib, lip = beside(top, -0.3), beside(bottom, -0.6)
     corner = 0.06 * total
     cup_face = total - cup
     cup_ring = turned(
@@ -84,8 +86,8 @@ def taper_roller_bearing(
             (bore / 2 + corner, 0),
             (rib[0], 0),
             rib,
-            beside(far, -touch),
-            beside(near, -touch),
+            beside(top, -clear),
+            beside(bottom, -clear),
             lip,
             (lip[0], cone),
             (bore / 2, cone),
@@ -94,7 +96,8 @@ def taper_roller_bearing(
     sheet = [(near - hem, 0.1), (far + hem, 0.1), (far + hem, 0.4), (near - hem, 0.4)]
     cage = turned([beside(along, roundness) for along, roundness in sheet])
     place = Pos(0, 0, apex) * Rot(0, 180 - math.degrees(tilt), 0)  # from the apex, down and out
-    lying = roller(2 * near * taper, 2 * far * taper, length, 0.05 * length)
+    free = 2 * (1 - 3 * PLAY) * taper  # a smaller gap is lost in the facets
+    lying = roller(free * near, free * far, length, 0.05 * length)
     rolling = around(rollers, place * Pos(0, 0, near) * lying)
     return assembled([cup_ring, cone_ring], rolling, cage)
 

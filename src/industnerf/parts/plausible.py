@@ -1,0 +1,32 @@
+"""Whether the unit that a file was assumed to be in gives a part of a likely size.
+
+STL, OBJ, PLY and OFF state no unit.  Robots are drawn in metres and American parts in inches; read
+as mm, they come out smaller than any part is.
+"""
+
+from industnerf.parts.reading import MM
+
+LIKELY_MM = 5.0, 5000.0  # largest side of a part; watches and bridges are elsewhere
+
+
+def unit_note(unit: str, largest_mm: float) -> str:
+    """What the largest side would be in other units, where the assumed one makes it unlikely.
+
+    `unit` is as `Solids` tells it.  Empty if the file states its unit, or the size is likely, or
+    no other unit would make it so.
+    """
+    name, assumed, _ = unit.partition(", assumed")
+    if not assumed or _is_likely(largest_mm):
+        return ""
+    sizes = {other: largest_mm * mm / MM[name] for other, mm in MM.items()}
+    better = [f"{size:.4g} if {other}" for other, size in sizes.items() if _is_likely(size)]
+    if not better:
+        return ""
+    return (
+        f"its largest side is {largest_mm:.4g} mm if its numbers are {name}, as assumed; "
+        f"it is {', '.join(better)} (parts.units, --units)"
+    )
+
+
+def _is_likely(size_mm: float) -> bool:
+    return LIKELY_MM[0] <= size_mm <= LIKELY_MM[1]
