@@ -140,8 +140,13 @@ def test_writing_the_card_writes_all_of_it(embedded, tmp_path, root):
     (tmp_path / "docs").mkdir()
     (tmp_path / "params.yaml").write_text((root / "params.yaml").read_text())
     written = write_card(tmp_path)
-    assert [path.name for path in written] == ["dataset.md", "dataset.png"]
+    assert [path.name for path in written] == ["dataset.md", "dataset.png", "parts.png"]
     store(tmp_path / "data/organic", ENTRIES[:1])
     written = write_card(tmp_path)
-    assert [path.name for path in written] == ["dataset.md", "dataset.png", "organic.png"]
+    assert [path.name for path in written] == [
+        "dataset.md",
+        "dataset.png",
+        "parts.png",
+        "organic.png",
+    ]
     assert all(path.stat().st_size > 1000 for path in written)

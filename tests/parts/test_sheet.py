@@ -16,6 +16,7 @@ from industnerf.parts.sheet import (
     Tile,
     albedo_of,
     contact_sheet,
+    gallery,
 )
 from tests.solids import ball, box
 
@@ -82,3 +83,13 @@ def test_faces_have_the_colour_of_their_finish():
 def test_no_sheet_without_tiles_or_columns(tmp_path, tiles, columns):
     with pytest.raises(ValueError, match="contact sheet"):
         contact_sheet(tiles, tmp_path / "sheet.png", columns)
+
+
+def test_a_gallery_has_pictures_alone_row_by_row(tmp_path):
+    parts = [(ball(10), (RED,)), (ball(10), (UNSTATED,)), (box(1, 2, 3), (RED,))]
+    gallery(parts, tmp_path / "gallery.png", columns=2, side_px=40)
+    picture = np.asarray(Image.open(tmp_path / "gallery.png")).astype(int)
+    assert picture.shape == (80, 80, 3)
+    red = picture[..., 0] > picture[..., 2] + 60
+    assert [red[20, 20], red[20, 60], red[60, 20]] == [True, False, True]
+    assert (picture[40:, 40:] == 255).all()

@@ -48,6 +48,23 @@ def contact_sheet(tiles: Sequence[Tile], path: Path, columns: int) -> None:
     sheet.save(path)
 
 
+def gallery(
+    parts: Sequence[tuple[Mesh, tuple[Finish, ...]]], path: Path, columns: int, side_px: int
+) -> None:
+    """Write pictures without captions, `columns` in a row, to `path`, a PNG."""
+    rows = -(-len(parts) // columns)
+    sheet = Image.new("RGB", (columns * side_px, rows * side_px), PAPER)
+    for number, (mesh, finishes) in enumerate(parts):
+        row, column = divmod(number, columns)
+        sheet.paste(_picture(mesh, finishes, side_px), (column * side_px, row * side_px))
+    sheet.save(path)
+
+
+def _picture(mesh: Mesh, finishes: tuple[Finish, ...], side_px: int) -> Image.Image:
+    albedo = albedo_of(mesh, finishes)
+    return Image.fromarray(portrait(mesh.vertices, mesh.faces, albedo, side_px))
+
+
 def _place(
     sheet: Image.Image,
     pen: ImageDraw.ImageDraw,
@@ -59,9 +76,7 @@ def _place(
     if tile.mesh is None:
         _crossed_box(pen, left, top)
     else:
-        mesh = tile.mesh
-        picture = portrait(mesh.vertices, mesh.faces, albedo_of(mesh, tile.finishes), PICTURE_PX)
-        sheet.paste(Image.fromarray(picture), corner)
+        sheet.paste(_picture(tile.mesh, tile.finishes, PICTURE_PX), corner)
     for number, line in enumerate(tile.caption.splitlines()[:LINES]):
         at = (left + PICTURE_PX // 2, top + PICTURE_PX + number * LINE_PX)
         pen.text(at, _fitting(line, font), INK, font, anchor="ma")

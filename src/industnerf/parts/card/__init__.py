@@ -17,10 +17,11 @@ from industnerf.parts.card.tables import (
 from industnerf.parts.card.text import ORGANIC, TEXT
 from industnerf.parts.catalogue import catalogue, load
 from industnerf.parts.embedded import as_part
-from industnerf.parts.sheet import Tile, contact_sheet
+from industnerf.parts.sheet import Tile, contact_sheet, gallery
 from industnerf.parts.split import assign
 
 COLUMNS = 8  # of a contact sheet
+GALLERY = 13, 110  # columns and px of the README's picture
 
 
 def write_card(root: Path) -> list[Path]:
@@ -30,10 +31,12 @@ def write_card(root: Path) -> list[Path]:
     places = assign([as_part(entry) for entry in catalogue(embedded)], settings)
     (docs / "dataset.md").write_text(card(embedded, organic, places), encoding="utf-8")
     sheet(embedded, docs / "dataset.png")
+    parts = [(load(entry, embedded), entry.finishes) for entry in catalogue(embedded)]
+    gallery(parts, docs / "parts.png", *GALLERY)
     if not organic.exists():
-        return [docs / "dataset.md", docs / "dataset.png"]
+        return [docs / "dataset.md", docs / "dataset.png", docs / "parts.png"]
     sheet(organic, docs / "organic.png")
-    return [docs / "dataset.md", docs / "dataset.png", docs / "organic.png"]
+    return [docs / name for name in ("dataset.md", "dataset.png", "parts.png", "organic.png")]
 
 
 def card(folder: Path, organic: Path, places: dict[str, Place]) -> str:
