@@ -174,6 +174,12 @@ def test_solids_of_one_name_are_told_apart_as_in_part_ids(tmp_path):
         assert f"three.glb: {name}: usable\n" in text
 
 
+def test_the_only_solid_of_a_file_is_the_file(folder):
+    _, text, rows = run([folder / "good.stl"], folder / "out", split_bodies=True)
+    assert rows["good.stl"]["solid"] == ""
+    assert "good.stl: usable\n" in text
+
+
 def test_ctrl_c_leaves_what_was_finished(folder, monkeypatch):
     honest = examine.read_solids
 

@@ -81,6 +81,7 @@ def _listed(row: dict) -> dict:
 
 def _examine(path: Path, units: str, split: bool, settings: CleanParams, target: Path) -> None:
     file = read_solids(path, units)
+    split = split and len(file.solids) > 1  # as the stage `parts` has it
     groups = [(solid,) for solid in file.solids] if split else [file.solids]
     looked_at = list(_look_at(file, groups, split, settings))
     usable = tuple(solid for _, solid in looked_at if solid is not None)
