@@ -116,7 +116,7 @@ def test_solids_can_be_looked_at_one_by_one(tmp_path):
     scene.export(tmp_path / "two.glb")
     _, text, _ = run([tmp_path / "two.glb"], tmp_path / "out", split_bodies=True)
     assert "two.glb: plate: usable\n" in text
-    assert "two.glb: dot: refused: 1 face is left" in text
+    assert "two.glb: dot: refused: it has 1 sound face" in text
     _, text, rows = run([tmp_path / "two.glb"], tmp_path / "out")
     assert rows["two.glb"]["solids"] == "2"
 

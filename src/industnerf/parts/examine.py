@@ -17,8 +17,8 @@ from industnerf.errors import BadPart
 from industnerf.parts.checks import extents_mm
 from industnerf.parts.cleaning import clean
 from industnerf.parts.files import solid_slugs
-from industnerf.parts.plausible import unit_note
 from industnerf.parts.reading import read_solids
+from industnerf.parts.units import unit_note
 from industnerf.schema import CleanParams
 from industnerf.stage import measured
 

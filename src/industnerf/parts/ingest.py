@@ -9,6 +9,7 @@ from industnerf.artifacts.part import Mesh, Part, save_part
 from industnerf.artifacts.solids import Solids
 from industnerf.parts.cleaning import clean
 from industnerf.parts.measure import measure
+from industnerf.parts.units import unit_note
 from industnerf.schema import CleanParams
 
 
@@ -28,6 +29,8 @@ def ingest(
     chosen = file.solids if which is None else (file.solids[which],)
     cleaned = clean([solid.mesh for solid in chosen], settings)
     mesh, finishes = used_finishes(cleaned.mesh, file.finishes)
+    facts = measure(mesh)
+    note = unit_note(file.unit, max(facts.extents_mm))
     part = Part(
         part_id=part_id,
         family=family,
@@ -35,8 +38,8 @@ def ingest(
         origin="file",
         source=f"{file.file} ({file.format}; {file.unit})",
         finishes=finishes,
-        defects=file.remarks + cleaned.mended + cleaned.remaining,
-        **vars(measure(mesh)),
+        defects=(*file.remarks, *filter(None, [note]), *cleaned.mended, *cleaned.remaining),
+        **vars(facts),
     )
     save_part(target, part, mesh)
 

@@ -14,7 +14,7 @@ def require_surface(solids: list[Mesh]) -> None:
     """Raise BadPart unless `solids`, in the unit frame, hold a surface that can be seen."""
     faces = sum(len(solid.faces) for solid in solids)
     if faces < FEWEST_FACES:
-        raise BadPart(f"{faces} face is left: no part has fewer than {FEWEST_FACES}")
+        raise BadPart(f"it has {faces} sound face, and no part has fewer than {FEWEST_FACES}")
     area = sum(area_mm2(solid.vertices, solid.faces) for solid in solids)
     if area < THINNEST:
         raise BadPart(

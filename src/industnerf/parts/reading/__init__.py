@@ -28,8 +28,8 @@ from industnerf.parts.reading.precision import precision_remarks
 from industnerf.parts.reading.stl import read_stl
 from industnerf.parts.reading.threedxml import read_threedxml
 from industnerf.parts.reading.threemf import read_threemf
+from industnerf.parts.units import MM
 
-MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}  # of parts.units
 MESHES: dict[Format, Callable[[Path], Content]] = {
     formats.OBJ: read_obj,
     formats.PLY: read_ply,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from industnerf.parts.plausible import unit_note
+from industnerf.parts.units import unit_note
 
 
 def test_a_robot_in_metres_read_as_mm_is_noticed_with_what_it_would_be():

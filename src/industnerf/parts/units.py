@@ -1,11 +1,10 @@
-"""Whether the unit that a file was assumed to be in gives a part of a likely size.
+"""Units of files, and whether one that was assumed gives a part of a likely size.
 
 STL, OBJ, PLY and OFF state no unit.  Robots are drawn in metres and American parts in inches; read
 as mm, they come out smaller than any part is.
 """
 
-from industnerf.parts.reading import MM
-
+MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}  # of parts.units
 LIKELY_MM = 5.0, 5000.0  # largest side of a part; watches and bridges are elsewhere
 
 
