@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
+from industnerf.artifacts.views import load_views
 from tests.pipeline.conftest import Project
 
 REPORT = {
@@ -38,6 +39,10 @@ def test_a_run_ends_with_the_report(finished_run):
     assert heads == {"table1.csv": TABLE1, "scores.csv": SCORES, "cost.csv": COST}
     page = (reports / "report.html").read_text()
     assert "http" not in page.replace("http-equiv", "")  # nothing is fetched: it opens offline
+    for folder in (finished_run.folder / "data" / "views").glob("*/"):
+        seen = load_views(folder).seen_by_training
+        assert 0.5 < seen < 1  # of a clevis and an enclosure, from six sides
+        assert f"<td>{100 * seen:.0f} %" in page
 
 
 def test_every_part_metric_and_protocol_has_a_score_and_a_cost(finished_run):

@@ -7,6 +7,7 @@ from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.part import Part, load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import Place, load_split
+from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
 from industnerf.methods.base import Method
 from industnerf.stage import read_failures, read_index
@@ -37,12 +38,14 @@ class Study:
     scores: list[PartScore]
     failures: dict[str, dict[str, str]]  # stage or method -> part id -> why
     training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part
+    seen_by_training: dict[str, float]  # part id -> share of its area
     folders: Folders
 
 
 def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[str]) -> Study:
     """Read every artefact; raises BadArtifact that names the first one missing or torn."""
     known = {name: load_method(name) for name in methods}
+    photographed = read_index(folders.views)
     return Study(
         preset,
         seed,
@@ -54,6 +57,7 @@ def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[s
         {"parts": read_failures(folders.parts)}
         | {name: read_failures(folders.clouds / name) for name in methods},
         {name: _training(folders.clouds / name) for name in methods},
+        {name: load_views(folders.views / name).seen_by_training for name in photographed},
         folders,
     )
 

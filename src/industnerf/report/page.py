@@ -18,6 +18,13 @@ p.note { color: #555; max-width: 60rem; }
 """
 
 
+BY_PART = (
+    "<p class=note>EMD (even) of every method. <i>visible</i> is the share of the surface that can "
+    "be seen from anywhere around the part, <i>seen</i> the share that its training views show; "
+    "the strata are formulas on the mesh (docs/dataset.md).</p>"
+)
+
+
 def page(study: Study, rows: list[Row], extras: list[Extra], sheet: bytes) -> str:
     """`report.html`."""
     picture = base64.b64encode(sheet).decode()
@@ -35,7 +42,7 @@ def page(study: Study, rows: list[Row], extras: list[Extra], sheet: bytes) -> st
             _notes(),
             "<h2>Contact sheet</h2>",
             f"<img alt='contact sheet' src='data:image/png;base64,{picture}'>",
-            f"<h2>Part by part</h2>{_by_part(study)}",
+            f"<h2>Part by part</h2>{BY_PART}{_by_part(study)}",
             _failures(study),
             "</html>\n",
         ]
@@ -91,10 +98,13 @@ def _by_part(study: Study) -> str:
         scores = [even.get((part.part_id, method)) for method in study.methods]
         known = next((score for score in scores if score), None)
         texts = [part.designation, part.family, study.places[part.part_id].split]
-        texts += [f"{100 * part.visible_share:.0f} %", f"{known.floor:.4f}" if known else ""]
+        texts += [", ".join(part.strata), f"{100 * part.visible_share:.0f} %"]
+        seen = study.seen_by_training.get(part.part_id)
+        texts += ["" if seen is None else f"{100 * seen:.0f} %"]
+        texts += [f"{known.floor:.4f}" if known else ""]
         texts += [_value(score) for score in scores]
         lines.append((texts, any(score and score.status != "ok" for score in scores)))
-    heads = ["part", "family", "split", "visible", "floor", *study.methods]
+    heads = ["part", "family", "split", "strata", "visible", "seen", "floor", *study.methods]
     return _table(heads, lines)
 
 
