@@ -1,7 +1,8 @@
 """The finishes that embedded parts are made of.
 
-Albedos are ours, chosen by eye to tell materials apart; they are linear, and at most 0.72, so
-that the three lamps of params.yaml do not drive a lit face into the white of the background.
+Albedos are ours, chosen by eye to tell materials apart.  They are linear: at most 0.72, so that
+the three lamps of params.yaml do not drive a lit face into the white of the background, and none
+as dark as rubber really is, so that shading survives 8 linear bits.
 """
 
 from industnerf.artifacts.finish import Finish
@@ -9,20 +10,20 @@ from industnerf.artifacts.finish import Finish
 _TABLE = (
     Finish("steel", (0.56, 0.57, 0.58), 1.0, 0.35),
     Finish("bright steel", (0.70, 0.71, 0.72), 1.0, 0.15),
-    Finish("black oxide", (0.10, 0.10, 0.11), 1.0, 0.45),
+    Finish("black oxide", (0.16, 0.16, 0.17), 1.0, 0.45),
     Finish("zinc", (0.60, 0.64, 0.70), 1.0, 0.30),
-    Finish("cast iron", (0.33, 0.33, 0.34), 1.0, 0.70),
+    Finish("cast iron", (0.40, 0.40, 0.41), 1.0, 0.70),
     Finish("aluminium", (0.68, 0.69, 0.70), 1.0, 0.40),
     Finish("brass", (0.68, 0.52, 0.20), 1.0, 0.30),
     Finish("bronze", (0.55, 0.35, 0.18), 1.0, 0.40),
     Finish("copper", (0.70, 0.38, 0.26), 1.0, 0.30),
-    Finish("blue paint", (0.08, 0.20, 0.48), 0.0, 0.40),
-    Finish("green paint", (0.12, 0.34, 0.18), 0.0, 0.40),
-    Finish("red paint", (0.55, 0.08, 0.07), 0.0, 0.40),
-    Finish("yellow paint", (0.70, 0.52, 0.06), 0.0, 0.40),
+    Finish("blue paint", (0.14, 0.30, 0.62), 0.0, 0.40),
+    Finish("green paint", (0.20, 0.48, 0.28), 0.0, 0.40),
+    Finish("red paint", (0.62, 0.14, 0.12), 0.0, 0.40),
+    Finish("yellow paint", (0.72, 0.56, 0.12), 0.0, 0.40),
     Finish("grey paint", (0.42, 0.44, 0.46), 0.0, 0.50),
-    Finish("rubber", (0.06, 0.06, 0.06), 0.0, 0.90),
-    Finish("black plastic", (0.09, 0.09, 0.10), 0.0, 0.50),
+    Finish("rubber", (0.12, 0.12, 0.12), 0.0, 0.90),
+    Finish("black plastic", (0.15, 0.15, 0.16), 0.0, 0.50),
     Finish("white plastic", (0.72, 0.71, 0.68), 0.0, 0.50),
 )
 FINISHES: dict[str, Finish] = {finish.name: finish for finish in _TABLE}
