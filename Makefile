@@ -8,8 +8,8 @@ INSTALLED := .venv/.installed
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
 
-test: $(INSTALLED)  ## the test suite
-	@python -m pytest
+test: $(INSTALLED)  ## the test suite, on all cores
+	@python -m pytest -n auto --dist loadfile
 
 smoke: $(INSTALLED)  ## two parts at 64x64 through every stage
 	@python -m pipeline.preset smoke
