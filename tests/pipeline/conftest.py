@@ -41,6 +41,8 @@ class Project:
 
     def start(self, *command: str) -> subprocess.Popen:
         """Start `command` as the leader of a process group of its own."""
+        # A shell's background job ignores Ctrl-C, and so would all that it starts.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         return subprocess.Popen(
             command,
             cwd=self.folder,
