@@ -56,3 +56,14 @@ def moved(mesh: Mesh, scale: float = 1.0, turn: np.ndarray | None = None, by=(0,
     """Turned, then scaled, then shifted."""
     turned = mesh.vertices if turn is None else mesh.vertices @ turn.T
     return Mesh(scale * turned + np.array(by, float), mesh.faces, mesh.finish)
+
+
+def bow_tie() -> Mesh:
+    """A prism over an outline that crosses itself: closed, yet one of its lobes is inside out."""
+    outline = np.array([[4, -3], [4, 3], [0, 0], [-2, -1.5], [-2, 1.5], [0, 0]], dtype=np.float64)
+    vertices = np.concatenate([np.c_[outline, np.full(6, z)] for z in (0.0, 1.0)])
+    top = [(0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5)]
+    faces = [(a + 6, b + 6, c + 6) for a, b, c in top] + [(c, b, a) for a, b, c in top]
+    for a, b in zip(range(6), [1, 2, 3, 4, 5, 0], strict=True):
+        faces += [(a, b, b + 6), (a, b + 6, a + 6)]
+    return Mesh.plain(vertices, np.array(faces, np.int32))

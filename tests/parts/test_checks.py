@@ -6,7 +6,7 @@ import pytest
 from industnerf.errors import BadPart
 from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
-from tests.solids import tube
+from tests.solids import bow_tie, tube
 
 SIDES = np.array([2.0, 3.0, 5.0])  # mm
 
@@ -153,14 +153,8 @@ def test_a_sound_solid_shows_no_back_face_and_an_inverted_one_nothing_else():
 
 
 def test_a_solid_that_crosses_itself_shows_its_inside():
-    """A prism over a bow tie: closed and of positive volume, yet one of its lobes is inside out."""
-    outline = np.array([[4, -3], [4, 3], [0, 0], [-2, -1.5], [-2, 1.5], [0, 0]], dtype=np.float64)
-    vertices = np.concatenate([np.c_[outline, np.full(6, z)] for z in (0.0, 1.0)])
-    top = [(0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5)]
-    faces = [(a + 6, b + 6, c + 6) for a, b, c in top] + [(c, b, a) for a, b, c in top]
-    for a, b in zip(range(6), [1, 2, 3, 4, 5, 0], strict=True):
-        faces += [(a, b, b + 6), (a, b + 6, a + 6)]
-    faces = np.array(faces, dtype=np.int32)
+    mesh = bow_tie()
+    vertices, faces = mesh.vertices, mesh.faces
     checks.require_sound("bow tie", vertices, faces)
     assert checks.volume_mm3(vertices, faces) == pytest.approx(12 - 3)
     assert seen_from_behind(vertices, faces) > 0.1

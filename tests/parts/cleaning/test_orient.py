@@ -18,6 +18,7 @@ from tests.parts.cleaning.shapes import (
     turned,
     volume,
 )
+from tests.solids import bow_tie
 
 
 def test_a_sound_solid_is_left_alone():
@@ -102,18 +103,6 @@ def test_a_box_without_a_lid_shows_its_inside_and_is_not_turned():
     [mesh], told, _ = orient([turned(lidless, [3])], settings())
     np.testing.assert_array_equal(np.sort(mesh.faces), np.sort(lidless.faces))
     assert len(told) == 1
-
-
-def bow_tie():
-    """A prism over an outline that crosses itself: one of its lobes is inside out."""
-    outline = np.array([[4, -3], [4, 3], [0, 0], [-2, -1.5], [-2, 1.5], [0, 0]], dtype=np.float64)
-    vertices = np.concatenate([np.c_[outline, np.full(6, z)] for z in (0.0, 1.0)])
-    top = [(0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5)]
-    faces = [(a + 6, b + 6, c + 6) for a, b, c in top] + [(c, b, a) for a, b, c in top]
-    for a, b in zip(range(6), [1, 2, 3, 4, 5, 0], strict=True):
-        faces += [(a, b, b + 6), (a, b + 6, a + 6)]
-    mesh = box()
-    return type(mesh)(vertices, np.array(faces, np.int32), np.zeros(len(faces), np.uint8))
 
 
 def test_a_solid_that_crosses_itself_is_not_wound_alike_where_that_shows_its_inside():
