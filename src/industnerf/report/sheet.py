@@ -86,8 +86,3 @@ def choose_parts(study: Study, count: int) -> list[Part]:
     ready.sort(key=lambda part: (part.family, part.part_id))
     chosen = np.unique(np.linspace(0, len(ready) - 1, min(count, len(ready))).round().astype(int))
     return [ready[i] for i in chosen]
-
-
-def write_sheet(path: Path, study: Study, count: int) -> None:
-    """Write the contact sheet of up to `count` parts to `path`."""
-    path.write_bytes(contact_sheet(study, choose_parts(study, count)))
