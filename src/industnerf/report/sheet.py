@@ -1,7 +1,6 @@
 """The contact sheet: truth, a photograph, and every method's cloud coloured by its error."""
 
 import io
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import UInt8
