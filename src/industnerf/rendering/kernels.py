@@ -1,0 +1,190 @@
+"""The inner loop, compiled: march the rays and composite; and back again.
+
+One source for CPU and CUDA (NVIDIA Warp).  The adjoint is written by hand: Warp's automatic one
+is silently wrong for a transmittance that a dynamic loop updates.  `twin.py` is the slow oracle.
+
+Sample q of ray r has slot r * room + q; its neighbours lie from k times that.
+"""
+
+from typing import no_type_check  # compiled, not called: there is nothing to check
+
+import warp as wp
+
+from industnerf.rendering.nearest import Cells, Met, cell_at, nearest
+
+wp.set_module_options({"enable_backward": False, "fast_math": True})
+
+
+@wp.struct
+@no_type_check
+class March:
+    """Where rays are sampled, and when they end."""
+
+    lo: wp.vec3
+    hi: wp.vec3
+    step: wp.float32
+    stop: wp.float32
+    room: wp.int32  # samples that a ray can have at most
+
+
+@wp.func
+@no_type_check
+def crossing(origin: wp.vec3, direction: wp.vec3, lo: wp.vec3, hi: wp.vec3):
+    """Where a ray enters and leaves the box, by slabs."""
+    enter = wp.float32(0.0)
+    leave = wp.float32(1.0e30)
+    for axis in range(3):
+        d = direction[axis]
+        if d == 0.0:
+            d = 1.0e-30
+        a = (lo[axis] - origin[axis]) / d
+        b = (hi[axis] - origin[axis]) / d
+        enter = wp.max(enter, wp.min(a, b))
+        leave = wp.min(leave, wp.max(a, b))
+    return wp.vec2(enter, leave)
+
+
+@wp.kernel
+@no_type_check
+def forward(
+    cells: Cells,
+    march: March,
+    sigma: wp.array(dtype=wp.float32),
+    rgb: wp.array(dtype=wp.vec3),
+    origins: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    offsets: wp.array(dtype=wp.float32),
+    met: Met,
+    colour: wp.array(dtype=wp.vec3),
+    through: wp.array(dtype=wp.float32),
+    depth: wp.array(dtype=wp.float32),
+    median: wp.array(dtype=wp.float32),
+):
+    """Colour before the background, T_end, mean distance, and where T falls through 1/2."""
+    r = wp.tid()
+    span = crossing(origins[r], directions[r], march.lo, march.hi)
+    per_cell = cells.radius / march.step
+    q = wp.int32(0)
+    n = wp.int32(0)
+    T = wp.float32(1.0)
+    c = wp.vec3(0.0, 0.0, 0.0)
+    z = wp.float32(0.0)
+    middle = wp.float32(-1.0)
+    t = span[0] + offsets[r] * march.step
+    while t < span[1] and n < march.room:
+        x = origins[r] + t * directions[r]
+        cell = cell_at(cells, x)
+        away = wp.int32(cells.away[cell])
+        if away > 0:  # the next away - 1 cells are empty too
+            q += wp.max(1, wp.int32(wp.float32(away - 1) * per_cell))
+        else:
+            q += 1
+            slot = r * march.room + n
+            first = slot * cells.k
+            size = nearest(cells, x, cell, slot, met)
+            if size > 0:
+                s = wp.float32(0.0)
+                mean = wp.vec3(0.0, 0.0, 0.0)
+                for i in range(first, first + size):
+                    s += met.weights[i] * sigma[met.ids[i]]
+                    mean += met.weights[i] * rgb[met.ids[i]]
+                tau = s * march.step
+                kept = wp.exp(-tau)
+                c += T * (1.0 - kept) * mean
+                z += T * (1.0 - kept) * t
+                if T * kept < 0.5 and middle < 0.0:
+                    middle = t + (wp.log(2.0 * T) / tau - 0.5) * march.step
+                T = T * kept
+                n += 1
+                if T < march.stop:  # noqa: SIM300
+                    break
+        t = span[0] + (wp.float32(q) + offsets[r]) * march.step
+    met.count[r] = n
+    colour[r] = c
+    through[r] = T
+    depth[r] = z / wp.max(1.0 - T, 1.0e-8)
+    median[r] = middle
+
+
+@wp.kernel
+@no_type_check
+def backward(
+    march: March,
+    k: wp.int32,
+    sigma: wp.array(dtype=wp.float32),
+    rgb: wp.array(dtype=wp.vec3),
+    met: Met,
+    colour: wp.array(dtype=wp.vec3),
+    through: wp.array(dtype=wp.float32),
+    d_colour: wp.array(dtype=wp.vec3),
+    d_through: wp.array(dtype=wp.float32),
+    d_sigma: wp.array(dtype=wp.float32),
+    d_rgb: wp.array(dtype=wp.vec3),
+):
+    """The way back, from the eye again, with g = dL/d colour:
+
+    dL/d sigma_q = step (T_{q+1} g.c_q - sum_{p>q} T_p alpha_p g.c_p - T_end dL/d T_end)
+    dL/d c_q = T_q alpha_q g
+
+    What lies behind a sample is the total less what lies before.
+    """
+    r = wp.tid()
+    g = d_colour[r]
+    behind = wp.dot(g, colour[r])
+    ending = d_through[r] * through[r]
+    T = wp.float32(1.0)
+    for q in range(met.count[r]):
+        first = (r * march.room + q) * k
+        last = first + met.sizes[r * march.room + q]
+        s = wp.float32(0.0)
+        mean = wp.vec3(0.0, 0.0, 0.0)
+        for i in range(first, last):
+            s += met.weights[i] * sigma[met.ids[i]]
+            mean += met.weights[i] * rgb[met.ids[i]]
+        kept = wp.exp(-s * march.step)
+        share = T * (1.0 - kept)
+        here = wp.dot(g, mean)
+        behind -= share * here
+        T = T * kept
+        ds = march.step * (T * here - behind - ending)
+        for i in range(first, last):
+            wp.atomic_add(d_sigma, met.ids[i], met.weights[i] * ds)
+            wp.atomic_add(d_rgb, met.ids[i], (met.weights[i] * share) * g)
+
+
+@wp.kernel
+@no_type_check
+def confide(
+    march: March,
+    k: wp.int32,
+    sigma: wp.array(dtype=wp.float32),
+    met: Met,
+    agreement: wp.array(dtype=wp.float32),
+    own: wp.bool,
+    opaque: wp.bool,
+    adding: wp.bool,
+    confidence: wp.array(dtype=wp.float32),
+):
+    """(13): S T_q W_qj / max_j W_qj of every neighbour j of every sample q; R9, R15, R16."""
+    r = wp.tid()
+    T = wp.float32(1.0)
+    for q in range(met.count[r]):
+        first = (r * march.room + q) * k
+        last = first + met.sizes[r * march.room + q]
+        s = wp.float32(0.0)
+        most = wp.float32(0.0)
+        for i in range(first, last):
+            s += met.weights[i] * sigma[met.ids[i]]
+            most = wp.max(most, met.weights[i])
+        kept = wp.exp(-s * march.step)
+        value = agreement[r] * T / most
+        if own:
+            value = value * kept
+        if opaque:
+            value = value * (1.0 - kept)
+        T = T * kept
+        for i in range(first, last):
+            if adding:
+                wp.atomic_add(confidence, met.ids[i], value * met.weights[i])
+            else:
+                wp.atomic_max(confidence, met.ids[i], value * met.weights[i])

@@ -1,0 +1,154 @@
+"""The neighbours of a radiance point and their weights, compiled: section 3.3, reading R7.
+
+Written in the C++ that Warp compiles for CPU and CUDA alike, for it is half of a ray's cost.
+`neighbours.py` and `weights.py` say the same in torch.
+"""
+
+from typing import no_type_check  # compiled, not called: there is nothing to check
+
+import warp as wp
+
+wp.config.log_level = wp.LOG_ERROR  # not a greeting in every process
+wp.init()
+
+
+@wp.struct
+@no_type_check
+class Cells:
+    """Points sorted by the cell they are in; cells are as wide as the radius.
+
+    The last index varies fastest, so that three neighbouring cells are one run of points.
+    """
+
+    points: wp.array(dtype=wp.vec3)
+    first: wp.array(dtype=wp.int32)  # point of each cell, and one beyond the last
+    away: wp.array(dtype=wp.uint8)  # cells to the nearest with a filled point within the radius
+    corner: wp.vec3
+    nx: wp.int32
+    ny: wp.int32
+    nz: wp.int32
+    radius: wp.float32
+    k: wp.int32
+    reading: wp.int32  # 0 inverse, 1 inverse_square, 2 tapered
+
+
+@wp.struct
+@no_type_check
+class Met:
+    """What each ray's samples met; a sample has a slot, its neighbours k times as many."""
+
+    count: wp.array(dtype=wp.int32)  # of a ray: samples with a neighbour
+    sizes: wp.array(dtype=wp.int32)  # of a sample: neighbours
+    ids: wp.array(dtype=wp.int32)
+    weights: wp.array(dtype=wp.float32)
+
+
+SEARCH = """
+    const wp::vec3* p = points.data;
+    int* id = ids.data + slot * k;
+    float* w = weights.data + slot * k;
+    float reach = radius * radius;
+    int count = 0, worst = 0;
+    for (int a = -1; a <= 1; ++a)
+        for (int b = -1; b <= 1; ++b) {
+            const int row = cell + (a * ny + b) * nz;
+            const int end = first.data[row + 2];
+            for (int j = first.data[row - 1]; j < end; ++j) {
+                const float dx = p[j][0] - x[0], dy = p[j][1] - x[1], dz = p[j][2] - x[2];
+                const float square = dx * dx + dy * dy + dz * dz;
+                if (square >= reach) continue;
+                if (count < k) worst = count++;
+                id[worst] = j;
+                w[worst] = square;
+                if (count == k) {  // full: from now on only what is nearer than the farthest
+                    worst = 0;
+                    for (int i = 1; i < k; ++i)
+                        if (w[i] > w[worst]) worst = i;
+                    reach = w[worst];
+                }
+            }
+        }
+    float total = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        const float distance = wp::sqrt(w[i]);
+        const float bounded = wp::max(distance, 1.0e-3f * radius);  // FLOOR of weights.py
+        float v = (reading == 2 ? 1.0f - distance / radius : 1.0f) / bounded;
+        if (reading) v *= v;
+        w[i] = v;
+        total += v;
+    }
+    for (int i = 0; i < count; ++i) w[i] /= total;
+    sizes.data[slot] = count;
+"""
+
+
+@wp.func_native(SEARCH)
+@no_type_check
+def search(
+    points: wp.array(dtype=wp.vec3),
+    first: wp.array(dtype=wp.int32),
+    ny: wp.int32,
+    nz: wp.int32,
+    radius: wp.float32,
+    k: wp.int32,
+    reading: wp.int32,
+    x: wp.vec3,
+    cell: wp.int32,
+    slot: wp.int32,
+    sizes: wp.array(dtype=wp.int32),
+    ids: wp.array(dtype=wp.int32),
+    weights: wp.array(dtype=wp.float32),
+): ...
+
+
+@wp.func
+@no_type_check
+def nearest(cells: Cells, x: wp.vec3, cell: wp.int32, slot: wp.int32, met: Met):
+    """Bring the neighbours of `x` in `cell` into `slot`, their weights of sum 1; how many?"""
+    search(
+        cells.points,
+        cells.first,
+        cells.ny,
+        cells.nz,
+        cells.radius,
+        cells.k,
+        cells.reading,
+        x,
+        cell,
+        slot,
+        met.sizes,
+        met.ids,
+        met.weights,
+    )
+    return met.sizes[slot]
+
+
+@wp.func
+@no_type_check
+def cell_at(cells: Cells, x: wp.vec3):
+    """The cell of `x`, or where `x` is outside, the nearest: no farther from any point."""
+    p = (x - cells.corner) / cells.radius
+    ix = wp.clamp(wp.int32(p[0]), 1, cells.nx - 2)
+    iy = wp.clamp(wp.int32(p[1]), 1, cells.ny - 2)
+    iz = wp.clamp(wp.int32(p[2]), 1, cells.nz - 2)
+    return (ix * cells.ny + iy) * cells.nz + iz
+
+
+@wp.kernel
+@no_type_check
+def mark(points: wp.array(dtype=wp.vec3), cells: Cells, near: wp.array(dtype=wp.uint8)):
+    """Mark the cells that have a spot within the radius of a point."""
+    p = (points[wp.tid()] - cells.corner) / cells.radius
+    for a in range(-1, 2):
+        for b in range(-1, 2):
+            for c in range(-1, 2):
+                i = wp.int32(p[0]) + a
+                j = wp.int32(p[1]) + b
+                k = wp.int32(p[2]) + c
+                spot = wp.vec3(
+                    wp.clamp(p[0], wp.float32(i), wp.float32(i + 1)),
+                    wp.clamp(p[1], wp.float32(j), wp.float32(j + 1)),
+                    wp.clamp(p[2], wp.float32(k), wp.float32(k + 1)),
+                )
+                if wp.length(spot - p) <= 1.001:  # generous: a cell too many costs little
+                    near[(i * cells.ny + j) * cells.nz + k] = wp.uint8(1)

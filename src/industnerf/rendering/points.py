@@ -1,0 +1,65 @@
+"""Cloud points sorted into cells, and the empty space between them: where kernels look up."""
+
+import numpy as np
+import torch
+import warp as wp
+from jaxtyping import Bool, Float
+from scipy.ndimage import distance_transform_cdt
+from torch import Tensor
+
+from industnerf.rendering.nearest import Cells, mark
+from industnerf.rendering.weights import WeightReading
+
+READINGS: dict[WeightReading, int] = {"inverse": 0, "inverse_square": 1, "tapered": 2}
+FARTHEST = 255  # cells that a byte can say space is empty
+
+
+class Points:
+    """A cloud in an order that lies well in memory: `positions` are the given ones [`order`]."""
+
+    def __init__(
+        self, positions: Float[Tensor, "m 3"], radius: float, k: int, weights: WeightReading
+    ) -> None:
+        corner = positions.amin(0) - 2.5 * radius  # cells all round, so that none has to be asked
+        size = ((positions.amax(0) - corner) / radius).long() + 4
+        cell = ((positions - corner) / radius).long()
+        key, self.order = torch.sort(
+            (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2], stable=True
+        )
+        self.positions = positions[self.order].contiguous()
+        every = torch.arange(int(size.prod()) + 1, device=key.device)
+        self._first = torch.searchsorted(key, every).int()
+        self._size = tuple(size.tolist())
+        self.radius, self.k = radius, k
+        self.cells = Cells()
+        self.cells.points = wp.from_torch(self.positions, dtype=wp.vec3)
+        self.cells.first = wp.from_torch(self._first)
+        self.cells.corner = wp.vec3(*corner.tolist())
+        self.cells.nx, self.cells.ny, self.cells.nz = self._size
+        self.cells.radius, self.cells.k, self.cells.reading = radius, k, READINGS[weights]
+        self.fill(torch.ones(len(positions), dtype=torch.bool, device=positions.device))
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def fill(self, filled: Bool[Tensor, "m"]) -> None:
+        """From now on rays skip space without a `filled` point within the radius.
+
+        This changes no pixel while the others have no density.
+        """
+        near = torch.zeros(len(self._first) - 1, dtype=torch.uint8, device=self._first.device)
+        points = self.positions[filled].contiguous()
+        wp.launch(
+            mark,
+            dim=len(points),
+            inputs=[wp.from_torch(points, dtype=wp.vec3), self.cells, wp.from_torch(near)],
+            device=self.cells.points.device,
+        )
+        empty = near.reshape(self._size).cpu().numpy() == 0
+        away = (
+            np.minimum(distance_transform_cdt(empty, "chessboard"), FARTHEST)
+            if len(points)
+            else np.full(self._size, FARTHEST)
+        )
+        self._away = torch.from_numpy(away.astype(np.uint8).ravel()).to(near.device)
+        self.cells.away = wp.from_torch(self._away)

@@ -1,0 +1,188 @@
+"""Points and rays to pixels, differentiable: section 3.3 on the compiled kernels."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+import warp as wp
+from jaxtyping import Float
+from torch import Tensor
+
+from industnerf.rendering import kernels
+from industnerf.rendering.nearest import Met
+from industnerf.rendering.points import Points
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Where to look; `offsets` in [0, 1) shift each ray's samples, 0.5 = the middle of a step."""
+
+    origins: Float[Tensor, "r 3"]
+    directions: Float[Tensor, "r 3"]  # unit
+    offsets: Float[Tensor, "r"]
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What rays see of the cloud; a pixel is `colour` + `through` x background."""
+
+    colour: Float[Tensor, "r 3"]
+    through: Float[Tensor, "r"]  # share of the light that passes all points
+    depth: Float[Tensor, "r"]  # mean distance along the ray of what is not background
+    median: Float[Tensor, "r"]  # distance at which half of the light is left; -1 if never
+
+    def over(self, background: Float[Tensor, "r 3"]) -> Float[Tensor, "r 3"]:
+        """The pixels before a background."""
+        return self.colour + self.through[:, None] * background
+
+
+class Renderer:
+    """`points` as rays see them that are sampled every `step` inside the box from `lo` to `hi`.
+
+    A ray ends at the sample that leaves less than `stop` of its light.
+    """
+
+    def __init__(
+        self,
+        points: Points,
+        lo: tuple[float, float, float],
+        hi: tuple[float, float, float],
+        step: float,
+        stop: float,
+    ) -> None:
+        self.points = points
+        self._march = kernels.March()
+        self._march.lo, self._march.hi = wp.vec3(*lo), wp.vec3(*hi)
+        self._march.step, self._march.stop = step, stop
+        diagonal = sum((b - a) ** 2 for a, b in zip(lo, hi, strict=True)) ** 0.5
+        self._march.room = int(diagonal / step) + 2
+        self._met: tuple | None = None  # rays, `Met`, and the tensors that it points to
+
+    def look(self, rays: Rays, sigma: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
+        """What `rays` see of points of density `sigma` and colour `rgb`, differentiable in both."""
+        return Seen(*_Look.apply(sigma, rgb, self, rays))
+
+    def confide(
+        self,
+        sigma: Float[Tensor, "m"],
+        agreement: Float[Tensor, "r"],
+        confidence: Float[Tensor, "m"],
+        *,
+        own: bool,
+        opaque: bool,
+        adding: bool,
+    ) -> None:
+        """Bring (13) of the rays last looked along into `confidence`, by maximum or adding."""
+        wp.launch(
+            kernels.confide,
+            dim=len(agreement),
+            inputs=[
+                self._march,
+                self.points.k,
+                _numbers(sigma),
+                self._met[1],
+                _numbers(agreement),
+                own,
+                opaque,
+                adding,
+                _numbers(confidence),
+            ],
+            device=self._device,
+        )
+
+    @property
+    def _device(self) -> Any:
+        return self.points.cells.points.device
+
+    def _met_by(self, rays: int) -> Any:
+        """Room for what so many rays meet; the memory of it is only used as far as it is filled."""
+        if self._met is None or self._met[0] != rays:
+            slots = rays * self._march.room
+            like = {"device": self.points.positions.device}
+            kept = [
+                torch.empty(rays, dtype=torch.int32, **like),
+                torch.empty(slots, dtype=torch.int32, **like),
+                torch.empty(slots * self.points.k, dtype=torch.int32, **like),
+                torch.empty(slots * self.points.k, dtype=torch.float32, **like),
+            ]
+            met = Met()
+            met.count, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
+            self._met = (rays, met, kept)
+        return self._met[1]
+
+    def _forward(self, sigma: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
+        colour = torch.empty_like(rays.origins)
+        through, depth, median = (torch.empty_like(rays.offsets) for _ in range(3))
+        wp.launch(
+            kernels.forward,
+            dim=len(rays),
+            inputs=[
+                self.points.cells,
+                self._march,
+                _numbers(sigma),
+                _vectors(rgb),
+                _vectors(rays.origins),
+                _vectors(rays.directions),
+                _numbers(rays.offsets),
+                self._met_by(len(rays)),
+                _vectors(colour),
+                _numbers(through),
+                _numbers(depth),
+                _numbers(median),
+            ],
+            device=self._device,
+        )
+        return colour, through, depth, median
+
+    def _backward(
+        self, sigma: Tensor, rgb: Tensor, seen: tuple[Tensor, Tensor], d: tuple[Tensor, Tensor]
+    ) -> tuple[Tensor, Tensor]:
+        d_sigma, d_rgb = torch.zeros_like(sigma), torch.zeros_like(rgb)
+        wp.launch(
+            kernels.backward,
+            dim=len(seen[0]),
+            inputs=[
+                self._march,
+                self.points.k,
+                _numbers(sigma),
+                _vectors(rgb),
+                self._met[1],
+                _vectors(seen[0]),
+                _numbers(seen[1]),
+                _vectors(d[0]),
+                _numbers(d[1]),
+                _numbers(d_sigma),
+                _vectors(d_rgb),
+            ],
+            device=self._device,
+        )
+        return d_sigma, d_rgb
+
+
+class _Look(torch.autograd.Function):
+    """The way back must follow before the renderer looks along other rays: it keeps one record."""
+
+    @staticmethod
+    def forward(ctx, sigma, rgb, renderer, rays):
+        colour, through, depth, median = renderer._forward(sigma, rgb, rays)
+        ctx.save_for_backward(sigma, rgb, colour, through)
+        ctx.renderer = renderer
+        ctx.mark_non_differentiable(depth, median)
+        return colour, through, depth, median
+
+    @staticmethod
+    def backward(ctx, d_colour, d_through, d_depth, d_median):
+        sigma, rgb, colour, through = ctx.saved_tensors
+        seen, d_seen = (colour, through), (d_colour, d_through)
+        return *ctx.renderer._backward(sigma, rgb, seen, d_seen), None, None
+
+
+def _numbers(values: Tensor) -> wp.array:
+    return wp.from_torch(values.detach().contiguous())
+
+
+def _vectors(values: Tensor) -> wp.array:
+    return wp.from_torch(values.detach().contiguous(), dtype=wp.vec3)

@@ -1,0 +1,90 @@
+"""The renderer written to be read: plain torch, brute force, any dtype.
+
+The compiled kernels answer to it.  Torch itself differentiates it in densities, colours and
+background; positions are constants.
+"""
+
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from industnerf.rendering.compositing import (
+    Rendered,
+    composite,
+    opacities,
+    stopped,
+    transmittance,
+)
+from industnerf.rendering.samples import radiance_points
+from industnerf.rendering.weights import WeightReading
+
+
+def render_twin(
+    origins: Float[Tensor, "r 3"],
+    directions: Float[Tensor, "r 3"],
+    offsets: Float[Tensor, "r"],
+    lo: Float[Tensor, "3"],
+    hi: Float[Tensor, "3"],
+    points: Float[Tensor, "m 3"],
+    sigma: Float[Tensor, "m"],
+    rgb: Float[Tensor, "m 3"],
+    background: Float[Tensor, "r 3"],
+    *,
+    step: float,
+    radius: float,
+    k: int,
+    weights: WeightReading,
+    stop: float,
+) -> Rendered:
+    """The cloud as the rays see it -- paper, 3.3.
+
+    A radiance point takes the weighted mean density and colour of its neighbours; a ray ends at
+    the sample that leaves less than `stop` of its light (0 = never).
+    """
+    samples = radiance_points(
+        origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
+    )
+    field = samples.mean(torch.cat([sigma[:, None], rgb], dim=1))
+    density = stopped(field[..., 0], step, stop)
+    return composite(density, field[..., 1:], samples.t, background, step)
+
+
+def confidence_twin(
+    origins: Float[Tensor, "r 3"],
+    directions: Float[Tensor, "r 3"],
+    offsets: Float[Tensor, "r"],
+    lo: Float[Tensor, "3"],
+    hi: Float[Tensor, "3"],
+    points: Float[Tensor, "m 3"],
+    sigma: Float[Tensor, "m"],
+    agreement: Float[Tensor, "r"],
+    *,
+    step: float,
+    radius: float,
+    k: int,
+    weights: WeightReading,
+    stop: float,
+    own: bool,
+    opaque: bool,
+    reduce: Literal["max", "sum"],
+) -> Float[Tensor, "m"]:
+    """t of (13) for every cloud point: S T_i W_ij / max_j W_ij over all samples of all rays.
+
+    S is the ray's `agreement` (12).  R9 `own`: T counts sample i itself too.  R15 `opaque`: times
+    alpha_i.  R16 `reduce`: a point's samples to one value.  Samples beyond a ray's end give
+    nothing; a point that is no sample's neighbour has 0.
+    """
+    samples = radiance_points(
+        origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
+    )
+    density = samples.mean(sigma[:, None])[..., 0]
+    left = transmittance(density, step)
+    value = agreement[:, None] * (left[:, 1:] if own else left[:, :-1]) * (left[:, :-1] >= stop)
+    if opaque:
+        value = value * opacities(density, step)
+    given = value[:, :, None] * samples.weights / samples.weights.amax(dim=2, keepdim=True)
+    there = samples.ids >= 0
+    how = "amax" if reduce == "max" else "sum"
+    return torch.zeros_like(sigma).scatter_reduce(0, samples.ids[there], given[there], how)

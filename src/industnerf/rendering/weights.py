@@ -1,0 +1,44 @@
+"""How much each neighbour counts at a radiance point: reading R7 of "inverse distance weighting".
+
+A neighbour that is not there has id -1 and distance inf; it weighs nothing.
+"""
+
+from typing import Literal
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+
+WeightReading = Literal["inverse", "inverse_square", "tapered"]
+
+FLOOR = 1e-3  # of the radius: nearer points count as if they were so far, which bounds the weights
+
+
+def inverse_distance_weights(
+    distance: Float[Tensor, "*any"], radius: float, reading: WeightReading
+) -> Float[Tensor, "*any"]:
+    """W of (11): > 0 below `radius` and 0 from there on; not normalised.
+
+    inverse         1 / distance
+    inverse_square  1 / distance^2
+    tapered         ((radius - distance) / (radius distance))^2, which reaches 0 without a jump
+                    -- Franke and Little, in Franke (1982), Scattered data interpolation
+    """
+    near = distance < radius
+    distance = torch.where(near, distance, radius)  # inf - inf is no number
+    weight = 1 / distance.clamp(min=FLOOR * radius)
+    if reading == "inverse_square":
+        weight = weight**2
+    if reading == "tapered":
+        weight = ((1 - distance / radius) * weight) ** 2
+    return weight * near
+
+
+def weighted_mean(
+    values: Float[Tensor, "m c"], ids: Int[Tensor, "q k"], weights: Float[Tensor, "q k"]
+) -> Float[Tensor, "q c"]:
+    """sum_j W_j v_j / sum_j W_j over each row's neighbours; 0 where it has none."""
+    values = torch.cat([values, values.new_zeros(1, values.shape[1])])  # what id -1 stands for
+    total = weights.sum(dim=1, keepdim=True)
+    share = weights / torch.where(total > 0, total, 1)
+    return (share[:, :, None] * values[ids]).sum(dim=1)

@@ -1,0 +1,126 @@
+"""Eq. (13) from rendering: by hand, by loops, and what must hold of it whatever is seen."""
+
+import itertools
+import math
+
+import pytest
+import torch
+from jaxtyping import TypeCheckError
+
+from industnerf.rendering.twin import confidence_twin
+from tests.rendering.lattices import f64, lattice
+from tests.rendering.loops import Step, confidence_loops, march
+from tests.rendering.scenes import SCENES, Scene
+
+READINGS = [
+    {"own": own, "opaque": opaque, "reduce": reduce}
+    for own, opaque, reduce in itertools.product([False, True], [False, True], ["max", "sum"])
+]
+PLAIN = {"own": False, "opaque": False, "reduce": "max"}
+CORNER = f64(2, 2, 2)
+
+
+def seen_from_left(points, sigma, agreement=1.0, **settings):
+    """Along the x axis, with samples at the middles of steps."""
+    settings = {"k": 8, "weights": "inverse", "stop": 0.0} | PLAIN | settings
+    rays = f64([-2, 0, 0]), f64([1, 0, 0]), f64(0.5), -CORNER, CORNER
+    return confidence_twin(*rays, points, sigma, f64(agreement), **settings)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def marched(request) -> tuple[Scene, list[Step]]:
+    """A scene and what its rays meet."""
+    scene = SCENES[request.param]
+    return scene, list(march(scene))
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_loops_find_the_same(marched, reading):
+    scene, steps = marched
+    mine = confidence_twin(*scene.witnesses, **scene.settings, **reading)
+    truth = confidence_loops(scene, steps, **reading)
+    # Sums of some hundred terms in another order.
+    torch.testing.assert_close(mine, truth, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("own", [False, True])
+@pytest.mark.parametrize("opaque", [False, True])
+def test_one_sample_by_hand(own, opaque):
+    """At the origin, with points at 0.2 and 0.4 and one out of reach."""
+    points, sigma = f64([0, 0.2, 0], [0, 0, 0.4], [0, 0.6, 0]), f64(0.3, 0.9, 5)
+    found = seen_from_left(
+        points, sigma, agreement=0.5, step=4.0, radius=0.5, own=own, opaque=opaque
+    )
+    through = math.exp(-4 * (0.3 / 0.2 + 0.9 / 0.4) / (1 / 0.2 + 1 / 0.4))
+    value = 0.5 * (through if own else 1) * (1 - through if opaque else 1)
+    truth = f64(value, value * 0.2 / 0.4, 0)
+    torch.testing.assert_close(found, truth, rtol=1e-14, atol=0)
+
+
+def test_what_is_behind_a_plane_sees_less():
+    """Planes at x = -1 and 1 of four samples each, as in the rendering of two planes."""
+    sheet = lattice((1, 1, 1), 1.0)
+    points = torch.cat([sheet - f64(1, 0, 0), sheet + f64(1, 0, 0)])
+    found = seen_from_left(points, f64(1, 4), step=0.1, radius=0.2)
+    torch.testing.assert_close(found, f64(1, math.exp(-1.0 * 4 * 0.1)), rtol=1e-14, atol=0)
+    total = seen_from_left(points, f64(1, 4), step=0.1, radius=0.2, reduce="sum")
+    truth = [sum(math.exp(-s * i * 0.1) for i in range(4)) for s in (1.0, 4.0)]
+    truth[1] *= math.exp(-1.0 * 4 * 0.1)
+    torch.testing.assert_close(total, f64(*truth), rtol=1e-14, atol=0)
+
+
+def test_beyond_the_end_of_a_ray_nobody_is_seen():
+    points, sigma = f64([-1, 0, 0], [1, 0, 0]), f64(100, 4)
+    assert (seen_from_left(points, sigma, step=0.1, radius=0.2) > 0).all()
+    early = seen_from_left(points, sigma, step=0.1, radius=0.2, stop=1e-3)
+    assert early.tolist() == [1, 0]
+
+
+def test_a_point_without_alpha_is_not_seen_where_alpha_counts():
+    """R15: a point of no density in front of the surface has full confidence as printed."""
+    points, sigma = f64([-1, 0, 0], [1, 0, 0]), f64(0, 100)
+    assert seen_from_left(points, sigma, step=0.1, radius=0.2).tolist() == [1, 1]
+    faint, dense = seen_from_left(points, sigma, step=0.1, radius=0.2, opaque=True).tolist()
+    assert faint == 0
+    assert dense == pytest.approx(1 - math.exp(-100 * 0.1), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_confidence_is_a_share(name):
+    scene = SCENES[name]
+    found = confidence_twin(*scene.witnesses, **scene.settings, **PLAIN)
+    assert (found >= 0).all()
+    assert (found <= scene.agreement.max()).all()
+    assert found.max() > 0
+
+
+@pytest.mark.parametrize("reduce", ["max", "sum"])
+def test_rays_reduce_as_samples_do(reduce):
+    scene = SCENES["gappy"]
+    reading = PLAIN | {"reduce": reduce} | scene.settings
+    singly = zip(*(x.split(1) for x in (*scene.rays[:3], scene.agreement)), strict=True)
+    rest = scene.lo, scene.hi, scene.points, scene.sigma
+    parts = torch.stack(
+        [confidence_twin(*ray, *rest, agreed, **reading) for *ray, agreed in singly]
+    )
+    whole = confidence_twin(*scene.witnesses, **reading)
+    truth = parts.amax(dim=0) if reduce == "max" else parts.sum(dim=0)
+    torch.testing.assert_close(whole, truth, rtol=1e-13, atol=0)  # the order of the sums
+
+
+def test_agreement_scales_the_confidence():
+    points, sigma = f64([-1, 0, 0], [1, 0.1, 0]), f64(1, 4)
+    full = seen_from_left(points, sigma, step=0.1, radius=0.2)
+    half = seen_from_left(points, sigma, agreement=0.5, step=0.1, radius=0.2)
+    torch.testing.assert_close(half, full / 2, rtol=0, atol=0)  # halving is exact
+    assert seen_from_left(points, sigma, agreement=0.0, step=0.1, radius=0.2).tolist() == [0, 0]
+
+
+def test_no_cloud_has_no_confidence():
+    nothing = torch.empty(0, 3).double()
+    assert seen_from_left(nothing, nothing[:, 0], step=0.1, radius=0.2).shape == (0,)
+
+
+def test_an_unknown_reduction_is_refused():
+    with pytest.raises(TypeCheckError):
+        seen_from_left(f64([0, 0, 0]), f64(1), step=0.1, radius=0.2, reduce="mean")

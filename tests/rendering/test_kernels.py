@@ -1,0 +1,115 @@
+"""The compiled kernels against the torch twin, on every scene.
+
+float32 marches of a few hundred steps: 1e-4 is a hundred roundings, gradients add some thousand
+terms and are compared by the largest.
+"""
+
+import math
+
+import pytest
+import torch
+
+from industnerf.rendering.points import Points
+from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.twin import confidence_twin, render_twin
+from tests.rendering.scenes import SCENES, Scene
+
+
+def compiled(scene: Scene) -> tuple[Renderer, Rays]:
+    scene, ways = scene.to(torch.float32), scene.settings
+    points = Points(scene.points, ways["radius"], ways["k"], ways["weights"])
+    box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
+    renderer = Renderer(points, *box, ways["step"], ways["stop"])
+    return renderer, Rays(scene.origins, scene.directions, scene.offsets)
+
+
+def in_order(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
+    return values.float()[renderer.points.order]
+
+
+def back(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
+    """Values of the renderer's points, for the points as they were given."""
+    given = torch.empty_like(values)
+    given[renderer.points.order] = values
+    return given.double()
+
+
+@pytest.fixture(params=SCENES)
+def scene(request: pytest.FixtureRequest) -> Scene:
+    return SCENES[request.param]
+
+
+def test_pixels_are_the_twins(scene):
+    renderer, rays = compiled(scene)
+    seen = renderer.look(rays, in_order(renderer, scene.sigma), in_order(renderer, scene.rgb))
+    twin = render_twin(*scene.inputs, **scene.settings)
+    pixels = seen.over(scene.background.float())
+    torch.testing.assert_close(pixels.double(), twin.rgb, rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(1 - seen.through.double(), twin.opacity, rtol=1e-4, atol=1e-5)
+    solid = twin.opacity > 0.01  # below, 1 - T cancels in float32
+    torch.testing.assert_close(seen.depth[solid].double(), twin.depth[solid], rtol=1e-3, atol=1e-4)
+
+
+def test_gradients_are_the_twins(scene):
+    renderer, rays = compiled(scene)
+    sigma, rgb = (in_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb))
+    back_colour = scene.background.float().requires_grad_()
+    pull = torch.linspace(-1, 1, 3 * len(rays)).reshape(-1, 3)
+    seen = renderer.look(rays, sigma, rgb)
+    ((seen.over(back_colour) * pull).sum() + (seen.through * pull[:, 0]).sum()).backward()
+
+    leaves = [x.clone().requires_grad_() for x in scene.inputs[6:9]]
+    twin = render_twin(*scene.inputs[:6], *leaves, **scene.settings)
+    pull = pull.double()
+    ((twin.rgb * pull).sum() + ((1 - twin.opacity) * pull[:, 0]).sum()).backward()
+    ours = back(renderer, sigma.grad), back(renderer, rgb.grad), back_colour.grad.double()
+    for mine, leaf in zip(ours, leaves, strict=True):
+        largest = leaf.grad.abs().max().item()
+        torch.testing.assert_close(mine, leaf.grad, rtol=1e-3, atol=1e-3 * largest)
+
+
+@pytest.mark.parametrize("adding", [False, True])
+@pytest.mark.parametrize("own", [False, True])
+@pytest.mark.parametrize("opaque", [False, True])
+def test_confidence_is_the_twins(scene, own, opaque, adding):
+    renderer, rays = compiled(scene)
+    sigma = in_order(renderer, scene.sigma)
+    renderer.look(rays, sigma, in_order(renderer, scene.rgb))
+    ours = torch.zeros_like(sigma)
+    renderer.confide(sigma, scene.agreement.float(), ours, own=own, opaque=opaque, adding=adding)
+    reduce = "sum" if adding else "max"
+    twin = confidence_twin(
+        *scene.witnesses, own=own, opaque=opaque, reduce=reduce, **scene.settings
+    )
+    torch.testing.assert_close(back(renderer, ours), twin, rtol=1e-3, atol=1e-5)
+
+
+def test_skipping_empty_points_changes_nothing(scene):
+    renderer, rays = compiled(scene)
+    sigma, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
+    before = renderer.look(rays, sigma, rgb)
+    renderer.points.fill(sigma > 0)
+    after = renderer.look(rays, sigma, rgb)
+    # samples are the same ones; only their places t = t_in + q step are reached by other sums
+    torch.testing.assert_close(after.colour, before.colour, rtol=1e-5, atol=1e-6)
+    torch.testing.assert_close(after.through, before.through, rtol=1e-5, atol=1e-6)
+
+
+def test_nothing_filled_leaves_the_background(scene):
+    renderer, rays = compiled(scene)
+    renderer.points.fill(torch.zeros(len(renderer.points), dtype=torch.bool))
+    seen = renderer.look(rays, in_order(renderer, scene.sigma), in_order(renderer, scene.rgb))
+    assert (seen.through == 1).all()
+    assert (seen.median == -1).all()
+
+
+def test_half_of_the_light_is_left_at_the_median():
+    """A slab of density 2 from x = 0: T = exp(-2 x) is 1/2 at x = ln 2 / 2."""
+    grid = torch.linspace(0.01, 0.99, 50)
+    points = torch.stack(torch.meshgrid(grid, grid, grid, indexing="ij"), -1).reshape(-1, 3)
+    renderer = Renderer(Points(points, 0.03, 8, "inverse"), (0.0,) * 3, (1.0,) * 3, 0.01, 0.0)
+    rays = Rays(
+        torch.tensor([[-1.0, 0.5, 0.5]]), torch.tensor([[1.0, 0.0, 0.0]]), torch.tensor([0.5])
+    )
+    seen = renderer.look(rays, torch.full((len(points),), 2.0), torch.ones(len(points), 3))
+    assert seen.median.item() - 1 == pytest.approx(0.5 * math.log(2), abs=1e-3)

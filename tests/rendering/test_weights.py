@@ -1,0 +1,121 @@
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+from jaxtyping import TypeCheckError
+
+from industnerf.rendering.weights import FLOOR, inverse_distance_weights, weighted_mean
+
+READINGS = ["inverse", "inverse_square", "tapered"]
+RADIUS = 2.0
+REACHED = 3  # neighbours in `padded`
+
+
+def f64(*x) -> torch.Tensor:
+    return torch.tensor(x, dtype=torch.float64)
+
+
+def padded(seed: int) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    """Values of 6 points, and 4 rows of 3 neighbours and one that is missing; the last has none."""
+    rng = torch.Generator().manual_seed(seed)
+    ids = torch.stack([torch.randperm(6, generator=rng)[: REACHED + 1] for _ in range(4)])
+    distance = 2 * torch.rand(4, REACHED + 1, generator=rng, dtype=torch.float64)
+    ids[:, REACHED], distance[:, REACHED] = -1, torch.inf
+    ids[3], distance[3] = -1, torch.inf
+    return torch.rand(6, 2, generator=rng, dtype=torch.float64), ids, distance
+
+
+@pytest.mark.parametrize(
+    ("reading", "truth"),
+    [
+        ("inverse", [1 / 0.5, 1 / 1.0, 1 / 1.6]),
+        ("inverse_square", [1 / 0.25, 1 / 1.0, 1 / 2.56]),
+        ("tapered", [(1.5 / (2 * 0.5)) ** 2, (1 / (2 * 1)) ** 2, (0.4 / (2 * 1.6)) ** 2]),
+    ],
+)
+def test_each_reading_is_its_formula(reading, truth):
+    found = inverse_distance_weights(f64(0.5, 1.0, 1.6), RADIUS, reading)
+    torch.testing.assert_close(found, f64(*truth), rtol=1e-14, atol=0)  # a few eps
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_from_the_radius_on_nothing_weighs(reading):
+    beyond = f64(RADIUS, 1.5 * RADIUS, torch.inf)
+    assert inverse_distance_weights(beyond, RADIUS, reading).tolist() == [0, 0, 0]
+    assert inverse_distance_weights(f64(RADIUS - 1e-9), RADIUS, reading) > 0
+
+
+@pytest.mark.parametrize(
+    ("reading", "at_zero"),
+    [
+        ("inverse", 1 / (FLOOR * RADIUS)),
+        ("inverse_square", 1 / (FLOOR * RADIUS) ** 2),
+        ("tapered", 1 / (FLOOR * RADIUS) ** 2),  # the numerator is that of the true distance
+    ],
+)
+def test_a_point_on_the_sample_weighs_as_one_at_the_floor(reading, at_zero):
+    found = inverse_distance_weights(f64(0.0), RADIUS, reading)
+    torch.testing.assert_close(found, f64(at_zero), rtol=1e-14, atol=0)
+
+
+def test_only_the_tapered_weight_fades_out():
+    edge = f64(RADIUS - 1e-6)
+    # (1e-6 / (2 * 2))^2 against 1/2 and 1/4
+    assert inverse_distance_weights(edge, RADIUS, "tapered") < 1e-12
+    assert inverse_distance_weights(edge, RADIUS, "inverse") > 0.49
+    assert inverse_distance_weights(edge, RADIUS, "inverse_square") > 0.24
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_nearer_points_never_weigh_less(reading):
+    weights = inverse_distance_weights(
+        torch.linspace(0, 3, 3001, dtype=torch.float64), RADIUS, reading
+    )
+    assert (weights.diff() <= 0).all()
+
+
+def test_an_unknown_reading_is_refused():
+    with pytest.raises(TypeCheckError):
+        inverse_distance_weights(f64(1.0), RADIUS, "cubic")
+
+
+@pytest.mark.parametrize("reading", READINGS)
+@given(st.integers(0, 2**32 - 1))
+def test_weights_are_a_partition_of_unity(reading, seed):
+    """A field that is constant is found constant, wherever there is a neighbour at all."""
+    _, ids, distance = padded(seed)
+    weights = inverse_distance_weights(distance, RADIUS, reading)
+    found = weighted_mean(torch.full((6, 1), 7.0, dtype=torch.float64), ids, weights)
+    truth = f64(7, 7, 7, 0)[:, None]
+    torch.testing.assert_close(found, truth, rtol=1e-14, atol=0)  # three products and a sum
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_mean_lies_between_the_neighbours(seed):
+    values, ids, distance = padded(seed)
+    found = weighted_mean(values, ids, inverse_distance_weights(distance, RADIUS, "inverse"))
+    three = values[ids[:3, :REACHED]]
+    assert (found[:3] >= three.amin(dim=1) - 1e-15).all()  # an eps for the rounded shares
+    assert (found[:3] <= three.amax(dim=1) + 1e-15).all()
+
+
+def test_the_mean_by_hand():
+    values, ids = f64([1.0, 10.0], [2.0, 20.0], [4.0, 40.0]), torch.tensor([[2, 0], [1, -1]])
+    found = weighted_mean(values, ids, f64([3.0, 1.0], [0.5, 0.0]))
+    truth = f64([(3 * 4 + 1) / 4, (3 * 40 + 10) / 4], [2.0, 20.0])
+    torch.testing.assert_close(found, truth, rtol=1e-15, atol=0)
+
+
+def test_the_gradient_is_right_and_finite_without_neighbours():
+    values, ids, distance = padded(0)
+    weights = inverse_distance_weights(distance, RADIUS, "inverse")
+    values.requires_grad_()
+    torch.autograd.gradcheck(lambda v: weighted_mean(v, ids, weights), values)
+    nobody = torch.full((1, 2), -1), f64([0.0, 0.0])
+    (gradient,) = torch.autograd.grad(weighted_mean(values, *nobody).sum(), values)
+    assert gradient.abs().max() == 0
+
+
+def test_the_mean_over_an_empty_cloud_is_zero():
+    found = weighted_mean(torch.empty(0, 4), torch.full((2, 3), -1), torch.zeros(2, 3))
+    assert found.tolist() == [[0] * 4] * 2
