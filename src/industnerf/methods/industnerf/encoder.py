@@ -1,0 +1,48 @@
+"""E of the paper's 3.1: a small convolutional network from a view to its feature map.
+
+Kernels of stride 2 have even sides.  An odd one would be centred on the first of the two pixels
+that it stands for, and two of them would shift the features by 1.5 px against the image.
+"""
+
+from typing import final
+
+from jaxtyping import Float
+from torch import Tensor, cat, nn
+from torch.nn.functional import avg_pool2d, interpolate, relu
+
+STRIDE = 4  # px of the image on each side of a texel
+
+
+@final
+class Encoder(nn.Module):
+    """Two convolutions of stride 2 with `width` channels, then one to `features` channels.
+
+    With `rgb_skip` the image itself, averaged over each texel, follows as 3 more channels.
+    The initial weights come from torch's global generator.
+    """
+
+    def __init__(self, features: int, width: int, rgb_skip: bool) -> None:
+        super().__init__()
+        # photographs do not end in black: the border is repeated, not zero
+        self.first = nn.Conv2d(3, width, 6, stride=2, padding=2, padding_mode="replicate")
+        self.second = nn.Conv2d(width, width, 4, stride=2, padding=1, padding_mode="replicate")
+        self.last = nn.Conv2d(width, features, 3, padding=1, padding_mode="replicate")
+        self.rgb_skip = rgb_skip
+        self.channels = features + 3 * rgb_skip
+
+    def forward(self, images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v c th tw"]:
+        """Features of images in [0, 1], a texel for every 4 x 4 px.
+
+        A side that is no multiple of 4 px is first stretched to the next one, so that the
+        texels cover the image exactly, as `sample_features` takes it.
+        """
+        images = stretched(images)
+        features = self.last(relu(self.second(relu(self.first(images)))))
+        return cat([features, avg_pool2d(images, STRIDE)], dim=1) if self.rgb_skip else features
+
+
+def stretched(images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v 3 sh sw"]:
+    """The images with their sides stretched to the next multiple of STRIDE px."""
+    sides = images.shape[-2:]
+    whole = tuple(-(-side // STRIDE) * STRIDE for side in sides)
+    return images if whole == sides else interpolate(images, whole, mode="bilinear")

@@ -1,0 +1,79 @@
+"""The network starts uniform, and activations are densities that can be zero or say that not."""
+
+import math
+from itertools import pairwise
+
+import pytest
+import torch
+
+from industnerf.methods.industnerf.network import Network, activate
+
+READINGS = ["cut_exp", "relu", "softplus"]
+
+
+def test_it_starts_with_one_density_and_grey():
+    raw, rgb = Network(10, 16, 2, initial=-1.5)(torch.randn(30, 10))
+    assert (raw == -1.5).all()
+    assert (rgb == 0.5).all()
+
+
+@pytest.mark.parametrize("layers", [0, 1, 3])
+def test_it_has_the_layers_asked_for(layers):
+    net = Network(10, 16, layers, initial=0.0)
+    widths = [10, *[16] * layers, 4]
+    expected = sum(a * b + b for a, b in pairwise(widths))
+    assert sum(p.numel() for p in net.parameters()) == expected
+
+
+def test_it_learns_density_and_colour():
+    """One inside, one outside, of two colours: each to a hundredth of the start's error."""
+    torch.manual_seed(0)
+    net = Network(3, 16, 2, initial=0.0)
+    x = torch.tensor([[1.0, 0, 0], [0, 1, 0]])
+    raw, rgb = torch.tensor([3.0, -6]), torch.tensor([[0.9, 0.1, 0.1], [0.2, 0.8, 0.5]])
+    optimiser, losses = torch.optim.Adam(net.parameters(), 1e-2), []
+    for _ in range(200):
+        found = net(x)
+        loss = torch.stack([(found[0] - raw).square().mean(), (found[1] - rgb).square().mean()])
+        optimiser.zero_grad()
+        loss.sum().backward()
+        optimiser.step()
+        losses.append(loss.detach())
+    assert (losses[-1] < losses[0] / 100).all()
+
+
+@pytest.mark.parametrize(
+    ("reading", "expected"),
+    [
+        ("cut_exp", lambda raw: max(math.exp(min(raw, 4)) - math.exp(-6), 0)),
+        ("relu", lambda raw: max(raw, 0)),
+        ("softplus", lambda raw: math.log1p(math.exp(raw))),
+    ],
+)
+def test_activations_are_what_they_say_per_unit(reading, expected):
+    raw = torch.linspace(-9, 9, 37, dtype=torch.float64)
+    truth = torch.tensor([expected(float(x)) / 0.25 for x in raw], dtype=torch.float64)
+    torch.testing.assert_close(activate(raw, reading, 0.25, 4.0), truth, rtol=1e-13, atol=1e-17)
+
+
+def test_only_softplus_is_never_zero():
+    low = torch.tensor([-6.0, -7, -50])
+    assert (activate(low, "cut_exp", 1.0, 4.0) == 0).all()
+    assert (activate(low, "relu", 1.0, 4.0) == 0).all()
+    assert (activate(low, "softplus", 1.0, 4.0) > 0).all()
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_densities_are_finite_and_not_negative_with_finite_gradients(reading):
+    raw = torch.tensor([-1e30, -100, -6, 0, 4, 100, 1e30]).requires_grad_()
+    sigma = activate(raw, reading, 0.1, 4.0)
+    assert (sigma >= 0).all()
+    assert sigma.isfinite().all()
+    sigma.sum().backward()
+    assert raw.grad.isfinite().all()
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_gradients_are_right_away_from_kinks(reading):
+    raw = torch.tensor([-8.0, -5, -0.5, 0.7, 3.9, 6], dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(lambda raw: activate(raw, reading, 0.5, 4.0), raw)
