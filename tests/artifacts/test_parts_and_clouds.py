@@ -37,6 +37,7 @@ CLOUD = Cloud(
     np.arange(6, dtype=np.float32).reshape(2, 3),
     np.array([[1, 2, 3], [4, 5, 6]], np.uint8),
     np.array([0.5, 1], np.float32),
+    np.array([-1, 3], np.int16),
     7,
     8,
 )
@@ -68,6 +69,15 @@ def test_a_cloud_survives_its_files(tmp_path):
     other = trimesh.load(tmp_path / "cloud.ply")
     np.testing.assert_array_equal(other.vertices, CLOUD.points_mm)
     np.testing.assert_array_equal(other.colors[:, :3], CLOUD.colours)
+    columns = other.metadata["_ply_raw"]["vertex"]["data"]
+    for name in ("confidence", "view"):
+        np.testing.assert_array_equal(columns[name], getattr(CLOUD, name))
+
+
+def test_a_cloud_of_another_schema_is_refused(tmp_path):
+    np.savez_compressed(tmp_path / "cloud.npz", schema=1, **vars(CLOUD))
+    with pytest.raises(BadArtifact, match=r"cloud\.npz has schema 1, this code reads 2"):
+        Cloud.load(tmp_path)
 
 
 def test_equal_content_is_equal_bytes(tmp_path):

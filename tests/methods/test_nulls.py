@@ -15,7 +15,8 @@ SETTINGS = SampleSettings(5000)
 
 def cloud(name: str, vertices: np.ndarray) -> np.ndarray:
     faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
-    given = Given(name, cameras_around(2, 8, 50.0), {Input.OWN_MESH: Mesh.plain(vertices, faces)})
+    cameras = cameras_around(2, 8, 50.0)
+    given = Given(name, cameras, cameras, {Input.OWN_MESH: Mesh.plain(vertices, faces)})
     return load_method(name).reconstruct(given, SETTINGS, None, 3).points_mm
 
 

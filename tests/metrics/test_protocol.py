@@ -83,10 +83,10 @@ class Case:
 
     def scores(self, points: np.ndarray) -> dict[tuple[str, str], float]:
         n = len(points)
-        grey, sure = np.zeros((n, 3), np.uint8), np.ones(n, np.float32)
-        Cloud("part", points.astype(np.float32), grey, sure, 0, 0).save(self.folder / "cloud")
-        truth, cloud, target = (self.folder / name for name in ("truth", "cloud", "scores"))
-        score_part(self.part, truth, cloud, target, settings=SETTINGS, seed=0)
+        grey, sure, view = np.zeros((n, 3), np.uint8), np.ones(n, np.float32), np.zeros(n, np.int16)
+        Cloud("part", points.astype(np.float32), grey, sure, view, 0, 0).save(self.folder / "cloud")
+        names = ("truth", "views", "cloud", "scores")
+        score_part(self.part, *map(self.folder.joinpath, names), settings=SETTINGS, seed=0)
         return self.read()
 
     def failure(self) -> dict[tuple[str, str], float]:

@@ -18,6 +18,7 @@ REPORT = {
     "summary.json",
     "table1.csv",
     "table1.md",
+    "table2.md",
 }
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
@@ -37,6 +38,7 @@ def test_a_run_ends_with_the_report(finished_run):
     assert {path.name for path in reports.iterdir()} == REPORT
     heads = {name: (reports / name).read_text().splitlines()[0] for name in REPORT if "csv" in name}
     assert heads == {"table1.csv": TABLE1, "scores.csv": SCORES, "cost.csv": COST}
+    assert "is left out" in (reports / "table2.md").read_text()
     page = (reports / "report.html").read_text()
     assert "http" not in page.replace("http-equiv", "")  # nothing is fetched: it opens offline
     for folder in (finished_run.folder / "data" / "views").glob("*/"):

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32, UInt8
+from jaxtyping import Float32, Int16, UInt8
 
 from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Cloud:
     points_mm: Float32[np.ndarray, "n 3"]
     colours: UInt8[np.ndarray, "n 3"]
     confidence: Float32[np.ndarray, "n"]  # in [0, 1]; 1 = certainly surface
+    view: Int16[np.ndarray, "n"]  # the training view that says most of the point; -1 unknown
     parameters: int  # trained numbers, 0 where nothing is trained
     steps: int  # optimisation steps taken for this part
 
@@ -32,21 +33,20 @@ class Cloud:
             self.points_mm,
             colours=self.colours,
             confidence=self.confidence,
+            view=self.view,
         )
 
     @staticmethod
     def load(folder: Path) -> "Cloud":
         """Read `cloud.npz`; raises BadArtifact if it is missing or of another schema."""
         path, names = folder / "cloud.npz", ("schema", *Cloud.__dataclass_fields__)
-        schema, part_id, points, colours, confidence, *training = read_npz(
-            path, names, "reconstruct"
-        )
+        schema, part_id, *arrays, parameters, steps = read_npz(path, names, "reconstruct")
         if schema != SCHEMA:
             raise BadArtifact(
                 f"{path} has schema {schema}, this code reads {SCHEMA}; "
                 "`dvc repro -f reconstruct` writes it anew."
             )
-        return Cloud(str(part_id), points, colours, confidence, *map(int, training))
+        return Cloud(str(part_id), *arrays, int(parameters), int(steps))
 
     @staticmethod
     def training(folder: Path) -> tuple[int, int]:

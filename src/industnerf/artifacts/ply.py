@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int32, UInt8
+from jaxtyping import Float, Int16, Int32, UInt8
 
 
 def write_ply(
@@ -12,12 +12,13 @@ def write_ply(
     *,
     colours: UInt8[np.ndarray, "n 3"] | None = None,
     confidence: Float[np.ndarray, "n"] | None = None,
+    view: Int16[np.ndarray, "n"] | None = None,
     faces: Int32[np.ndarray, "m 3"] | None = None,
     face_colours: UInt8[np.ndarray, "m 3"] | None = None,
 ) -> None:
-    """Write points, with colour and confidence if given, or a mesh if `faces` is; colours are sRGB.
+    """Write points, or a mesh if `faces` is given; colours are sRGB.
 
-    `face_colours` need `faces`.
+    `view` is the training view that says most of a point; `face_colours` need `faces`.
     """
     columns: list[tuple[str, str, np.ndarray]] = [
         (name, "f4", points_mm[:, axis]) for axis, name in enumerate("xyz")
@@ -27,10 +28,12 @@ def write_ply(
         columns += [(name, "u1", colours[:, axis]) for axis, name in enumerate(names)]
     if confidence is not None:
         columns.append(("confidence", "f4", confidence))
+    if view is not None:
+        columns.append(("view", "i2", view))
     vertices = np.empty(len(points_mm), [(name, "<" + kind) for name, kind, _ in columns])
     for name, _, values in columns:
         vertices[name] = values
-    word = {"f4": "float", "u1": "uchar"}
+    word = {"f4": "float", "i2": "short", "u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", "comment lengths in mm"]
     header += [f"element vertex {len(vertices)}"]
     header += [f"property {word[kind]} {name}" for name, kind, _ in columns]

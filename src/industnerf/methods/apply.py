@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.methods.base import Input, Method, checked, hand_over
+from industnerf.methods.base import Input, Method, hand_over
+from industnerf.methods.checks import checked
 from industnerf.seeds import seed_for
 
 FILES = {
@@ -26,20 +27,25 @@ def files_of(method: Method, part: Path, views: Path) -> tuple[Path, ...]:
 def reconstruct_part(
     method: Method, part: Path, views: Path, target: Path, *, settings: Any, seed: int
 ) -> None:
-    """Write the cloud of one part into `target`.
+    """Write the cloud of one part into `target`, and whatever else the method returned.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
     """
     given = hand_over(method, part, views)
     own_seed = seed_for(seed, "reconstruct", method.name, part.name)
-    result = checked(method.reconstruct(given, settings, None, own_seed))
+    result = checked(method.reconstruct(given, settings, None, own_seed), given)
     n = len(result.points_mm)
     grey, certain = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
+    unknown = np.full(n, -1, np.int16)
     Cloud(
         part.name,
         result.points_mm.astype(np.float32),
         grey if result.colours is None else result.colours,
         certain if result.confidence is None else result.confidence.astype(np.float32),
+        unknown if result.view is None else result.view.astype(np.int16),
         result.parameters,
         result.steps,
     ).save(target)
+    for more in (result.renderings, result.candidates, result.history):
+        if more is not None:
+            more.save(target)

@@ -3,7 +3,8 @@
     fit(train parts, settings, seed) -> state            scope `dataset` only
     reconstruct(given, settings, state, seed) -> Reconstruction
 
-A method is handed its training cameras and what it declares, and nothing else.
+A method is handed its cameras and what it declares, and nothing else.  It may return more than
+points: what it sees from the held-out cameras, which point it trusts how much, how its loss fell.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,11 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, UInt8
+from jaxtyping import Bool, Float, Float32, Int, UInt8
 
+from industnerf.artifacts.candidates import Candidates
+from industnerf.artifacts.history import History
 from industnerf.artifacts.part import Mesh, load_mesh
+from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.views import load_views
-from industnerf.errors import ReconstructionFailed, UndeclaredInput
+from industnerf.errors import UndeclaredInput
 from industnerf.geometry.cameras import Cameras
 
 
@@ -49,10 +53,11 @@ class Role(StrEnum):
 
 @dataclass(frozen=True)
 class Given:
-    """The training cameras of one part, and the declared inputs, one entry a training view."""
+    """The cameras of one part, and the declared inputs, one entry a training view."""
 
     method: str
-    cameras: Cameras
+    cameras: Cameras  # of the training views, as the calibration has them
+    held_out: Cameras  # exact, poses only: from where to re-render
     handed: Mapping[Input, Any]
 
     @property
@@ -87,13 +92,17 @@ class Given:
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """What a method returns; `colours` and `confidence` may be left out."""
+    """What a method returns; all but the points may be left out."""
 
     points_mm: Float[np.ndarray, "n 3"]
     colours: UInt8[np.ndarray, "n 3"] | None = None
     confidence: Float[np.ndarray, "n"] | None = None
     parameters: int = 0
     steps: int = 0
+    view: Int[np.ndarray, "n"] | None = None  # the training view that says most of it; -1 unknown
+    renderings: Renderings | None = None  # from `Given.held_out`
+    candidates: Candidates | None = None  # before any filter
+    history: History | None = None
 
 
 @dataclass(frozen=True)
@@ -125,15 +134,5 @@ def hand_over(method: Method, part: Path, views: Path) -> Given:
         Input.OWN_MESH: lambda: load_mesh(part),
     }
     handed = {name: readers[name]() for name in sorted(method.inputs)}
-    return Given(method.name, taken.cameras[taken.train], handed)
-
-
-def checked(result: Reconstruction) -> Reconstruction:
-    """`result`, or ReconstructionFailed if it is empty or not finite."""
-    points = result.points_mm
-    if not len(points):
-        raise ReconstructionFailed("empty: the method returned no point")
-    bad = int((~np.isfinite(points).all(axis=1)).sum())
-    if bad:
-        raise ReconstructionFailed(f"not finite: {bad} of {len(points)} points")
-    return result
+    cameras = taken.cameras
+    return Given(method.name, cameras[taken.train], cameras[taken.held_out], handed)

@@ -11,6 +11,7 @@ from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.shapes import ball_surface, box_surface
+from industnerf.metrics.beyond import scores_beyond
 from industnerf.metrics.compare import Sampled, Value, compare
 from industnerf.metrics.reduce import random_points
 from industnerf.metrics.visible import Frame, Rig, scored
@@ -19,16 +20,27 @@ from industnerf.seeds import generator
 
 
 def score_part(
-    part: Path, truth: Path, cloud: Path, target: Path, *, settings: EvaluateParams, seed: int
+    part: Path,
+    truth: Path,
+    views: Path,
+    cloud: Path,
+    target: Path,
+    *,
+    settings: EvaluateParams,
+    seed: int,
 ) -> None:
-    """Write the scores of the cloud in `cloud`; one with no point to score counts as failed."""
+    """Write the scores of the folder `cloud`; one with no point to score counts as failed.
+
+    `views` are read only if the method returned more than a cloud.
+    """
     known = Truth.load(truth)
     try:
         values = _against(part, known, Cloud.load(cloud).points_mm, settings, seed)
     except ReconstructionFailed:
         score_failure(part, truth, target, settings=settings, seed=seed)
     else:
-        save_scores(target, [_score(value, known, "ok") for value in values])
+        more = scores_beyond(Frame(load_mesh(part)), known, views, cloud)
+        save_scores(target, [*(_score(value, known, "ok") for value in values), *more])
 
 
 def score_failure(

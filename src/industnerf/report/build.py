@@ -2,6 +2,7 @@
 
 table1.csv scores.csv      results
 contact_sheet.png report.html
+table2.md                  renderings and confidence, of methods that return them
 summary.json               the means, for `dvc metrics` and MLflow
 cost.csv table1.md         with timings, so they differ from run to run
 """
@@ -17,9 +18,11 @@ from industnerf.report.costs import costs_csv, read_costs, seconds_per_part
 from industnerf.report.gather import Study
 from industnerf.report.page import page
 from industnerf.report.sheet import choose_parts, contact_sheet
+from industnerf.report.table2 import Line, means, table2, table2_md
 from industnerf.report.tables import (
     COLUMNS,
     Extra,
+    Row,
     cells,
     scores_csv,
     table1,
@@ -37,7 +40,7 @@ ON_SCREEN = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a 
 def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     """Write every file of the report into `out`, and print Table 1."""
     costs = read_costs(study.folders, list(study.methods))
-    rows = table1(study, settings)
+    rows, lines = table1(study, settings), table2(study, settings)
     extras = [
         Extra(without_failures(study, row), seconds_per_part(costs, row.method)) for row in rows
     ]
@@ -45,16 +48,17 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     sheet = contact_sheet(study, choose_parts(study, settings.sheet_parts))
     write_text(out / "table1.csv", table1_csv(rows))
     write_text(out / "table1.md", table1_md(rows, extras, settings.interval))
+    write_text(out / "table2.md", table2_md(lines, settings.interval))
     write_text(out / "scores.csv", scores_csv(study))
     write_text(out / "cost.csv", costs_csv(costs))
-    write_text(out / "report.html", page(study, rows, untimed, sheet))
+    write_text(out / "report.html", page(study, rows, untimed, lines, sheet))
     (out / "contact_sheet.png").write_bytes(sheet)
-    write_json(out / "summary.json", _summary(study, rows, out))
+    write_json(out / "summary.json", _summary(study, rows, lines, out))
     _show(rows, extras, out)
 
 
-def _summary(study: Study, rows, out: Path) -> dict:
-    means = {
+def _summary(study: Study, rows: list[Row], lines: list[Line], out: Path) -> dict:
+    table1_means = {
         f"{row.method}.{row.split}.{name}": getattr(row, name)
         for row in rows
         for name in ("emd_even", "emd_iid", "emd_full", "floor", "ratio_to_floor", "failures")
@@ -64,11 +68,11 @@ def _summary(study: Study, rows, out: Path) -> dict:
         "inputs": content_digest([out / "table1.csv", out / "scores.csv"]),
         "preset": study.preset,
         "parts": len(study.parts),
-        "metrics": means,
+        "metrics": table1_means | means(lines),
     }
 
 
-def _show(rows, extras, out: Path) -> None:
+def _show(rows: list[Row], extras: list[Extra], out: Path) -> None:
     shown = Table(
         title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE, padding=(0, 0)
     )

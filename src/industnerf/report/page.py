@@ -3,6 +3,7 @@
 import base64
 from html import escape
 
+from industnerf.report import table2
 from industnerf.report.gather import Study
 from industnerf.report.tables import COLUMNS, Extra, Row, cells, scores_of
 
@@ -25,7 +26,13 @@ BY_PART = (
 )
 
 
-def page(study: Study, rows: list[Row], extras: list[Extra], sheet: bytes) -> str:
+def page(
+    study: Study,
+    rows: list[Row],
+    extras: list[Extra],
+    lines: list[table2.Line],
+    sheet: bytes,
+) -> str:
     """`report.html`."""
     picture = base64.b64encode(sheet).decode()
     return "".join(
@@ -40,6 +47,7 @@ def page(study: Study, rows: list[Row], extras: list[Extra], sheet: bytes) -> st
                 [(cells(r, e), r.failures > 0) for r, e in zip(rows, extras, strict=True)],
             ),
             _notes(),
+            _table2(lines),
             "<h2>Contact sheet</h2>",
             f"<img alt='contact sheet' src='data:image/png;base64,{picture}'>",
             f"<h2>Part by part</h2>{BY_PART}{_by_part(study)}",
@@ -67,6 +75,26 @@ def _notes() -> str:
         "The interval is a bootstrap over families. A failed part scores the worse of its ball "
         "and its box. A row marked null knows only the part's size, a row marked bound is given "
         "the answer. The paper's numbers have no published protocol.</p>"
+    )
+
+
+def _table2(lines: list[table2.Line]) -> str:
+    if not lines:
+        return f"<p class=note>{table2.LEFT_OUT}</p>"
+    shown = [(table2.cells(line), line.failures > 0) for line in lines]
+    return (
+        f"<h2>Table 2</h2>{_table(list(table2.COLUMNS), shown)}"
+        "<p class=note>The held-out views, rendered by the method and photographed. RGB (linear, "
+        "white is 1), PSNR and SSIM are over the pixels that show the part in truth or in the "
+        "rendering (opacity of at least one half), and beside that over the whole frame. The error "
+        "of depth (squared, bounding-box diagonal 1) is over the pixels where both have a depth; "
+        "<i>coverage</i> is the share of the true foreground that has one. Over the whole frame, "
+        "pixels that both leave empty count as right. <i>best</i> is the floor of the EMD, and of "
+        "the others what nothing beats. Failed parts count in the EMD alone. <i>Confidence</i> is "
+        "of all candidates within 5 % of the diagonal of the visible surface, against their "
+        "distance to the true surface: rank correlation (-1 is best), and the area between the "
+        "sparsification curves by confidence and by the true error, which is 0 for the true "
+        "order. The paper does not say what its errors average over.</p>"
     )
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 from statistics import fmean
 
@@ -182,10 +183,14 @@ def cells(row: Row, extra: Extra) -> list[str]:
 
 def table1_md(rows: list[Row], extras: list[Extra], interval: float) -> str:
     """`table1.md`: Table 1 with the seconds of cost.csv."""
-    heads = [name.replace("95 %", f"{100 * interval:g} %") for name in COLUMNS]
-    lines = [heads, ["---"] * len(heads)]
-    lines += [cells(row, extra) for row, extra in zip(rows, extras, strict=True)]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return markdown(COLUMNS, [cells(r, e) for r, e in zip(rows, extras, strict=True)], interval)
+
+
+def markdown(columns: Sequence[str], lines: list[list[str]], interval: float) -> str:
+    """A table whose column of intervals says which they are."""
+    heads = [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
+    table = [heads, ["---"] * len(heads), *lines]
+    return "".join(f"| {' | '.join(line)} |\n" for line in table)
 
 
 SCORE_COLUMNS = (

@@ -1,0 +1,52 @@
+"""How a method's loss fell on one part."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from industnerf.artifacts.files import read_npz
+from industnerf.errors import BadArtifact
+
+SCHEMA = 1
+FILE = "history.npz"
+
+
+@dataclass(frozen=True)
+class History:
+    """The loss at some of the optimisation steps."""
+
+    steps: Int[np.ndarray, "n"]  # counted from 0 over all levels, rising
+    loss: Float[np.ndarray, "n"]
+    levels: dict[str, int]  # name of each stage of the optimisation -> its first step
+
+    def save(self, cloud: Path) -> None:
+        """Write `history.npz` into the folder `cloud`."""
+        np.savez_compressed(
+            cloud / FILE,
+            schema=SCHEMA,
+            steps=self.steps.astype(np.int64),
+            loss=self.loss.astype(np.float64),
+            names=np.array(list(self.levels), str),
+            starts=np.array(list(self.levels.values()), np.int64),
+        )
+
+    @staticmethod
+    def load(cloud: Path) -> "History | None":
+        """Read what `save` wrote, None if the method keeps no history.
+
+        Raises BadArtifact if the file is torn or of another schema.
+        """
+        path = cloud / FILE
+        if not path.exists():
+            return None
+        schema, steps, loss, names, starts = read_npz(
+            path, ("schema", "steps", "loss", "names", "starts"), "reconstruct"
+        )
+        if schema != SCHEMA or steps.shape != loss.shape or names.shape != starts.shape:
+            raise BadArtifact(
+                f"{path} has schema {schema}, {len(steps)} steps and {len(loss)} losses; "
+                "`dvc repro -f reconstruct` writes it anew."
+            )
+        return History(steps, loss, dict(zip(names.tolist(), starts.tolist(), strict=True)))

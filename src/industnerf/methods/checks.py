@@ -1,0 +1,52 @@
+"""What a method returned, or why it cannot be used."""
+
+import numpy as np
+
+from industnerf.artifacts.renderings import Renderings
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.cameras import Cameras
+from industnerf.methods.base import Given, Reconstruction
+
+
+def checked(result: Reconstruction, given: Given) -> Reconstruction:
+    """`result`, or ReconstructionFailed if it is empty, not finite or of other views than asked."""
+    if not len(result.points_mm):
+        raise ReconstructionFailed("empty: the method returned no point")
+    _refuse_not_finite(result.points_mm, "points")
+    if result.confidence is not None:
+        _refuse_not_finite(result.confidence, "values of confidence")
+    if result.view is not None:
+        _refuse_unknown_views(result.view, len(given.cameras))
+    if result.candidates is not None:
+        _refuse_not_finite(result.candidates.points_mm, "candidates")
+        _refuse_not_finite(result.candidates.confidence, "values of the candidates' confidence")
+    if result.renderings is not None:
+        _refuse_other_cameras(result.renderings, given.held_out)
+        _refuse_not_finite(result.renderings.depth_mm, "rendered rows of depth")
+        if (result.renderings.depth_mm < 0).any():
+            raise ReconstructionFailed("the renderings show something behind the camera")
+    return result
+
+
+def _refuse_not_finite(values: np.ndarray, name: str) -> None:
+    rows = np.isfinite(values).reshape(-1, values.shape[-1] if values.ndim > 1 else 1)
+    bad = int((~rows.all(axis=1)).sum())
+    if bad:
+        raise ReconstructionFailed(f"not finite: {bad} of {len(rows)} {name}")
+
+
+def _refuse_unknown_views(view: np.ndarray, count: int) -> None:
+    strange = (view < -1) | (view >= count)
+    if strange.any():
+        raise ReconstructionFailed(
+            f"{strange.sum()} of {len(view)} points name a training view that is none, such as "
+            f"{view[strange][0]} of {count}"
+        )
+
+
+def _refuse_other_cameras(renderings: Renderings, asked: Cameras) -> None:
+    wanted = (len(asked), asked.height, asked.width)
+    if renderings.opacity.shape != wanted:
+        raise ReconstructionFailed(
+            f"the renderings have shape {renderings.opacity.shape}, the held-out cameras {wanted}"
+        )

@@ -1,0 +1,99 @@
+"""Scores of what a method returns beyond its points; what it does not return has no row.
+
+A failed part has none either: a picture that was never rendered has no error to invent.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from industnerf.artifacts.candidates import FILE, Candidates
+from industnerf.artifacts.renderings import FOLDER, Renderings
+from industnerf.artifacts.scores import Score
+from industnerf.artifacts.truth import Truth
+from industnerf.artifacts.views import Views, load_views
+from industnerf.errors import MetricError
+from industnerf.metrics.calibration import ause, ause_of_chance, spearman
+from industnerf.metrics.images import Picture, mean_over_views, psnr
+from industnerf.metrics.visible import Frame
+
+NEAR = 0.05  # candidates this close to what the reference rig sees are asked, in diagonals
+# unit, and the value that nothing beats: it stands where other metrics have their floor
+KINDS = {
+    "rgb_mse": ("white^2", 0.0),
+    "psnr": ("dB", psnr(0.0)),
+    "ssim": ("1", 1.0),
+    "depth_mse": ("diagonal^2", 0.0),
+    "coverage": ("share", 1.0),
+    "silhouette_iou": ("share", 1.0),
+    "confidence_spearman": ("1", -1.0),
+    "confidence_ause": ("1", 0.0),
+    "confidence_ause_chance": ("1", 0.0),
+}
+
+
+def files_beyond(views: Path, cloud: Path) -> tuple[Path, ...]:
+    """The files that `scores_beyond` reads beside the part and its truth."""
+    candidates = (cloud / FILE,) if (cloud / FILE).exists() else ()
+    if not (cloud / FOLDER).is_dir():
+        return candidates
+    names = [f"{index:03d}.png" for index in np.flatnonzero(load_views(views).held_out)]
+    photographs = [views / kind / name for kind in ("rgb", "mask", "depth") for name in names]
+    return (*candidates, cloud / FOLDER, views / "cameras.json", *photographs)
+
+
+def scores_beyond(frame: Frame, known: Truth, views: Path, cloud: Path) -> list[Score]:
+    """The scores of the renderings and of the candidates in the folder `cloud`, if it has them."""
+    found: dict[tuple[str, str], float] = {}
+    renderings, candidates = Renderings.load(cloud), Candidates.load(cloud)
+    if renderings is not None:
+        found |= mean_over_views(_pairs(load_views(views), renderings, frame.diagonal_mm))
+    if candidates is not None:
+        found |= _calibration(frame, known, candidates)
+    return [
+        Score(metric, protocol, value, KINDS[metric][1], KINDS[metric][0], "ok")
+        for (metric, protocol), value in found.items()
+    ]
+
+
+def _pairs(
+    views: Views, renderings: Renderings, diagonal_mm: float
+) -> Iterator[tuple[Picture, Picture]]:
+    held_out = np.flatnonzero(views.held_out)
+    if len(renderings) != len(held_out):
+        raise MetricError(f"{len(renderings)} renderings of {len(held_out)} held-out views")
+    for i, view in enumerate(held_out):
+        (rgb,), (mask,) = views.rgb(view[None]), views.mask(view[None])
+        (depth,) = views.depth_mm(view[None])
+        yield (
+            Picture(rgb / 255, depth / diagonal_mm, mask),
+            Picture(
+                renderings.rgb[i] / 255,
+                renderings.depth_mm[i] / diagonal_mm,
+                renderings.foreground[i],
+            ),
+        )
+
+
+def _calibration(
+    frame: Frame, known: Truth, candidates: Candidates
+) -> dict[tuple[str, str], float]:
+    """Confidence against the distance to the true surface, of the candidates near its visible part.
+
+    Empty if fewer than two are near.
+    """
+    truth, points = frame.unit(known.points_mm), frame.unit(candidates.points_mm)
+    to_visible, _ = cKDTree(truth[known.visible]).query(points, distance_upper_bound=NEAR)
+    near = np.isfinite(to_visible)
+    if near.sum() < 2:
+        return {}
+    # hidden surface is surface: who puts a point there is not wrong
+    error = cKDTree(truth).query(points[near], distance_upper_bound=NEAR)[0]
+    confidence = candidates.confidence[near].astype(np.float64)
+    return {
+        ("confidence_spearman", "P1-near"): spearman(confidence, error),
+        ("confidence_ause", "P1-near"): ause(error, confidence),
+        ("confidence_ause_chance", "P1-near"): ause_of_chance(error),
+    }

@@ -1,0 +1,110 @@
+"""From a method that renders to Table 2, through the stages themselves."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from industnerf import config
+from industnerf.artifacts.scores import Score, load_scores
+from industnerf.artifacts.views import load_views
+from industnerf.errors import ReconstructionFailed
+from pipeline import evaluate, reconstruct, report
+from tests.methods.caster import CASTER, GREY
+
+NAME = "oracle"  # whose points the caster returns: its settings and its seed are taken
+FAILS, WORKS = "enclosure-120x80x40", "clevis-din71752-g12x24"
+
+
+def cast_all_but_the_enclosure(given, settings, state, seed):
+    if np.ptp(given.own_mesh.vertices, axis=0).max() > 110:
+        raise ReconstructionFailed("empty: too large for this test")
+    return CASTER.reconstruct(given, settings, state, seed)
+
+
+@pytest.fixture(scope="module")
+def stages(finished_run, tmp_path_factory):
+    """Folders of clouds, scores and the report, made by the stages from a finished run's data."""
+    here, data = tmp_path_factory.mktemp("rendered"), finished_run.folder / "data"
+    params = config.load_params(finished_run.folder / "params.yaml")
+    params = replace(params, methods=[NAME])
+    method = replace(CASTER, name=NAME, reconstruct=cast_all_but_the_enclosure)
+
+    def cfg(stage):
+        return config.stage(stage, NAME, finished_run.folder / "dvc.yaml").mask(params)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("INDUSTNERF_STORE", str(here / "store"))
+        patch.setenv("INDUSTNERF_RUNNER", "serial")
+        patch.setattr(reconstruct, "load_method", lambda name: method)
+        parts, views, truth = (str(data / name) for name in ("parts", "views", "truth"))
+        clouds, scores = (str(here / name / NAME) for name in ("clouds", "scores"))
+        reconstruct.main(cfg("reconstruct"), NAME, parts, views, clouds)
+        evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
+        read = (parts, views, str(data / "split.json"), truth)
+        report.main(cfg("report"), *read, *(str(here / n) for n in ("clouds", "scores", "reports")))
+    return here
+
+
+def scores_of(folder, part) -> dict[tuple[str, str], Score]:
+    return {(s.metric, s.protocol): s for s in load_scores(folder / "scores" / NAME / part)}
+
+
+def test_what_comes_with_the_points_changes_no_score_of_the_points(stages, finished_run):
+    usual = load_scores(finished_run.folder / "data" / "scores" / NAME / WORKS)
+    ours = load_scores(stages / "scores" / NAME / WORKS)
+    assert ours[: len(usual)] == usual
+    assert len(usual) == 5
+    assert len(ours) == 5 + 10 + 3
+
+
+def test_rays_cast_at_the_truth_are_the_truth_but_for_its_colours(stages, finished_run):
+    scores = scores_of(stages, WORKS)
+    assert scores["coverage", "P1-union"].value == 1
+    assert scores["silhouette_iou", "P1-union"].value == 1
+    # two roundings to 16 bits of at most 5.1 radii, 2.55 diagonals: 2e-5 diagonals each
+    assert scores["depth_mse", "P1-union"].value < (2 * 2e-5) ** 2
+    views = load_views(finished_run.folder / "data" / "views" / WORKS)
+    held_out = np.flatnonzero(views.held_out)
+    (photograph,), (mask,) = views.rgb(held_out), views.mask(held_out)
+    expected = ((photograph[mask] / 255 - GREY / 255) ** 2).mean()
+    assert scores["rgb_mse", "P1-union"].value == pytest.approx(expected, rel=1e-12)
+
+
+def test_confidence_that_falls_with_the_distance_is_found_to(stages):
+    scores = scores_of(stages, WORKS)
+    # Candidates stray in three directions and the surface is two-dimensional, so confidence
+    # bounds the error from above alone; far from chance, yet not the true order.
+    assert -1 < scores["confidence_spearman", "P1-near"].value < -0.2
+    chance = scores["confidence_ause_chance", "P1-near"].value
+    assert 0 < scores["confidence_ause", "P1-near"].value < 0.8 * chance
+
+
+def test_a_failed_part_has_no_invented_pictures_and_is_counted(stages):
+    failed = scores_of(stages, FAILS)
+    assert {metric for metric, _ in failed} == {"emd", "chamfer", "fscore"}
+    text = (stages / "reports" / "table2.md").read_text()
+    assert "RGB 2D (MSE)" in text
+    metrics = json.loads((stages / "reports" / "summary.json").read_text())["metrics"]
+    assert sum(name.endswith(".rgb_mse") for name in metrics) == 1
+
+
+def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(
+    stages, finished_run, monkeypatch
+):
+    """A method that does not render does not depend on them."""
+    data, tasks = finished_run.folder / "data", []
+    monkeypatch.setattr(evaluate, "run_stage", lambda step, new, *_: tasks.extend(new))
+    monkeypatch.setattr(evaluate, "gather_scores", lambda *_: None)
+    params = config.load_params(finished_run.folder / "params.yaml")
+    cfg = config.stage("evaluate", NAME, finished_run.folder / "dvc.yaml").mask(params)
+    for clouds in (stages / "clouds", data / "clouds"):
+        places = (data / "parts", data / "views", data / "truth", clouds / NAME, "scores")
+        evaluate.main(cfg, NAME, *map(str, places))
+    rendered, usual = (
+        {path.name for task in mine if task.part_id == WORKS for path in task.inputs}
+        for mine in (tasks[:2], tasks[2:])
+    )
+    assert usual == {"mesh.npz", WORKS, "cloud.npz"}
+    assert rendered - usual == {"renderings", "candidates.npz", "cameras.json", "006.png"}

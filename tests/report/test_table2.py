@@ -1,0 +1,126 @@
+"""Table 2: who is in it, over which parts, and what stands beside each loss."""
+
+from pathlib import Path
+
+import pytest
+
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.artifacts.split import Place
+from industnerf.methods import load_method
+from industnerf.report.gather import Folders, Study
+from industnerf.report.page import page
+from industnerf.report.table2 import LEFT_OUT, LOSSES, cells, means, table2, table2_md
+from industnerf.report.tables import Extra, table1
+from industnerf.schema import ReportParams
+from tests.samples import unit_part
+
+SETTINGS = ReportParams(resamples=200, interval=0.9, sheet_parts=4)
+RENDERED = {
+    "rgb_mse": 0.01,
+    "depth_mse": 0.002,
+    "psnr": 20.0,
+    "ssim": 0.8,
+    "coverage": 0.7,
+    "silhouette_iou": 0.6,
+}
+CONFIDENCE = {
+    "confidence_spearman": -0.5,
+    "confidence_ause": 0.2,
+    "confidence_ause_chance": 0.4,
+}
+PARTS = "abcd"
+
+
+def score(part, method, metric, protocol, value, status="ok", floor=0.0):
+    return PartScore(part, method, Score(metric, protocol, value, floor, "1", status))
+
+
+def study_of(rendering: bool) -> Study:
+    """Three test parts and the dev part d; the hull may render, but failed on part c."""
+    scores = []
+    for place, part in enumerate(PARTS):
+        failed = "failed" if part == "c" else "ok"
+        for protocol in ("P1-even", "P1-iid", "P1-full"):
+            scores.append(score(part, "hull", "emd", protocol, 0.1, failed, 0.05))
+            scores.append(score(part, "oracle", "emd", protocol, 0.05, floor=0.05))
+        if rendering and part != "c":
+            for metric, value in RENDERED.items():
+                scores.append(score(part, "hull", metric, "P1-union", (1 + place) * value))
+                if metric not in ("coverage", "silhouette_iou"):
+                    scores.append(score(part, "hull", metric, "P1-frame", value / 2))
+            for metric, value in CONFIDENCE.items():
+                scores.append(score(part, "hull", metric, "P1-near", value))
+    return Study(
+        "smoke",
+        0,
+        12,
+        {name: load_method(name) for name in ("hull", "oracle")},
+        {name: unit_part(name, family) for name, family in zip(PARTS, "ffgg", strict=True)},
+        {name: Place("dev" if name == "d" else "test", None) for name in PARTS},
+        scores,
+        {},
+        {"hull": (0, 0), "oracle": (0, 0)},
+        {},
+        Folders(*[Path("nowhere")] * 6),
+    )
+
+
+def show(study: Study) -> str:
+    rows = table1(study, SETTINGS)
+    return page(study, rows, [Extra(None, None)] * len(rows), table2(study, SETTINGS), b"")
+
+
+def test_every_loss_of_whoever_renders_and_nobody_else():
+    lines = table2(study_of(rendering=True), SETTINGS)
+    assert {line.method for line in lines} == {"hull"}
+    names = [loss.name for loss in LOSSES]
+    assert [line.loss.name for line in lines] == [*names, *names]
+    assert [line.split for line in lines] == ["test"] * len(names) + ["dev"] * len(names)
+
+
+def test_a_mean_is_over_the_parts_that_have_it_and_failures_are_counted():
+    lines = {(line.loss.metric, line.split): line for line in table2(study_of(True), SETTINGS)}
+    rgb, emd = lines["rgb_mse", "test"], lines["emd", "test"]
+    assert rgb.mean == pytest.approx((0.01 + 0.02) / 2)  # of a and b
+    assert rgb.ci_low <= rgb.mean <= rgb.ci_high
+    assert rgb.frame == pytest.approx(0.005)
+    assert (rgb.parts, rgb.failures) == (2, 1)
+    assert (emd.parts, emd.failures) == (3, 1)
+    assert (emd.best, emd.frame) == (pytest.approx(0.05), None)
+    assert lines["coverage", "test"].frame is None
+    assert lines["rgb_mse", "dev"].mean == pytest.approx(0.04)
+
+
+def test_the_papers_three_numbers_stand_beside_ours_and_no_others():
+    published = {line.loss.name: cells(line)[7] for line in table2(study_of(True), SETTINGS)}
+    assert {name: text for name, text in published.items() if text} == {
+        "Point Cloud (EMD)": "0.0121665",
+        "RGB 2D (MSE)": "0.0986291",
+        "Depth 2D (MSE)": "0.0117503",
+    }
+
+
+def test_the_file_and_the_page_hold_the_lines():
+    study = study_of(rendering=True)
+    text = table2_md(table2(study, SETTINGS), SETTINGS.interval)
+    assert "| 90 % |" in text.splitlines()[0]
+    assert len(text.splitlines()) == 2 + 2 * len(LOSSES)
+    line = "| hull | RGB 2D (MSE) | test | 0.01500 | "
+    assert line in text
+    assert "<h2>Table 2</h2>" in show(study)
+    assert "<td>RGB 2D (MSE)<td>test<td>0.01500<td>" in show(study)
+
+
+def test_without_a_method_that_renders_it_is_left_out_and_said():
+    study = study_of(rendering=False)
+    assert table2(study, SETTINGS) == []
+    assert table2_md([], SETTINGS.interval) == f"{LEFT_OUT}\n"
+    assert "Table 2</h2>" not in show(study)
+    assert LEFT_OUT in show(study)
+
+
+def test_its_means_have_names_of_their_own():
+    found = means(table2(study_of(rendering=True), SETTINGS))
+    assert found["hull.test.psnr"] == pytest.approx(30.0)
+    assert found["hull.dev.confidence_ause"] == pytest.approx(0.2)
+    assert len(found) == 2 * (len(LOSSES) - 1)
