@@ -6,6 +6,8 @@ from industnerf.errors import BadParams
 from industnerf.methods.base import Method
 
 MODULES = {
+    "industnerf": "industnerf.methods.industnerf",
+    "industnerf_plus": "industnerf.methods.industnerf",
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",
     "ball": "industnerf.methods.nulls",

@@ -59,8 +59,9 @@ def forward(
     through: wp.array(dtype=wp.float32),
     depth: wp.array(dtype=wp.float32),
     median: wp.array(dtype=wp.float32),
+    spread: wp.array(dtype=wp.float32),
 ):
-    """Colour before the background, T_end, mean distance, and where T falls through 1/2."""
+    """Colour before the background, T_end, mean distance, where T falls through 1/2, spread."""
     r = wp.tid()
     span = crossing(origins[r], directions[r], march.lo, march.hi)
     per_cell = cells.radius / march.step
@@ -69,6 +70,7 @@ def forward(
     T = wp.float32(1.0)
     c = wp.vec3(0.0, 0.0, 0.0)
     z = wp.float32(0.0)
+    apart = wp.float32(0.0)
     middle = wp.float32(-1.0)
     t = span[0] + offsets[r] * march.step
     while t < span[1] and n < march.room:
@@ -90,8 +92,11 @@ def forward(
                     mean += met.weights[i] * rgb[met.ids[i]]
                 tau = s * march.step
                 kept = wp.exp(-tau)
-                c += T * (1.0 - kept) * mean
-                z += T * (1.0 - kept) * t
+                share = T * (1.0 - kept)
+                apart += 2.0 * share * (t * (1.0 - T) - z)
+                c += share * mean
+                z += share * t
+                met.where[slot] = t
                 if T * kept < 0.5 and middle < 0.0:
                     middle = t + (wp.log(2.0 * T) / tau - 0.5) * march.step
                 T = T * kept
@@ -104,6 +109,7 @@ def forward(
     through[r] = T
     depth[r] = z / wp.max(1.0 - T, 1.0e-8)
     median[r] = middle
+    spread[r] = apart
 
 
 @wp.kernel
@@ -116,26 +122,35 @@ def backward(
     met: Met,
     colour: wp.array(dtype=wp.vec3),
     through: wp.array(dtype=wp.float32),
+    depth: wp.array(dtype=wp.float32),
+    spread: wp.array(dtype=wp.float32),
     d_colour: wp.array(dtype=wp.vec3),
     d_through: wp.array(dtype=wp.float32),
+    d_spread: wp.array(dtype=wp.float32),
     d_sigma: wp.array(dtype=wp.float32),
     d_rgb: wp.array(dtype=wp.vec3),
 ):
-    """The way back, from the eye again, with g = dL/d colour:
+    """The way back, from the eye again.
 
-    dL/d sigma_q = step (T_{q+1} g.c_q - sum_{p>q} T_p alpha_p g.c_p - T_end dL/d T_end)
-    dL/d c_q = T_q alpha_q g
-
+    With w_q = T_q alpha_q and v_q = dL/d w_q, what a sample adds to the loss by being seen,
+        dL/d sigma_q = step (T_{q+1} v_q - sum_{p>q} w_p v_p - T_end dL/d T_end)
+        dL/d c_q = w_q dL/d colour
+        v_q = c_q . dL/d colour + (2 sum_p w_p |t_q - t_p|) dL/d spread
     What lies behind a sample is the total less what lies before.
     """
     r = wp.tid()
     g = d_colour[r]
-    behind = wp.dot(g, colour[r])
+    e = d_spread[r]
+    behind = wp.dot(g, colour[r]) + 2.0 * e * spread[r]
     ending = d_through[r] * through[r]
+    seen = 1.0 - through[r]
+    moment = depth[r] * seen
     T = wp.float32(1.0)
+    z = wp.float32(0.0)
     for q in range(met.count[r]):
-        first = (r * march.room + q) * k
-        last = first + met.sizes[r * march.room + q]
+        slot = r * march.room + q
+        first = slot * k
+        last = first + met.sizes[slot]
         s = wp.float32(0.0)
         mean = wp.vec3(0.0, 0.0, 0.0)
         for i in range(first, last):
@@ -143,9 +158,13 @@ def backward(
             mean += met.weights[i] * rgb[met.ids[i]]
         kept = wp.exp(-s * march.step)
         share = T * (1.0 - kept)
-        here = wp.dot(g, mean)
-        behind -= share * here
+        t = met.where[slot]
+        before = t * (1.0 - T) - z
+        z += share * t
         T = T * kept
+        after = (moment - z) - t * (seen - (1.0 - T))
+        here = wp.dot(g, mean) + 2.0 * e * (before + after)
+        behind -= share * here
         ds = march.step * (T * here - behind - ending)
         for i in range(first, last):
             wp.atomic_add(d_sigma, met.ids[i], met.weights[i] * ds)

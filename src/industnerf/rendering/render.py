@@ -1,5 +1,6 @@
 """Points and rays to pixels, differentiable: section 3.3 on the compiled kernels."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +34,7 @@ class Seen:
     through: Float[Tensor, "r"]  # share of the light that passes all points
     depth: Float[Tensor, "r"]  # mean distance along the ray of what is not background
     median: Float[Tensor, "r"]  # distance at which half of the light is left; -1 if never
+    spread: Float[Tensor, "r"]  # sum_ij w_i w_j |t_i - t_j| -- the distortion of Barron (2022)
 
     def over(self, background: Float[Tensor, "r 3"]) -> Float[Tensor, "r 3"]:
         """The pixels before a background."""
@@ -62,7 +64,10 @@ class Renderer:
         self._met: tuple | None = None  # rays, `Met`, and the tensors that it points to
 
     def look(self, rays: Rays, sigma: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
-        """What `rays` see of points of density `sigma` and colour `rgb`, differentiable in both."""
+        """What `rays` see of points of density `sigma` and colour `rgb`, differentiable in both.
+
+        Not differentiable are depth and median.
+        """
         return Seen(*_Look.apply(sigma, rgb, self, rays))
 
     def confide(
@@ -104,18 +109,19 @@ class Renderer:
             like = {"device": self.points.positions.device}
             kept = [
                 torch.empty(rays, dtype=torch.int32, **like),
+                torch.empty(slots, dtype=torch.float32, **like),
                 torch.empty(slots, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.float32, **like),
             ]
             met = Met()
-            met.count, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
+            met.count, met.where, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
             self._met = (rays, met, kept)
         return self._met[1]
 
     def _forward(self, sigma: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
         colour = torch.empty_like(rays.origins)
-        through, depth, median = (torch.empty_like(rays.offsets) for _ in range(3))
+        through, depth, median, spread = (torch.empty_like(rays.offsets) for _ in range(4))
         wp.launch(
             kernels.forward,
             dim=len(rays),
@@ -132,28 +138,31 @@ class Renderer:
                 _numbers(through),
                 _numbers(depth),
                 _numbers(median),
+                _numbers(spread),
             ],
             device=self._device,
         )
-        return colour, through, depth, median
+        return colour, through, depth, median, spread
 
     def _backward(
-        self, sigma: Tensor, rgb: Tensor, seen: tuple[Tensor, Tensor], d: tuple[Tensor, Tensor]
+        self, sigma: Tensor, rgb: Tensor, seen: Sequence[Tensor], d_seen: Sequence[Tensor]
     ) -> tuple[Tensor, Tensor]:
         d_sigma, d_rgb = torch.zeros_like(sigma), torch.zeros_like(rgb)
+        colour, *others = seen
+        d_colour, *d_others = d_seen
         wp.launch(
             kernels.backward,
-            dim=len(seen[0]),
+            dim=len(colour),
             inputs=[
                 self._march,
                 self.points.k,
                 _numbers(sigma),
                 _vectors(rgb),
                 self._met[1],
-                _vectors(seen[0]),
-                _numbers(seen[1]),
-                _vectors(d[0]),
-                _numbers(d[1]),
+                _vectors(colour),
+                *map(_numbers, others),
+                _vectors(d_colour),
+                *map(_numbers, d_others),
                 _numbers(d_sigma),
                 _vectors(d_rgb),
             ],
@@ -167,16 +176,16 @@ class _Look(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx, sigma, rgb, renderer, rays):
-        colour, through, depth, median = renderer._forward(sigma, rgb, rays)
-        ctx.save_for_backward(sigma, rgb, colour, through)
+        colour, through, depth, median, spread = renderer._forward(sigma, rgb, rays)
+        ctx.save_for_backward(sigma, rgb, colour, through, depth, spread)
         ctx.renderer = renderer
         ctx.mark_non_differentiable(depth, median)
-        return colour, through, depth, median
+        return colour, through, depth, median, spread
 
     @staticmethod
-    def backward(ctx, d_colour, d_through, d_depth, d_median):
-        sigma, rgb, colour, through = ctx.saved_tensors
-        seen, d_seen = (colour, through), (d_colour, d_through)
+    def backward(ctx, d_colour, d_through, d_depth, d_median, d_spread):
+        sigma, rgb, *seen = ctx.saved_tensors
+        d_seen = d_colour, d_through, d_spread
         return *ctx.renderer._backward(sigma, rgb, seen, d_seen), None, None
 
 

@@ -3,13 +3,11 @@
 A neighbour that is not there has id -1 and distance inf; it weighs nothing.
 """
 
-from typing import Literal
-
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-WeightReading = Literal["inverse", "inverse_square", "tapered"]
+from industnerf.schema.readings import WeightReading
 
 FLOOR = 1e-3  # of the radius: nearer points count as if they were so far, which bounds the weights
 

@@ -1,5 +1,6 @@
 """The type and range of every key of params.yaml, and no value: one knob a line."""
 
+from industnerf.schema.industnerf import IndustnerfSettings
 from industnerf.schema.methods import HullRgbSettings, HullSettings, MethodSettings, SampleSettings
 from industnerf.schema.parts import CleanParams, PartsParams
 from industnerf.schema.rules import require
@@ -25,6 +26,7 @@ __all__ = [
     "EvaluateParams",
     "HullRgbSettings",
     "HullSettings",
+    "IndustnerfSettings",
     "JitterParams",
     "LightParams",
     "MethodSettings",

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from industnerf.schema.industnerf import IndustnerfSettings
 from industnerf.schema.rules import require
 
 
@@ -34,6 +35,8 @@ class SampleSettings:
 
 @dataclass(frozen=True)
 class MethodSettings:
+    industnerf: IndustnerfSettings
+    industnerf_plus: IndustnerfSettings
     hull: HullSettings
     hull_rgb: HullRgbSettings
     ball: SampleSettings

@@ -1,1 +1,72 @@
-"""The paper's method: a point cloud with density and colour, trained by re-rendering its views."""
+"""IndustNeRF, the paper's method: a point cloud whose radiance re-renders the source views.
+
+`industnerf` is the paper; `industnerf_plus` the same code with other settings, which also takes
+the background's colour.  The flow of figure 2, a file a step: levels (3.1, 3.2), sources and
+field (4), training (3.3), witnesses and extraction (3.4); `run` strings them together.
+"""
+
+import numpy as np
+
+from industnerf.artifacts.candidates import Candidates
+from industnerf.artifacts.history import History
+from industnerf.geometry.cameras import framed_ball
+from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
+from industnerf.methods.industnerf.run import Outcome, run
+from industnerf.methods.industnerf.scene import Posed
+from industnerf.schema import IndustnerfSettings
+
+
+def reconstruct(
+    given: Given, settings: IndustnerfSettings, state: None, seed: int
+) -> Reconstruction:
+    """The paper's method: images and cameras, nothing else."""
+    return _reconstruct(given, None, settings, seed)
+
+
+def reconstruct_plus(
+    given: Given, settings: IndustnerfSettings, state: None, seed: int
+) -> Reconstruction:
+    """The same, told of the colour behind the part."""
+    return _reconstruct(given, given.background, settings, seed)
+
+
+def _reconstruct(
+    given: Given, background: np.ndarray | None, settings: IndustnerfSettings, seed: int
+) -> Reconstruction:
+    centre, radius = framed_ball(given.cameras)
+    outcome = run(Posed(given.rgb, given.cameras, background, centre, radius), settings, seed)
+    return Reconstruction(
+        outcome.points.astype(np.float64),
+        outcome.colours,
+        outcome.confidence.astype(np.float64),
+        parameters=outcome.parameters,
+        steps=outcome.steps,
+        view=outcome.view,
+        renderings=_held_out(given, outcome, background),
+        candidates=Candidates(outcome.candidates, outcome.certainty),
+        history=History(
+            np.arange(outcome.steps), np.array(outcome.losses, float), outcome.first_steps
+        ),
+    )
+
+
+def _held_out(given: Given, outcome: Outcome, background: np.ndarray | None):
+    """The views that nobody was given, before the mean of the backgrounds that are known."""
+    if not len(given.held_out):
+        return None
+    behind = outcome.background if background is None else background
+    return outcome.pictures(given.held_out, np.tile(behind.mean(0), (len(given.held_out), 1)))
+
+
+METHODS = {
+    "industnerf": Method(
+        "industnerf", Scope.PART, frozenset({Input.RGB}), reconstruct, random=True
+    ),
+    "industnerf_plus": Method(
+        "industnerf_plus",
+        Scope.PART,
+        frozenset({Input.RGB, Input.BACKGROUND}),
+        reconstruct_plus,
+        random=True,
+    ),
+}

@@ -5,16 +5,18 @@ neighbour have weight 0.  Any number of rays may lead the shapes.  Readings R8, 
 """
 
 import math
-from typing import Literal, assert_never
+from typing import assert_never
 
 import torch
 from jaxtyping import Float, Int64
 from torch import Tensor
 
-ScaleReading = Literal["max", "unit", "contrast"]
-TransmittanceReading = Literal["shared", "own"]
-OpacityReading = Literal["without", "with"]
-ReduceReading = Literal["max", "sum", "mean"]
+from industnerf.schema.readings import (
+    OpacityReading,
+    ReduceReading,
+    ScaleReading,
+    TransmittanceReading,
+)
 
 
 def voxel_confidence(

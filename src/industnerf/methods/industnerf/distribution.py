@@ -4,16 +4,14 @@ Axes of a grid are x, y, z; its cell (i, j, k) spans [i, i+1] x [j, j+1] x [k, k
 is in float64, for cells of very unequal densities share one sum.  Readings R5 and R6.
 """
 
-from typing import Literal, assert_never
+from typing import assert_never
 
 import torch
 from jaxtyping import Float, Float64, Int64
 from torch import Tensor
 
 from industnerf.errors import ReconstructionFailed
-
-PlaceReading = Literal["jitter", "centre"]
-TargetReading = Literal["sigma", "visible"]
+from industnerf.schema.readings import PlaceReading, TargetReading
 
 Grid = Float64[Tensor, "x y z"]
 

@@ -10,7 +10,7 @@ on each side of [-1, 1] is about 1.5 r.
 """
 
 import math
-from typing import Literal, assert_never
+from typing import assert_never
 
 import torch
 from jaxtyping import Float
@@ -18,9 +18,7 @@ from torch import Tensor
 
 from industnerf.errors import BadParams
 from industnerf.methods.industnerf.projection import camera_frame
-
-PoseReading = Literal["intended", "printed", "nerf", "identity"]
-FrameReading = Literal["camera", "world", "pose"]
+from industnerf.schema.readings import FrameReading, PoseReading
 
 
 def encoding_frame(

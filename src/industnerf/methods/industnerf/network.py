@@ -2,14 +2,15 @@
 
 import math
 from itertools import pairwise
-from typing import Literal, assert_never, final
+from typing import assert_never, final
 
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import softplus
 
-ActivationReading = Literal["cut_exp", "relu", "softplus"]
+from industnerf.schema.readings import ActivationReading
+
 CUT = math.exp(-6)  # what `cut_exp` takes off: raw values of -6 and less have no density
 
 

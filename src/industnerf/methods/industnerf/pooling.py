@@ -5,13 +5,13 @@ projects into.  The other reading, `per_view`, in which each source view makes a
 and confidence joins them, pools nothing and is no business of this module.
 """
 
-from typing import Literal, assert_never, final
+from typing import assert_never, final
 
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
-PoolReading = Literal["mean_variance", "mean", "max"]
+from industnerf.schema.readings import PoolReading
 
 
 def pooled_channels(channels: int, reading: PoolReading) -> int:

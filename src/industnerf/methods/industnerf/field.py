@@ -1,0 +1,106 @@
+"""Densities and colours of the cloud points: N of eq. (4), and what each point learns by itself.
+
+    raw, rgb = N(pooled features, PosE) + residual
+
+Without residuals this is the paper's method; without N it is a field of free points.
+"""
+
+import torch
+from jaxtyping import Bool, Float32
+from torch import Tensor, nn
+
+from industnerf.methods.industnerf.levels import spacing_of
+from industnerf.methods.industnerf.network import Network, activate
+from industnerf.methods.industnerf.scene import Scene
+from industnerf.methods.industnerf.sources import Sources
+from industnerf.schema import IndustnerfSettings
+
+EMPTY = -6.5  # raw density that is nothing, by some margin, and not too far to come back from
+GREY = 0.5
+
+
+class Field(nn.Module):
+    """The field at the points that were placed last."""
+
+    def __init__(self, scene: Scene, settings: IndustnerfSettings) -> None:
+        super().__init__()
+        self._settings = settings
+        self._unit = spacing_of(settings.grid_res, 0)  # density is counted per first spacing
+        self.sources = Sources(scene, settings) if settings.network.use else None
+        self.network = (
+            Network(
+                self.sources.columns,
+                settings.network.hidden,
+                settings.network.layers,
+                settings.initial,
+            )
+            if self.sources
+            else None
+        )
+
+    def place(
+        self,
+        points: Float32[Tensor, "m 3"],
+        raw: Float32[Tensor, "m"] | None = None,
+        rgb: Float32[Tensor, "m 3"] | None = None,
+    ) -> None:
+        """From now on be the field at these points; `raw` and `rgb` are residuals to start from.
+
+        Raw density and colour are wholly residual where there is no network.
+        """
+        m, device = len(points), points.device
+        if self.sources:
+            self.sources.place(points)
+        if self._settings.residual.use:
+            alone = self.network is None
+            start = self._settings.initial if alone else 0.0
+            raw = torch.full((m,), start, device=device) if raw is None else raw
+            colour = GREY if alone else 0.0
+            rgb = torch.full((m, 3), colour, device=device) if rgb is None else rgb
+            self.raw, self.rgb = nn.Parameter(raw.clone()), nn.Parameter(rgb.clone())
+
+    def keep(self, which: Bool[Tensor, "m"]) -> None:
+        """Forget all other points."""
+        if self.sources:
+            self.sources.keep(which)
+        if self._settings.residual.use:
+            self.raw, self.rgb = nn.Parameter(self.raw[which]), nn.Parameter(self.rgb[which])
+
+    def forward(
+        self,
+    ) -> tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]]:
+        """Density and colour of every point."""
+        raw, rgb = self.network(self.sources()) if self.network else (0.0, 0.0)
+        if self._settings.residual.use:
+            raw, rgb = raw + self.raw, rgb + self.rgb
+        readings, ceiling = self._settings.readings, self._settings.ceiling
+        return activate(raw, readings.activation, self._unit, ceiling), rgb.clamp(0, 1)
+
+    @torch.no_grad()
+    def settle(self) -> None:
+        """After a step, bring what points learn by themselves back to where it has a gradient."""
+        if self._settings.residual.use and self.network is None:
+            self.raw.clamp_(EMPTY, self._settings.ceiling)
+            self.rgb.clamp_(0, 1)
+
+    def own(self) -> list[nn.Parameter]:
+        """What points learn by themselves, a row a point."""
+        return [self.raw, self.rgb] if self._settings.residual.use else []
+
+    def groups(self) -> list[dict]:
+        """What an optimiser learns, and how fast."""
+        ways, own = self._settings.network, self._settings.residual
+        learned = [
+            {"params": [p for p in self.network_parameters() if p.requires_grad], "lr": ways.rate},
+        ]
+        if own.use:
+            learned += [
+                {"params": [self.raw], "lr": own.density_rate},
+                {"params": [self.rgb], "lr": own.colour_rate},
+            ]
+        return [group for group in learned if group["params"]]
+
+    def network_parameters(self) -> list[nn.Parameter]:
+        """Those of E and N."""
+        modules = [module for module in (self.sources, self.network) if module is not None]
+        return [p for module in modules for p in module.parameters()]

@@ -1,0 +1,80 @@
+"""Which pixels are looked at, and at what resolution: the training signal, R10."""
+
+import torch
+from jaxtyping import Bool, Float32, Int64
+from torch import Tensor
+from torch.nn.functional import adaptive_avg_pool2d, max_pool2d
+
+from industnerf.methods.industnerf.projection import project
+from industnerf.methods.industnerf.scene import Eyes, Scene
+from industnerf.rendering.render import Rays
+
+
+class Pixels:
+    """The images of a scene at one resolution, and those of their pixels that can show points.
+
+    A pixel beside the `footprint` of all cloud points sees nothing but background, whatever
+    their densities and colours: there is nothing to learn from it.
+    """
+
+    def __init__(self, scene: Scene, longest: int, footprint: Bool[Tensor, "n h w"]) -> None:
+        self._eyes, self._background = scene.eyes, scene.background
+        self.height, self.width = footprint.shape[1:]
+        self.colours = averaged(scene, self.height, self.width)
+        self.shown = footprint.nonzero()  # view, row, column
+        self._scale = torch.tensor(
+            [scene.eyes.width / self.width, scene.eyes.height / self.height],
+            device=self.colours.device,
+        )
+
+    def draw(
+        self, count: int, generator: torch.Generator
+    ) -> tuple[Rays, Float32[Tensor, "r 3"], Float32[Tensor, "r 3"]]:
+        """Random rays, the colours of their pixels, and the background behind them."""
+        which = torch.randint(len(self.shown), (count,), generator=generator)
+        offsets = torch.rand(count, generator=generator).to(self.colours.device)
+        return self.rays(self.shown[which.to(self.shown.device)], offsets)
+
+    def rays(
+        self, pixels: Int64[Tensor, "r 3"], offsets: Float32[Tensor, "r"]
+    ) -> tuple[Rays, Float32[Tensor, "r 3"], Float32[Tensor, "r 3"]]:
+        """The same of the given pixels: view, row, column."""
+        view, row, column = pixels.unbind(1)
+        uv = (torch.stack([column, row], dim=1) + 0.5) * self._scale
+        rays = self._eyes.rays(view, uv, offsets)
+        return rays, self.colours[view, row, column], self._background[view]
+
+
+def size_of(eyes: Eyes, longest: int) -> tuple[int, int]:
+    """Height and width of an image whose longer side is brought down to `longest` px."""
+    share = min(1.0, longest / max(eyes.width, eyes.height))
+    return max(1, round(eyes.height * share)), max(1, round(eyes.width * share))
+
+
+def averaged(scene: Scene, height: int, width: int) -> Float32[Tensor, "n h w 3"]:
+    """The images in [0, 1], each pixel the mean of those that it stands for."""
+    small = [
+        adaptive_avg_pool2d(image.permute(2, 0, 1).float() / 255, (height, width)).permute(1, 2, 0)
+        for image in scene.images
+    ]
+    return torch.stack(small)
+
+
+def footprint(
+    points: Float32[Tensor, "m 3"], spacing: float, eyes: Eyes, longest: int
+) -> Bool[Tensor, "n h w"]:
+    """Pixels that a ball of radius `spacing` round any point may cover, from every camera."""
+    height, width = size_of(eyes, longest)
+    masks = torch.zeros(len(eyes), height, width, dtype=torch.bool, device=points.device)
+    for mask, K, c2w in zip(masks, eyes.K, eyes.c2w, strict=True):
+        uv, depth = project(points, K, c2w)
+        front = depth > spacing
+        column = (uv[front, 0] * (width / eyes.width)).long()
+        row = (uv[front, 1] * (height / eyes.height)).long()
+        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        mask[row[inside], column[inside]] = True
+        nearest = depth[front].min() if front.any() else depth.new_tensor(1.0)
+        reach = int((K[0, 0] * spacing / nearest * width / eyes.width).ceil()) + 1
+        grown = max_pool2d(mask[None].float(), 2 * reach + 1, stride=1, padding=reach)
+        mask |= grown[0] > 0
+    return masks

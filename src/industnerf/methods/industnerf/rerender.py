@@ -1,0 +1,45 @@
+"""Pictures of the finished field from any camera: the held-out views of Table 2, previews."""
+
+import numpy as np
+import torch
+from jaxtyping import Float32
+from torch import Tensor
+
+from industnerf.artifacts.renderings import Renderings
+from industnerf.methods.industnerf.pixels import footprint
+from industnerf.methods.industnerf.scene import Eyes
+from industnerf.methods.industnerf.witnesses import CHUNK
+from industnerf.rendering.render import Renderer
+
+
+@torch.no_grad()
+def rerender(
+    eyes: Eyes,
+    background: Float32[Tensor, "n 3"],
+    renderer: Renderer,
+    sigma: Float32[Tensor, "m"],
+    rgb: Float32[Tensor, "m 3"],
+    radius: float,
+) -> Renderings:
+    """Colour, depth along z, and opacity from every camera; depth in `radius` of the unit ball."""
+    n, height, width = len(eyes), eyes.height, eyes.width
+    colour = background[:, None, None].expand(n, height, width, 3).clone()
+    depth = torch.zeros(n, height, width, device=sigma.device)
+    opacity = torch.zeros_like(depth)
+    reach = renderer.points.radius
+    shown = footprint(renderer.points.positions[sigma > 0], reach, eyes, max(height, width))
+    for pixels in shown.nonzero().split(CHUNK):
+        view, row, column = pixels.unbind(1)
+        uv = torch.stack([column, row], dim=1) + 0.5
+        rays = eyes.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
+        seen = renderer.look(rays, sigma, rgb)
+        colour[view, row, column] = seen.over(background[view])
+        ahead = (rays.directions * eyes.c2w[view, :3, 2]).sum(dim=1)
+        hit = seen.median > 0
+        depth[view, row, column] = torch.where(hit, seen.median * ahead * radius, 0.0)
+        opacity[view, row, column] = 1 - seen.through
+    return Renderings(_levels(colour), depth.cpu().numpy().astype(np.float32), _levels(opacity))
+
+
+def _levels(values: Tensor) -> np.ndarray:
+    return (values.clamp(0, 1) * 255).round().to(torch.uint8).cpu().numpy()

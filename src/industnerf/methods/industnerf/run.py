@@ -1,0 +1,225 @@
+"""The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import torch
+from jaxtyping import Float, Float32, Int16, UInt8
+from torch import Tensor
+
+from industnerf.artifacts.renderings import Renderings
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.cameras import Cameras
+from industnerf.methods.industnerf.carving import Silhouettes
+from industnerf.methods.industnerf.extraction import final_cloud
+from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.levels import grid, spacing_of
+from industnerf.methods.industnerf.refine import refined
+from industnerf.methods.industnerf.rerender import rerender
+from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
+from industnerf.methods.industnerf.training import Training
+from industnerf.schema import IndustnerfSettings
+
+Background = Float[np.ndarray, "n 3"]
+
+
+class Watch:
+    """Told how the work goes on; does nothing with it.  Subclass it, and override what you want."""
+
+    def begin(self, level: str, steps: int) -> None:
+        """`steps` steps follow."""
+
+    def step(self, loss: float) -> None:
+        """One of them is done."""
+
+    def wants_preview(self) -> bool:
+        """Whether `preview` is to be called."""
+        return False
+
+    def preview(
+        self, source: UInt8[np.ndarray, "h w 3"], rendered: UInt8[np.ndarray, "h w 3"]
+    ) -> None:
+        """A source view and its re-rendering."""
+
+    def wants_checkpoint(self) -> bool:
+        """Whether `checkpoint` is to be called."""
+        return False
+
+    def checkpoint(self, state: dict[str, Any]) -> None:
+        """Tensors, numbers and texts that `run` can resume from."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The cloud in the frame and unit of the cameras, and how it came about."""
+
+    points: Float32[np.ndarray, "n 3"]
+    colours: UInt8[np.ndarray, "n 3"]
+    confidence: Float32[np.ndarray, "n"]
+    view: Int16[np.ndarray, "n"]
+    steps: int
+    parameters: int
+    candidates: Float32[np.ndarray, "m 3"]  # every point with a density
+    certainty: Float32[np.ndarray, "m"]  # their confidence
+    losses: list[float]  # of every step
+    first_steps: dict[str, int]  # of every level
+    background: Background  # behind the part, view by view
+    pictures: Callable[[Cameras, Background], Renderings]  # the field from other cameras
+
+
+def run(
+    posed: Posed,
+    settings: IndustnerfSettings,
+    seed: int,
+    watch: Watch | None = None,
+    resume: dict[str, Any] | None = None,
+) -> Outcome:
+    """Reconstruct one part from its images.
+
+    Raises ReconstructionFailed if a field becomes empty.  Same seed, same bytes on a CPU.
+    """
+    torch.set_num_threads(1)  # parts are what runs side by side
+    work = _Work(posed, settings, seed, watch or Watch())
+    if resume:
+        work.restore(resume)
+    while not work.finished:
+        work.train()
+        work.listen()
+    return work.outcome()
+
+
+class _Work:
+    """A run between two of its steps."""
+
+    def __init__(self, posed: Posed, settings: IndustnerfSettings, seed: int, watch: Watch) -> None:
+        self._posed, self._settings, self._watch = posed, settings, watch
+        self._scene = scene_of(posed, device())
+        self._generator = torch.Generator().manual_seed(seed)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)
+            self._field = Field(self._scene, settings).to(self._scene.images.device)
+        self._silhouettes = Silhouettes(self._scene) if settings.carve else None
+        self._level, self._losses, self._first_steps = 0, [], {}
+        self.finished = False
+        points = grid(settings.grid_res, self._scene.images.device)
+        self._training = self._start(points, None)
+
+    def _start(
+        self, points: Float32[Tensor, "m 3"], start: tuple[Tensor, Tensor] | None
+    ) -> Training:
+        """The training of this level, of the points that are not carved away."""
+        spacing = spacing_of(self._settings.grid_res, self._level)
+        if self._silhouettes:
+            kept = self._silhouettes.may_hold(points, 0.9 * spacing)
+            points, start = points[kept], tuple(x[kept] for x in start) if start else None
+        if not len(points):
+            raise ReconstructionFailed(
+                f"no point is left at level {self._level}: is the part inside the region of "
+                "interest, and is the background's colour right?"
+            )
+        return Training(
+            self._scene,
+            self._field,
+            points,
+            spacing,
+            self._level,
+            self._settings,
+            self._generator,
+            start,
+        )
+
+    def train(self) -> None:
+        """Take the steps of this level that are left."""
+        name = f"level {self._level}"
+        self._first_steps.setdefault(name, len(self._losses))
+        self._watch.begin(name, self._training.steps - self._training.taken)
+        while self._training.taken < self._training.steps:
+            self._losses.append(self._training.step())
+            self._watch.step(self._losses[-1])
+            if self._watch.wants_preview():
+                self._watch.preview(*self._preview())
+            if self._watch.wants_checkpoint():
+                self._watch.checkpoint(self.state())
+
+    def listen(self) -> None:
+        """Hear what the views say of the level's points; go on to the next level, or finish."""
+        self.told = self._training.testimony()
+        self.finished = self._level == len(self._settings.levels) - 1
+        if not self.finished:
+            points, start = refined(self._training, self.told, self._generator)
+            self._level += 1
+            self._training = self._start(points, start)
+
+    def outcome(self) -> Outcome:
+        """The cloud, of the last level."""
+        ways = self._settings
+        sigma, rgb = self._training.values()
+        points = self._training.points.positions
+        cloud = final_cloud(
+            points, rgb, self.told, ways.least_confidence, ways.spacing, ways.readings.cloud
+        )
+        dense = sigma > 0
+        own = sum(p.numel() for p in self._field.parameters() if p.requires_grad)
+        return Outcome(
+            self._in_world(cloud.points),
+            (cloud.rgb * 255).round().to(torch.uint8).cpu().numpy(),
+            cloud.confidence.cpu().numpy(),
+            cloud.view.to(torch.int16).cpu().numpy(),
+            len(self._losses),
+            own,
+            self._in_world(points[dense]),
+            self.told.confidence[dense].cpu().numpy(),
+            self._losses,
+            self._first_steps,
+            self._scene.background.cpu().numpy().astype(float),
+            partial(pictures, self._training, self._posed),
+        )
+
+    def _in_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:
+        world = points.double().cpu().numpy() * self._posed.radius + self._posed.centre
+        return world.astype(np.float32)
+
+    def _preview(self) -> tuple[np.ndarray, np.ndarray]:
+        view = slice(0, 1)
+        cameras, behind = self._posed.cameras[view], self._scene.background[view]
+        seen = pictures(self._training, self._posed, cameras, behind.cpu().numpy())
+        return self._posed.rgb[0], seen.rgb[0]
+
+    def state(self) -> dict[str, Any]:
+        """All that the rest of the run depends on."""
+        return {
+            "level": self._level,
+            "losses": self._losses,
+            "first_steps": self._first_steps,
+            "generator": self._generator.get_state(),
+            "training": self._training.state(),
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from `state`."""
+        self._level = state["level"]
+        self._losses, self._first_steps = state["losses"], state["first_steps"]
+        self._training = self._start(state["training"]["points"], None)
+        self._training.restore(state["training"])
+        self._generator.set_state(state["generator"])
+
+
+def device() -> torch.device:
+    """INDUSTNERF_DEVICE, or a GPU where there is one."""
+    name = os.environ.get("INDUSTNERF_DEVICE")
+    return torch.device(name or ("cuda" if torch.cuda.is_available() else "cpu"))
+
+
+def pictures(
+    training: Training, posed: Posed, cameras: Cameras, background: Background
+) -> Renderings:
+    """The field of `training` from `cameras`, before `background`, depth in the cameras' unit."""
+    where = training.points.positions.device
+    behind = torch.tensor(background, dtype=torch.float32, device=where)
+    sigma, rgb = training.values()
+    looking = eyes(cameras, posed.centre, posed.radius, where)
+    return rerender(looking, behind, training.renderer, sigma, rgb, posed.radius)

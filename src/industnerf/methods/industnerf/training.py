@@ -1,0 +1,154 @@
+"""Learning the field of one level: re-rendering the source views is the only signal, R10."""
+
+from typing import Any
+
+import torch
+from jaxtyping import Bool, Float32
+from torch import Tensor
+
+from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.levels import near_any
+from industnerf.methods.industnerf.pixels import Pixels, footprint
+from industnerf.methods.industnerf.scene import Scene
+from industnerf.methods.industnerf.witnesses import Testimony, testimony
+from industnerf.rendering.points import Points
+from industnerf.rendering.render import Renderer
+from industnerf.schema import IndustnerfSettings
+
+DECAY = 0.1  # of every learning rate from a level's first step to its last
+SWEEP = 25  # steps from one look for empty points to the next
+CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
+
+
+class Training:
+    """The optimisation of one level, a step at a time."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        field: Field,
+        points: Float32[Tensor, "m 3"],
+        spacing: float,
+        level: int,
+        settings: IndustnerfSettings,
+        generator: torch.Generator,
+        start: tuple[Tensor, Tensor] | None,
+    ) -> None:
+        self.field, self.spacing, self.ways = field, spacing, settings
+        self._scene, self.level, self._generator = scene, level, generator
+        self.taken = 0
+        self._index(points)
+        self.field.place(
+            self.points.positions, *(x[self.points.order] for x in start) if start else ()
+        )
+        self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
+        self._rates = [group["lr"] for group in self._adam.param_groups]
+
+    @property
+    def steps(self) -> int:
+        """How many this level takes."""
+        return self.ways.levels[self.level].steps
+
+    @property
+    def image_px(self) -> int:
+        """The longer side of the images that this level looks at."""
+        return self.ways.levels[self.level].image_px
+
+    def _index(self, points: Float32[Tensor, "m 3"]) -> None:
+        """Sort the points and find the pixels that can show them."""
+        ways = self.ways
+        reach, side = ways.radius * self.spacing, 1 + self.spacing
+        self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
+        self.renderer = Renderer(
+            self.points, (-side,) * 3, (side,) * 3, ways.step * self.spacing, ways.stop
+        )
+        seen = footprint(points, reach, self._scene.eyes, self.image_px)
+        if ways.readings.signal == "left_out":
+            seen[::2] = False  # these speak of the points, the others judge
+        self.pixels = Pixels(self._scene, self.image_px, seen)
+
+    def _sweep(self) -> None:
+        """Skip space that is empty; points that have nothing near them leave the set.
+
+        No pixel changes by it: a point is left out only where it and all points that are ever
+        weighed together with it have no density.
+        """
+        sigma, _ = self.values()
+        needed = near_any(self.points.positions, sigma > 0, 2 * self.points.radius)
+        if self.field.network and needed.float().mean() < CROWD:
+            self._forget(~needed)
+            sigma = sigma[needed]
+        self.points.fill(sigma > 0)
+
+    def _forget(self, gone: Bool[Tensor, "m"]) -> None:
+        """Take points out of the set; the optimiser goes on with the others where it was."""
+        before = self.field.own()
+        self.field.keep(~gone)
+        self._index(self.points.positions[~gone])
+        for old, new in zip(before, self.field.own(), strict=True):
+            moments = self._adam.state.pop(old)
+            self._adam.state[new] = {
+                name: value[~gone] if value.shape == old.shape else value
+                for name, value in moments.items()
+            }
+        learned = self.field.groups()
+        for group, named in zip(self._adam.param_groups, learned, strict=True):
+            group["params"] = named["params"]
+
+    def step(self) -> float:
+        """One step of Adam; returns the mean squared error of the pixels it looked at."""
+        for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
+            group["lr"] = rate * DECAY ** (self.taken / self.steps)
+        if self._encodes():
+            self.field.sources.refresh(self._some_views())
+        rays, target, background = self.pixels.draw(self.ways.rays, self._generator)
+        sigma, rgb = self.field()
+        seen = self.renderer.look(rays, sigma, rgb)
+        loss = ((seen.over(background) - target) ** 2).mean()
+        self._adam.zero_grad()
+        (loss + self.ways.spread * seen.spread.mean() / self.spacing).backward()
+        self._adam.step()
+        self.field.settle()
+        self.taken += 1
+        if self.taken % SWEEP == 0:
+            self._sweep()
+        return loss.item()
+
+    def _encodes(self) -> bool:
+        sources = self.field.sources
+        return bool(sources and sources.learns and self.taken % self.ways.network.every == 0)
+
+    def _some_views(self) -> Tensor:
+        count = min(self.ways.network.views, len(self._scene))
+        return torch.randperm(len(self._scene), generator=self._generator)[:count]
+
+    @torch.no_grad()
+    def values(self) -> tuple[Tensor, Tensor]:
+        """Density and colour of the points, as they are now."""
+        return self.field()
+
+    def testimony(self) -> Testimony:
+        """What the source views say of the points, at the level's resolution."""
+        sigma, rgb = self.values()
+        self.points.fill(sigma > 0)
+        reach, eyes = self.points.radius, self._scene.eyes
+        shown = footprint(
+            self.points.positions[sigma > 0], reach, eyes, self.ways.levels[self.level].image_px
+        )
+        pixels = Pixels(self._scene, self.image_px, shown)
+        return testimony(self._scene, pixels, self.renderer, sigma, rgb, self.ways.readings)
+
+    def state(self) -> dict[str, Any]:
+        """All that a later step depends on."""
+        return {
+            "taken": self.taken,
+            "points": self.points.positions,
+            "field": self.field.state_dict(),
+            "adam": self._adam.state_dict(),
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from `state`, which was taken of the same points."""
+        self.taken = state["taken"]
+        self.field.load_state_dict(state["field"])
+        self._adam.load_state_dict(state["adam"])

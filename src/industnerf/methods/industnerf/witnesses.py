@@ -1,0 +1,106 @@
+"""What the source views say of the points: section 3.4, and the surface that they see."""
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float32, Int64
+from torch import Tensor
+
+from industnerf.methods.industnerf.confidence import colour_confidence, colour_scale, over_views
+from industnerf.methods.industnerf.pixels import Pixels
+from industnerf.methods.industnerf.scene import Scene
+from industnerf.rendering.render import Renderer
+from industnerf.schema.readings import Readings
+
+CHUNK = 16384  # rays at a time
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where pixels of the source views meet the surface: half of their light is left there."""
+
+    points: Float32[Tensor, "n 3"]
+    rgb: Float32[Tensor, "n 3"]
+    confidence: Float32[Tensor, "n"]  # (12) of the pixel, times its opacity
+    view: Int64[Tensor, "n"]
+
+
+@dataclass(frozen=True)
+class Testimony:
+    """(13) of every point in the view that is surest of it, which view that is, and the surface."""
+
+    confidence: Float32[Tensor, "m"]
+    view: Int64[Tensor, "m"]  # -1: none
+    surface: Surface
+
+
+@torch.no_grad()
+def testimony(
+    scene: Scene,
+    pixels: Pixels,
+    renderer: Renderer,
+    sigma: Float32[Tensor, "m"],
+    rgb: Float32[Tensor, "m 3"],
+    readings: Readings,
+) -> Testimony:
+    """Re-render every source view and ask it for its confidence in every point."""
+    scale = colour_scale(readings.scale, contrast_of(pixels))
+    best = torch.zeros_like(sigma)
+    who = torch.full_like(sigma, -1, dtype=torch.int64)
+    met: list[Surface] = []
+    for view in range(len(scene)):
+        own = torch.zeros_like(sigma)
+        for shown in pixels.shown[pixels.shown[:, 0] == view].split(CHUNK):
+            rays, target, background = pixels.rays(shown, torch.full((len(shown),), 0.5).to(sigma))
+            seen = renderer.look(rays, sigma, rgb)
+            agreement = colour_confidence(target, seen.over(background), scale)
+            renderer.confide(
+                sigma,
+                agreement,
+                own,
+                own=readings.transmittance == "own",
+                opaque=readings.opacity == "with",
+                adding=readings.samples == "sum",
+            )
+            hit = seen.median > 0
+            met.append(
+                Surface(
+                    (rays.origins + seen.median[:, None] * rays.directions)[hit],
+                    target[hit],
+                    (agreement * (1 - seen.through))[hit],
+                    shown[hit, 0],
+                )
+            )
+        best, which = over_views(torch.stack([best, own.clamp(max=1)]))
+        who = torch.where(which == 1, view, who)
+    return Testimony(best, who, joined(met))
+
+
+def contrast_of(pixels: Pixels) -> float:
+    """R8 `contrast`: the largest distance between two colours of the views, along their axes."""
+    view, row, column = pixels.shown.unbind(1)
+    colours = pixels.colours[view, row, column]
+    return float((colours.amax(0) - colours.amin(0)).norm()) if len(colours) else 1.0
+
+
+def joined(parts: list[Surface]) -> Surface:
+    """All of `parts` in one."""
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return Surface(*(torch.cat(column) for column in columns))
+
+
+def thinned(surface: Surface, spacing: float) -> Surface:
+    """One point for every cell of side `spacing`: the mean of those in it, of the surest the rest.
+
+    Pixels crowd where views are many and faces look at them; a surface is sought that is even.
+    """
+    cell = (surface.points / spacing).floor().long()
+    _, which = torch.unique(cell, dim=0, return_inverse=True)
+    count = int(which.max()) + 1 if len(which) else 0
+    mean = surface.points.new_zeros(count, 3).index_reduce_(
+        0, which, surface.points, "mean", include_self=False
+    )
+    by_confidence = torch.argsort(surface.confidence, stable=True)
+    surest = which.new_zeros(count)
+    surest[which[by_confidence]] = by_confidence  # the last one written is the surest
+    return Surface(mean, surface.rgb[surest], surface.confidence[surest], surface.view[surest])

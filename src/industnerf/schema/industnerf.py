@@ -1,0 +1,99 @@
+"""`method.industnerf` and `method.industnerf_plus`: the same settings with other values."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from industnerf.schema.readings import Readings
+from industnerf.schema.rules import require
+
+WHERE = "method.industnerf*"
+
+
+@dataclass(frozen=True)
+class LevelSettings:
+    """One resolution of the cloud, from coarse to fine."""
+
+    steps: int
+    image_px: int
+    points: int
+
+    def __post_init__(self) -> None:
+        require(self.steps >= 1, f"{WHERE}.levels.steps", self.steps, "at least 1")
+        require(self.image_px >= 16, f"{WHERE}.levels.image_px", self.image_px, "at least 16 px")
+        require(self.points >= 1000, f"{WHERE}.levels.points", self.points, "at least 1000")
+
+
+@dataclass(frozen=True)
+class NetworkSettings:
+    """E and N of section 3.1."""
+
+    use: bool
+    features: int
+    width: int
+    rgb_skip: bool
+    channels: int
+    magnitude: float
+    base: float
+    hidden: int
+    layers: int
+    every: int
+    views: int
+    rate: float
+
+    def __post_init__(self) -> None:
+        require(self.every >= 1, f"{WHERE}.network.every", self.every, "at least 1")
+        require(self.views >= 1, f"{WHERE}.network.views", self.views, "at least 1")
+        require(self.rate > 0, f"{WHERE}.network.rate", self.rate, "above 0")
+
+
+@dataclass(frozen=True)
+class ResidualSettings:
+    """What is learned for each point by itself: an addition to the paper."""
+
+    use: bool
+    density_rate: float
+    colour_rate: float
+
+
+@dataclass(frozen=True)
+class IndustnerfSettings:
+    readings: Readings
+    grid_res: int
+    levels: list[LevelSettings]
+    refine: Literal["sampled", "divided"]
+    carve: bool
+    network: NetworkSettings
+    residual: ResidualSettings
+    initial: float
+    ceiling: float
+    rays: int
+    step: float
+    radius: float
+    neighbours: int
+    stop: float
+    spread: float
+    least_confidence: float
+    spacing: float
+
+    def __post_init__(self) -> None:
+        require(
+            self.network.use or self.residual.use,
+            f"{WHERE}.network.use and residual.use",
+            False,
+            "true for one of them: else nothing is learned",
+        )
+        require(8 <= self.grid_res <= 512, f"{WHERE}.grid_res", self.grid_res, "in 8..512")
+        require(bool(self.levels), f"{WHERE}.levels", self.levels, "one level or more")
+        require(self.rays >= 1, f"{WHERE}.rays", self.rays, "at least 1")
+        require(0 < self.step <= 4, f"{WHERE}.step", self.step, "in (0, 4] spacings")
+        require(0 < self.radius <= 8, f"{WHERE}.radius", self.radius, "in (0, 8] spacings")
+        require(1 <= self.neighbours <= 64, f"{WHERE}.neighbours", self.neighbours, "in 1..64")
+        require(0 <= self.stop < 1, f"{WHERE}.stop", self.stop, "in [0, 1)")
+        require(self.initial < self.ceiling, f"{WHERE}.initial", self.initial, "below ceiling")
+        require(
+            0 <= self.least_confidence < 1,
+            f"{WHERE}.least_confidence",
+            self.least_confidence,
+            "in [0, 1)",
+        )
+        require(0 < self.spacing < 1, f"{WHERE}.spacing", self.spacing, "in (0, 1)")
