@@ -1,0 +1,36 @@
+"""Run the method on posed photographs of your own.
+
+python -m industnerf.reconstruct --cameras transforms.json --images DIR --out cloud.ply
+
+The cloud is in the frame and the unit of the cameras.  An interrupted run goes on where it was
+when the same command is given again.  Exit code: 0, 1 if the method finds no surface, 2 if what
+it was given is wrong, 130 after Ctrl-C.
+"""
+
+import sys
+
+from industnerf.errors import ReconstructionFailed, SuiteError
+from industnerf.reconstruct.options import parse
+
+
+def main() -> int:
+    options = parse(sys.argv[1:], __doc__)
+    try:
+        from industnerf.reconstruct.job import reconstruct  # late: --help needs none of it
+
+        reconstruct(options)
+    except SuiteError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1 if isinstance(error, ReconstructionFailed) else 2
+    except KeyboardInterrupt:
+        kept = options.checkpoint.exists()
+        ending = (
+            f"the same command goes on from {options.checkpoint}" if kept else "nothing is kept"
+        )
+        print(f"interrupted; {ending}", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

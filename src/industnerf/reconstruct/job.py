@@ -1,0 +1,108 @@
+"""From the command line's options to files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from rich.console import Console
+
+from industnerf.artifacts.ply import write_ply
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.display import Display
+from industnerf.reconstruct.gather import Album, gather
+from industnerf.reconstruct.options import Options
+from industnerf.reconstruct.region import region
+from industnerf.reconstruct.settings import choose
+from industnerf.reconstruct.whole import check_folder, written_whole
+from industnerf.stage import measured
+
+
+def reconstruct(options: Options, console: Console | None = None) -> None:
+    """Do what `options` ask for; says what it does on `console`, by default the terminal."""
+    check_outputs(options)
+    with Display(console or Console()) as display:
+        said: list[str] = []
+        cost = measured(lambda out: said.append(_reconstruct(options, display)), options.out)
+        display.say(f"{said[0]}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
+
+
+def check_outputs(options: Options) -> None:
+    """Raise BadArtifact if a file is in the way, or cannot be written, before any work is done."""
+    outputs = {"--out": options.out, "--checkpoint": options.checkpoint}
+    outputs |= {"--preview": options.preview} if options.preview_every else {}
+    outputs |= {"--npz": options.npz} if options.npz else {}
+    if len({path.resolve() for path in outputs.values()}) < len(outputs):
+        raise BadArtifact(f"{', '.join(outputs)} must be different files")
+    in_the_way = [options.out, *([options.npz] if options.npz else [])]
+    # the preview of the run that goes on is its own
+    if options.preview_named and options.preview_every and not options.checkpoint.exists():
+        in_the_way.append(options.preview)
+    for path in in_the_way:
+        if path.exists() and not options.force:
+            raise BadArtifact(f"{path} is there already; --force overwrites it")
+    for option, path in outputs.items():
+        check_folder(path, option)
+
+
+def _reconstruct(options: Options, display: Display) -> str:
+    chosen = choose(options.method, options.overrides, options.params)
+    if options.show:
+        for line in chosen.lines():
+            display.say(line)
+    album = _read(options, display)
+    centre, radius = region(album.cameras, album.photos, options.centre, options.radius)
+    display.say(
+        f"{len(album.photos)} photographs of {album.cameras.width} x {album.cameras.height} px; "
+        f"region of interest: centre {_listed(centre)}, radius {radius:.5g}"
+    )
+    from industnerf.reconstruct.work import work  # late: it takes torch, which wrong input does not
+
+    outcome = work(options, album, centre, radius, chosen, display)
+    write_cloud(options, outcome, album.photos)
+    options.checkpoint.unlink(missing_ok=True)
+    return (
+        f"{options.out}: {len(outcome.points)} points, {outcome.steps} steps, "
+        f"{outcome.parameters} parameters"
+    )
+
+
+def _read(options: Options, display: Display) -> Album:
+    album = gather(
+        options.cameras,
+        list(dict.fromkeys([options.images, options.cameras.parent])),
+        longest=options.longest,
+        background=options.background,
+        every=options.every,
+        tick=display.count,
+    )
+    for remark in album.remarks:
+        display.say(remark)
+    return album
+
+
+def write_cloud(options: Options, outcome: Any, photos: Sequence[Path]) -> None:
+    """Write the outcome as PLY and, if asked for, as NPZ with the files that `view` counts."""
+    with written_whole(options.out) as draft:
+        write_ply(
+            draft,
+            outcome.points,
+            colours=outcome.colours,
+            confidence=outcome.confidence,
+            view=outcome.view,
+        )
+    if options.npz:
+        with written_whole(options.npz) as draft, draft.open("wb") as file:
+            np.savez_compressed(
+                file,
+                points=outcome.points,
+                colours=outcome.colours,
+                confidence=outcome.confidence,
+                view=outcome.view,
+                photos=[str(photo) for photo in photos],
+            )
+
+
+def _listed(point: Float[np.ndarray, "3"]) -> str:
+    return " ".join(f"{x:.5g}" for x in point)

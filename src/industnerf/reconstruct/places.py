@@ -1,0 +1,42 @@
+"""Where the photographs are that transforms.json names."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path, PurePosixPath
+
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.transforms import Shot
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".PNG", ".JPG", ".JPEG")
+
+
+def find_photos(shots: Sequence[Shot], folders: Sequence[Path]) -> list[Path]:
+    """The file of every shot; raises BadArtifact if one is missing, or two shots share one."""
+    photos = [find_photo(shot, folders) for shot in shots]
+    owners: dict[Path, Shot] = {}
+    for shot, photo in zip(shots, photos, strict=True):
+        first = owners.setdefault(photo.resolve(), shot)
+        if first is not shot:
+            raise BadArtifact(f"{first} and {shot} are the same photograph, {photo}")
+    return photos
+
+
+def find_photo(shot: Shot, folders: Sequence[Path]) -> Path:
+    """The first of `folders` that holds the photograph says where it is.
+
+    The name may lack its extension, and the folder may be one that the name's own folders lead
+    into: `images/7.png` is found in a folder that holds `7.png`, if it holds no `images/7.png`.
+    """
+    for place in _places(shot.name, folders):
+        if place.is_file():
+            return place
+    looked = " and ".join(str(folder) for folder in folders)
+    raise BadArtifact(f"{shot}: no such photograph in {looked}")
+
+
+def _places(name: str, folders: Sequence[Path]) -> Iterator[Path]:
+    parts = PurePosixPath(name).parts
+    for folder in folders:
+        for skipped in range(len(parts)):
+            place = folder.joinpath(*parts[skipped:])
+            yield place
+            yield from (Path(f"{place}{suffix}") for suffix in SUFFIXES)

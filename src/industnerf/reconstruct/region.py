@@ -1,0 +1,78 @@
+"""Where to look for the part: a ball that the cameras have in frame."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from industnerf.errors import BadArtifact, BadParams
+from industnerf.geometry.cameras import Cameras, framed_ball, project
+
+SAME_WAY = np.radians(2.0)  # optical axes that spread less give no point where they meet
+REMEDY = "state the region of interest as --centre X Y Z --radius R, in the unit of the cameras"
+
+
+def region(
+    cameras: Cameras,
+    photos: Sequence[Path],
+    centre: tuple[float, float, float] | None,
+    radius: float | None,
+) -> tuple[Float[np.ndarray, "3"], float]:
+    """Centre and radius of the region of interest, in the unit of the cameras.
+
+    What is not given is that of `framed_ball`.  Raises BadArtifact if the cameras do not look at
+    a common point, or fewer than two have the given centre in frame.
+    """
+    if centre is not None:
+        if radius is None:
+            raise BadParams("--centre needs --radius beside it")
+        middle = np.array(centre, float)
+        _check_given(cameras, middle)
+        return middle, radius
+    _check_spread(cameras)
+    middle, framed = framed_ball(cameras)
+    _check_common(cameras, photos, middle)
+    return middle, framed if radius is None else radius
+
+
+def in_frame(cameras: Cameras, point: Float[np.ndarray, "3"]) -> Bool[np.ndarray, "n"]:
+    """Which cameras have `point` before them and in their image."""
+    seen = np.zeros(len(cameras), bool)
+    for i, (K, c2w) in enumerate(zip(cameras.K, cameras.c2w, strict=True)):
+        if (point - c2w[:3, 3]) @ c2w[:3, 2] > 0:
+            u, v = project(point[None], K, c2w)[0][0]
+            seen[i] = 0 <= u <= cameras.width and 0 <= v <= cameras.height
+    return seen
+
+
+def _check_given(cameras: Cameras, centre: Float[np.ndarray, "3"]) -> None:
+    seen = int(in_frame(cameras, centre).sum())
+    if seen < 2:
+        raise BadArtifact(
+            f"{seen} of {len(cameras)} cameras have the given --centre in frame, it takes 2: is "
+            "it in the frame and the unit of the cameras?"
+        )
+
+
+def _check_spread(cameras: Cameras) -> None:
+    """Axes that are all but parallel meet nowhere, or anywhere."""
+    axes = cameras.c2w[:, :3, 2]
+    # 1 - the largest eigenvalue of the mean of a a^T: the mean squared sine to one direction
+    spread = 1 - float(np.linalg.eigvalsh(axes.T @ axes / len(axes))[-1])
+    if spread < np.sin(SAME_WAY) ** 2:
+        raise BadArtifact(
+            "the cameras do not look at a common point: their optical axes are parallel to "
+            f"within {np.degrees(np.sqrt(max(spread, 0.0))):.2g} degrees; {REMEDY}"
+        )
+
+
+def _check_common(cameras: Cameras, photos: Sequence[Path], centre: Float[np.ndarray, "3"]) -> None:
+    missing = np.flatnonzero(~in_frame(cameras, centre))
+    if len(missing):
+        point = ", ".join(f"{x:.4g}" for x in centre)
+        raise BadArtifact(
+            f"the cameras do not look at a common point: {len(missing)} of {len(cameras)}, the "
+            f"first that of {photos[missing[0]]}, do not have ({point}) in frame, to which their "
+            f"optical axes come nearest; {REMEDY}"
+        )

@@ -1,0 +1,67 @@
+"""The settings of a method from params.yaml, and what the command line says otherwise."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from industnerf.config import PARAMS, build, flat, read_yaml
+from industnerf.errors import BadParams
+from industnerf.schema import Params
+
+SHIPPED = Path(__file__).parents[3] / PARAMS
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The settings and the seed of one run, and the file they come from."""
+
+    method: str
+    settings: Any
+    seed: int
+    source: Path
+
+    def lines(self) -> list[str]:
+        """`key = value` of every value used, sorted."""
+        values = {"seed": self.seed, "method": {self.method: asdict(self.settings)}}
+        return [f"{key} = {json.dumps(value)}" for key, value in sorted(flat(values).items())]
+
+
+def choose(method: str, overrides: Sequence[str], params: Path | None = None) -> Chosen:
+    """The settings of `method` from `params`, with `overrides` such as `method.hull.points=9`.
+
+    `params` is by default params.yaml of the current folder, else the one that came with the
+    code.  Raises BadParams that names the key if one is unknown, mistyped or out of range.
+    """
+    path = params or (PARAMS if PARAMS.exists() else SHIPPED)
+    values = read_yaml(path)
+    for override in overrides:
+        _apply(values, override, method)
+    checked = build(Params, values, " ".join([str(path), *overrides]))
+    return Chosen(method, getattr(checked.method, method), checked.seed, path)
+
+
+def _apply(values: dict[str, Any], override: str, method: str) -> None:
+    key, equals, text = override.partition("=")
+    if not equals:
+        raise BadParams(f"--set {override}: must be KEY=VALUE")
+    if key != "seed" and not key.startswith(f"method.{method}."):
+        raise BadParams(f"--set {override}: only seed and method.{method}.* have a say here")
+    *sections, name = key.split(".")
+    place = values
+    for section in sections:
+        place = place.get(section, {})
+        if not isinstance(place, dict):
+            raise BadParams(f"--set {override}: {section} is a value, not a section")
+    if name not in place:
+        raise BadParams(f"--set {override}: {key} is unknown; there are {', '.join(place)}")
+    place[name] = _value(text)
+
+
+def _value(text: str) -> Any:
+    """JSON, and whatever is no JSON is a word: 1e-3 is a number here and `no` is none."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text

@@ -1,0 +1,35 @@
+"""Files that are there whole or not at all, whatever they are written with."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from industnerf.errors import BadArtifact
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A draft to write, which becomes `path` in one rename; raises BadArtifact if it cannot."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        yield draft
+        with draft.open("rb") as file:
+            os.fsync(file.fileno())
+        draft.replace(path)
+    except OSError as error:
+        raise BadArtifact(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def check_folder(path: Path, option: str) -> None:
+    """Make the folder of `path`, and see that it can be written, before any work is done."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with written_whole(path.with_name(f".{path.name}.try")) as draft:
+            draft.touch()
+        path.with_name(f".{path.name}.try").unlink()
+    except (OSError, BadArtifact) as error:
+        reason = error.strerror if isinstance(error, OSError) else "no file can be made beside it"
+        raise BadArtifact(f"{option} {path}: cannot be written: {reason}") from None

@@ -1,0 +1,94 @@
+"""Intrinsics from whatever words a file has for them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.lenses import check_straight, intrinsics, merged, stated_size
+
+W, H = 640, 480
+
+
+def K(lens):
+    return intrinsics(lens, W, H, "frame 0")
+
+
+def test_every_number_has_its_place():
+    lens = {"fl_x": 500.0, "fl_y": 510, "cx": 321.5, "cy": 200.25}
+    assert K(lens).tolist() == [[500, 0, 321.5], [0, 510, 200.25], [0, 0, 1]]
+
+
+def test_an_angle_of_view_is_a_focal_length():
+    """The edge of the image is seen under half the angle: tan(a / 2) = (w / 2) / f."""
+    lens = {"camera_angle_x": 2 * math.atan(W / 2 / 500), "camera_angle_y": 2 * math.atan(0.5)}
+    # a few roundings of numbers near 500
+    np.testing.assert_allclose(K(lens), [[500, 0, 320], [0, 480, 240], [0, 0, 1]], rtol=1e-14)
+
+
+def test_pixels_are_square_unless_said_otherwise():
+    assert K({"fl_x": 500.0})[1, 1] == 500
+    assert K({"camera_angle_x": 1.0})[1, 1] == K({"camera_angle_x": 1.0})[0, 0]
+
+
+def test_a_focal_length_goes_before_an_angle():
+    assert K({"fl_x": 500.0, "camera_angle_x": 0.1})[0, 0] == 500
+
+
+def test_a_frames_own_words_go_before_the_shared_ones():
+    shared = {"fl_x": 500.0, "fl_y": 510.0, "cx": 300.0, "w": W, "aabb_scale": 4}
+    assert merged(shared, {"fl_x": 400.0, "name": "a"}) == {"fl_x": 400.0, "cx": 300.0, "w": W}
+    # in other words, too: else the shared fl_x would win over the frame's angle
+    assert "fl_x" not in merged(shared, {"camera_angle_x": 1.0})
+    assert merged(shared, {"cx": 1.0}) == {"fl_x": 500.0, "fl_y": 510.0, "cx": 1.0, "w": W}
+
+
+@pytest.mark.parametrize(
+    ("lens", "complaint"),
+    [
+        ({}, "neither fl_x nor camera_angle_x"),
+        ({"fl_y": 5.0}, "neither fl_x nor"),
+        ({"fl_x": 0}, "fl_x is 0, must be a number above 0"),
+        ({"fl_x": "500"}, "fl_x is '500'"),
+        ({"fl_x": math.nan}, "fl_x is nan"),
+        ({"fl_x": math.inf}, "fl_x is inf"),
+        ({"fl_x": True}, "fl_x is True"),
+        ({"camera_angle_x": 50.0}, "must be radians below pi"),
+        ({"fl_x": 5.0, "cx": 640.0}, "principal point (640, 240) is outside the image of 640 x"),
+    ],
+)
+def test_what_is_no_lens_is_refused(lens, complaint):
+    with pytest.raises(BadArtifact) as refusal:
+        K(lens)
+    assert str(refusal.value).startswith("frame 0: ")
+    assert complaint in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "lens",
+    [
+        {"k1": 0.01},
+        {"p2": -1e-4},
+        {"k4": 1.0},
+        {"distortion_params": [0, 0, 0.1]},
+        {"camera_model": "OPENCV_FISHEYE"},
+        {"is_fisheye": True},
+        {"camera_model": "EQUIRECTANGULAR"},
+    ],
+)
+def test_a_lens_that_bends_lines_is_refused(lens):
+    with pytest.raises(BadArtifact, match=r"frame 0: .* undistort the photographs first"):
+        check_straight(lens, "frame 0")
+
+
+def test_a_distortion_of_nothing_is_none():
+    zeros = dict.fromkeys(["k1", "k2", "k3", "k4", "p1", "p2"], 0.0)
+    check_straight(zeros | {"camera_model": "OPENCV", "is_fisheye": False}, "frame 0")
+
+
+def test_the_size_is_stated_whole_or_not_at_all():
+    assert stated_size({}, "frame 0") is None
+    assert stated_size({"w": 640.0, "h": 480}, "frame 0") == (640, 480)
+    with pytest.raises(BadArtifact, match="frame 0: h is None"):
+        stated_size({"w": 640}, "frame 0")

@@ -1,0 +1,57 @@
+"""Photographs are found by the names that tools give them."""
+
+from pathlib import Path
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.places import find_photo, find_photos
+from industnerf.reconstruct.transforms import Shot
+
+
+def shot(name, number=0):
+    return Shot(number, name, {}, None)
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """`images` has what `beside` has, and one more."""
+    for name in ("images/1.png", "images/sub/2.JPG", "beside/rgb/1.png", "beside/rgb/3.0.jpeg"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    return [tmp_path / "images", tmp_path / "beside"]
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("1.png", "images/1.png"),
+        ("1", "images/1.png"),
+        ("sub/2", "images/sub/2.JPG"),
+        ("rgb/1.png", "images/1.png"),  # the first folder goes before the fuller name
+        ("rgb/3.0", "beside/rgb/3.0.jpeg"),  # a dot is no extension
+        ("../images/1", "images/1.png"),
+        ("/elsewhere/images/sub/2.JPG", "images/sub/2.JPG"),
+    ],
+)
+def test_a_photograph_is_where_a_user_would_look(folders, tmp_path, name, found):
+    assert find_photo(shot(name), folders).resolve() == (tmp_path / found).resolve()
+
+
+def test_an_absolute_name_is_itself(folders, tmp_path):
+    (tmp_path / "beside/1.png").touch()
+    name = str(tmp_path / "beside/1.png")
+    assert find_photo(shot(name), folders) == Path(name)
+
+
+@pytest.mark.parametrize("name", ["7.png", "sub", "/", ".."])
+def test_a_missing_photograph_is_named_with_the_folders_searched(folders, name):
+    with pytest.raises(BadArtifact) as refusal:
+        find_photo(shot(name, 4), folders)
+    assert f"frame 4 ({name})" in str(refusal.value)
+    assert all(str(folder) in str(refusal.value) for folder in folders)
+
+
+def test_two_frames_cannot_share_a_photograph(folders):
+    with pytest.raises(BadArtifact, match=r"frame 0 \(1\) and frame 2 \(left/1.png\) are the same"):
+        find_photos([shot("1"), shot("sub/2", 1), shot("left/1.png", 2)], folders)

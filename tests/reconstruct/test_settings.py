@@ -1,0 +1,57 @@
+"""Settings from params.yaml and the command line."""
+
+import pytest
+
+from industnerf.config import load_params
+from industnerf.errors import BadParams
+from industnerf.reconstruct.settings import SHIPPED, choose
+from tests.conftest import ROOT
+
+PARAMS = ROOT / "params.yaml"
+
+
+def test_settings_are_those_of_params_yaml():
+    chosen, params = choose("hull", [], PARAMS), load_params(PARAMS)
+    assert (chosen.settings, chosen.seed) == (params.method.hull, params.seed)
+
+
+def test_the_command_line_goes_first():
+    chosen = choose("hull", ["method.hull.points=77", "method.hull.cell_px=1e-1", "seed=5"], PARAMS)
+    assert (chosen.settings.points, chosen.settings.cell_px, chosen.seed) == (77, 0.1, 5)
+
+
+def test_sections_within_a_method_are_reached():
+    chosen = choose("hull_rgb", ["method.hull_rgb.hull.points=9"], PARAMS)
+    assert chosen.settings.hull.points == 9
+    assert "method.hull_rgb.hull.points = 9" in chosen.lines()
+    assert "seed = 0" in chosen.lines()
+
+
+@pytest.mark.parametrize(
+    ("override", "complaint"),
+    [
+        ("method.hull.point=7", "method.hull.point is unknown; there are cell_px, points"),
+        ("method.hull.points", "must be KEY=VALUE"),
+        ("method.hull.points=7.5", "must be a whole number"),
+        ("method.hull.points=many", "method.hull.points is 'many', must be a whole number"),
+        ("method.hull.points=0", "at least 1"),
+        ("method.hull.points.x=1", "points is a value, not a section"),
+        ("method.ball.points=7", "only seed and method.hull.* have a say here"),
+        ("views.count=7", "only seed and method.hull.* have a say here"),
+    ],
+)
+def test_what_cannot_be_is_refused(override, complaint):
+    with pytest.raises(BadParams) as refusal:
+        choose("hull", [override], PARAMS)
+    assert complaint in str(refusal.value)
+
+
+def test_elsewhere_the_shipped_values_hold(tmp_path, monkeypatch):
+    """In any folder of photographs; a params.yaml that is there goes first."""
+    monkeypatch.chdir(tmp_path)
+    assert choose("hull", []).source == SHIPPED == PARAMS
+    (tmp_path / "params.yaml").write_text("seed: 1")
+    with pytest.raises(BadParams, match=r"params.yaml: \w+ is missing"):
+        choose("hull", [])
+    with pytest.raises(BadParams, match=r"none.yaml is missing"):
+        choose("hull", [], tmp_path / "none.yaml")

@@ -1,0 +1,85 @@
+"""transforms.json: which frames are used, and a sentence where it is not what it should be."""
+
+import json
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.transforms import plain, read_shots
+from tests.reconstruct import scene
+
+
+@pytest.fixture
+def said():
+    return scene.content(scene.cameras())
+
+
+def read(tmp_path, said, **options):
+    return read_shots(scene.rewrite(tmp_path / "t.json", said), **({"every": False} | options))
+
+
+def test_frames_keep_their_order_and_number(tmp_path, said):
+    said["frames"].reverse()
+    shots, total = read(tmp_path, said)
+    assert [(shot.number, shot.name) for shot in shots] == [
+        (i, f"rgb/{4 - i:03d}.png") for i in range(5)
+    ]
+    assert total == 5
+    assert str(shots[1]) == "frame 1 (rgb/003.png)"
+
+
+def test_only_training_frames_unless_all_are_asked_for(tmp_path, said):
+    said["train_filenames"] = ["./rgb/003.png", "rgb\\001.png"]
+    shots, total = read(tmp_path, said)
+    assert ([shot.number for shot in shots], total) == ([1, 3], 5)
+    shots, total = read(tmp_path, said, every=True)
+    assert (len(shots), total) == (5, 5)
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("./a.png", "a.png"), (".\\rgb\\a", "rgb/a"), (".//./a", "a"), ("../a", "../a"), ("a", "a")],
+)
+def test_names_are_written_in_many_ways(written, meant):
+    assert plain(written) == meant
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path, said):
+    path = tmp_path / "t.json"
+    path.write_text(json.dumps(said), encoding="utf-8-sig")
+    assert len(read_shots(path, every=False)[0]) == 5
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"frames": []}, "`frames` is missing or empty"),
+        ({"frames": {"0": 1}}, "`frames` is missing or empty"),
+        ({"frames": [{"file_path": "a"}, 7]}, "frame 0 (a) has no `transform_matrix`"),
+        ({"frames": [7]}, "frame 0 is no object"),
+        ({"frames": [{"transform_matrix": []}]}, "frame 0 has no `file_path`"),
+        ({"frames": [{"file_path": "./"}]}, "frame 0 has no `file_path`"),
+        ({"train_filenames": ["rgb/9.png"]}, "'rgb/9.png', which no frame has"),
+        ({"train_filenames": "rgb/001.png"}, "`train_filenames` must be a list of names"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path, said, change, complaint):
+    with pytest.raises(BadArtifact) as refusal:
+        read(tmp_path, said | change)
+    assert complaint in str(refusal.value)
+    assert "t.json" in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"), [("{", "no[t]? readable JSON"), ("[1]", "holds a list")]
+)
+def test_other_files_are_refused(tmp_path, text, complaint):
+    (tmp_path / "t.json").write_text(text)
+    with pytest.raises(BadArtifact, match=complaint):
+        read_shots(tmp_path / "t.json", every=False)
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path):
+    for path, reason in ((tmp_path / "none.json", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(BadArtifact, match=reason):
+            read_shots(path, every=False)
