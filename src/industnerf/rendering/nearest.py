@@ -4,12 +4,29 @@ Written in the C++ that Warp compiles for CPU and CUDA alike, for it is half of 
 `neighbours.py` and `weights.py` say the same in torch.
 """
 
+import os
 from typing import no_type_check  # compiled, not called: there is nothing to check
 
 import warp as wp
 
-wp.config.log_level = wp.LOG_ERROR  # not a greeting in every process
-wp.init()
+
+def start() -> None:
+    """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.
+
+    The complaint is printed by the library itself, past Python's stderr.
+    """
+    wp.config.log_level = wp.LOG_ERROR
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+        try:
+            wp.init()
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+start()
 
 
 @wp.struct
@@ -50,24 +67,32 @@ SEARCH = """
     float* w = weights.data + slot * k;
     float reach = radius * radius;
     int count = 0, worst = 0;
-    for (int a = -1; a <= 1; ++a)
-        for (int b = -1; b <= 1; ++b) {
-            const int row = cell + (a * ny + b) * nz;
-            const int end = first.data[row + 2];
-            for (int j = first.data[row - 1]; j < end; ++j) {
-                const float dx = p[j][0] - x[0], dy = p[j][1] - x[1], dz = p[j][2] - x[2];
-                const float square = dx * dx + dy * dy + dz * dz;
-                if (square >= reach) continue;
-                if (count < k) worst = count++;
-                id[worst] = j;
-                w[worst] = square;
-                if (count == k) {  // full: from now on only what is nearer than the farthest
-                    worst = 0;
-                    for (int i = 1; i < k; ++i)
-                        if (w[i] > w[worst]) worst = i;
-                    reach = w[worst];
-                }
-            }
+    int begin[9], end[9];
+    for (int row = 0; row < 9; ++row) {
+        const int middle = cell + ((row / 3 - 1) * ny + row % 3 - 1) * nz;
+        begin[row] = first.data[middle - 1];
+        end[row] = first.data[middle + 2];
+    }
+#ifndef __CUDA_ARCH__  // fetch all rows at once instead of waiting for memory at each
+    for (int row = 0; row < 9; ++row) {
+        __builtin_prefetch(p + begin[row]);
+        __builtin_prefetch(p + begin[row] + 5);  // in the next cache line
+    }
+#endif
+    for (int row = 0; row < 9; ++row)
+        for (int j = begin[row]; j < end[row]; ++j) {
+            const float dx = p[j][0] - x[0], dy = p[j][1] - x[1], dz = p[j][2] - x[2];
+            const float square = dx * dx + dy * dy + dz * dz;
+            if (count == k && square >= reach) continue;
+            id[worst] = j;
+            w[worst] = square;
+            // a point too far is overwritten by the next: cheaper than a branch at random
+            if (count < k) worst = count += square < reach;
+            if (count < k) continue;
+            worst = 0;  // full: from now on only what is nearer than the farthest
+            for (int i = 1; i < k; ++i)
+                if (w[i] > w[worst]) worst = i;
+            reach = w[worst];
         }
     float total = 0.0f;
     for (int i = 0; i < count; ++i) {

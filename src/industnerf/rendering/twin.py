@@ -17,6 +17,7 @@ from industnerf.rendering.compositing import (
     stopped,
     transmittance,
 )
+from industnerf.rendering.confidence import point_confidence, reduce_samples, voxel_confidence
 from industnerf.rendering.samples import radiance_points
 from industnerf.rendering.weights import WeightReading
 
@@ -80,11 +81,13 @@ def confidence_twin(
         origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
     )
     density = samples.mean(sigma[:, None])[..., 0]
-    left = transmittance(density, step)
-    value = agreement[:, None] * (left[:, 1:] if own else left[:, :-1]) * (left[:, :-1] >= stop)
-    if opaque:
-        value = value * opacities(density, step)
-    given = value[:, :, None] * samples.weights / samples.weights.amax(dim=2, keepdim=True)
-    there = samples.ids >= 0
-    how = "amax" if reduce == "max" else "sum"
-    return torch.zeros_like(sigma).scatter_reduce(0, samples.ids[there], given[there], how)
+    left = transmittance(density, step)[:, :-1]
+    voxel = voxel_confidence(
+        left * (left >= stop),
+        samples.weights,
+        opacities(density, step),
+        "own" if own else "shared",
+        "with" if opaque else "without",
+    )
+    given = point_confidence(agreement, voxel)
+    return reduce_samples(given.flatten(), samples.ids.flatten(), len(points), reduce)

@@ -5,14 +5,15 @@ the background's colour.  The flow of figure 2, a file a step: levels (3.1, 3.2)
 field (4), training (3.3), witnesses and extraction (3.4); `run` strings them together.
 """
 
+from typing import Any
+
 import numpy as np
 
 from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.history import History
+from industnerf.artifacts.renderings import Renderings
 from industnerf.geometry.cameras import framed_ball
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
-from industnerf.methods.industnerf.run import Outcome, run
-from industnerf.methods.industnerf.scene import Posed
 from industnerf.schema import IndustnerfSettings
 
 
@@ -33,6 +34,10 @@ def reconstruct_plus(
 def _reconstruct(
     given: Given, background: np.ndarray | None, settings: IndustnerfSettings, seed: int
 ) -> Reconstruction:
+    # late: a report that names the method need not wait for torch
+    from industnerf.methods.industnerf.run import run
+    from industnerf.methods.industnerf.scene import Posed
+
     centre, radius = framed_ball(given.cameras)
     outcome = run(Posed(given.rgb, given.cameras, background, centre, radius), settings, seed)
     return Reconstruction(
@@ -50,7 +55,7 @@ def _reconstruct(
     )
 
 
-def _held_out(given: Given, outcome: Outcome, background: np.ndarray | None):
+def _held_out(given: Given, outcome: Any, background: np.ndarray | None) -> Renderings | None:
     """The views that nobody was given, before the mean of the backgrounds that are known."""
     if not len(given.held_out):
         return None

@@ -26,7 +26,8 @@ class Silhouettes:
     def may_hold(self, points: Float32[Tensor, "m 3"], slack: float) -> Bool[Tensor, "m"]:
         """False for points that some view sees before background, farther than `slack` from it.
 
-        `slack` is a length in the scene's unit: cells that reach into the silhouette stay.
+        `slack` is a length in the scene's unit: cells that reach into the silhouette stay.  So
+        does what is within a pixel of it: an outline may cover a pixel, and not its centre.
         """
         kept = torch.arange(len(points), device=points.device)
         for K, c2w, outside in zip(self._eyes.K, self._eyes.c2w, self._outside, strict=True):
@@ -35,7 +36,7 @@ class Silhouettes:
             column, row = uv.nan_to_num(0).clamp(min=0).long().unbind(1)
             column = column.clamp(max=self._eyes.width - 1)
             row = row.clamp(max=self._eyes.height - 1)
-            inside = outside[row, column] <= slack * K[0, 0] / depth
+            inside = outside[row, column] <= slack * K[0, 0] / depth + 1
             kept = kept[inside | ~seen]
         mask = torch.zeros(len(points), dtype=torch.bool, device=points.device)
         mask[kept] = True

@@ -6,7 +6,7 @@ Without residuals this is the paper's method; without N it is a field of free po
 """
 
 import torch
-from jaxtyping import Bool, Float32
+from jaxtyping import Float32, Int64
 from torch import Tensor, nn
 
 from industnerf.methods.industnerf.levels import spacing_of
@@ -17,6 +17,7 @@ from industnerf.schema import IndustnerfSettings
 
 EMPTY = -6.5  # raw density that is nothing, by some margin, and not too far to come back from
 GREY = 0.5
+SMALLEST = 1e-3  # deviation that an input is raised to 1 from; below, it is told as good as nothing
 
 
 class Field(nn.Module):
@@ -26,7 +27,10 @@ class Field(nn.Module):
         super().__init__()
         self._settings = settings
         self._unit = spacing_of(settings.grid_res, 0)  # density is counted per first spacing
-        self.sources = Sources(scene, settings) if settings.network.use else None
+        half = scene[::2] if settings.readings.signal == "left_out" else scene
+        self.sources = Sources(half, settings) if settings.network.use else None
+        self.register_buffer("_mean", torch.zeros(0))
+        self.register_buffer("_deviation", torch.zeros(0))
         self.network = (
             Network(
                 self.sources.columns,
@@ -34,7 +38,7 @@ class Field(nn.Module):
                 settings.network.layers,
                 settings.initial,
             )
-            if self.sources
+            if self.sources is not None
             else None
         )
 
@@ -49,8 +53,11 @@ class Field(nn.Module):
         Raw density and colour are wholly residual where there is no network.
         """
         m, device = len(points), points.device
-        if self.sources:
+        if self.sources is not None:
             self.sources.place(points)
+            if not self._mean.numel():  # from the first grid on, inputs are counted in deviations
+                inputs = self.sources().detach()
+                self._mean, self._deviation = inputs.mean(0), inputs.std(0).clamp(min=SMALLEST)
         if self._settings.residual.use:
             alone = self.network is None
             start = self._settings.initial if alone else 0.0
@@ -59,9 +66,9 @@ class Field(nn.Module):
             rgb = torch.full((m, 3), colour, device=device) if rgb is None else rgb
             self.raw, self.rgb = nn.Parameter(raw.clone()), nn.Parameter(rgb.clone())
 
-    def keep(self, which: Bool[Tensor, "m"]) -> None:
-        """Forget all other points."""
-        if self.sources:
+    def keep(self, which: Int64[Tensor, "k"]) -> None:
+        """From now on be the field at these of the points, in this order."""
+        if self.sources is not None:
             self.sources.keep(which)
         if self._settings.residual.use:
             self.raw, self.rgb = nn.Parameter(self.raw[which]), nn.Parameter(self.rgb[which])
@@ -70,7 +77,11 @@ class Field(nn.Module):
         self,
     ) -> tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]]:
         """Density and colour of every point."""
-        raw, rgb = self.network(self.sources()) if self.network else (0.0, 0.0)
+        raw, rgb = (
+            self.network((self.sources() - self._mean) / self._deviation)
+            if self.network is not None
+            else (0.0, 0.0)
+        )
         if self._settings.residual.use:
             raw, rgb = raw + self.raw, rgb + self.rgb
         readings, ceiling = self._settings.readings, self._settings.ceiling

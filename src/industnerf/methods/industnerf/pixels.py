@@ -63,18 +63,47 @@ def averaged(scene: Scene, height: int, width: int) -> Float32[Tensor, "n h w 3"
 def footprint(
     points: Float32[Tensor, "m 3"], spacing: float, eyes: Eyes, longest: int
 ) -> Bool[Tensor, "n h w"]:
-    """Pixels that a ball of radius `spacing` round any point may cover, from every camera."""
+    """Pixels whose rays may pass a point nearer than `spacing`, from every camera.
+
+    Points up to `spacing` in front of the camera, and those behind it, are not looked for.
+    """
     height, width = size_of(eyes, longest)
     masks = torch.zeros(len(eyes), height, width, dtype=torch.bool, device=points.device)
+    scale = points.new_tensor([width / eyes.width, height / eyes.height])
     for mask, K, c2w in zip(masks, eyes.K, eyes.c2w, strict=True):
         uv, depth = project(points, K, c2w)
         front = depth > spacing
-        column = (uv[front, 0] * (width / eyes.width)).long()
-        row = (uv[front, 1] * (height / eyes.height)).long()
-        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        mask[row[inside], column[inside]] = True
-        nearest = depth[front].min() if front.any() else depth.new_tensor(1.0)
-        reach = int((K[0, 0] * spacing / nearest * width / eyes.width).ceil()) + 1
-        grown = max_pool2d(mask[None].float(), 2 * reach + 1, stride=1, padding=reach)
-        mask |= grown[0] > 0
+        if front.any():
+            uv, depth = uv[front] * scale, depth[front]
+            focal, centre = K.diagonal()[:2] * scale, K[:2, 2] * scale
+            reach = reach_px(uv - centre, depth, focal, spacing, max(height, width))
+            mask |= grown(uv, height, width, reach)
     return masks
+
+
+def reach_px(
+    off: Float32[Tensor, "m 2"],
+    depth: Float32[Tensor, "m"],
+    focal: Float32[Tensor, "2"],
+    radius: float,
+    most: int,
+) -> int:
+    """How far from their centres, along either axis, the images of balls of `radius` end, px.
+
+    `off` is where the centres are, from the principal point.  A point moved by (dx, dz) moves by
+    f (z dx - x dz) / (z (z + dz)): with radius r, by f r sqrt(1 + (x/z)^2) / (z - r) at most.
+    """
+    slant = (1 + (off / focal) ** 2).sqrt()
+    reach = (focal * slant * radius / (depth - radius)[:, None]).max()
+    return int(reach.clamp(max=most).ceil())
+
+
+def grown(uv: Float32[Tensor, "m 2"], height: int, width: int, reach: int) -> Bool[Tensor, "h w"]:
+    """Pixels that are at most `reach` rows and columns from one of the points `uv`, px."""
+    column, row = (uv.floor() + reach).unbind(1)
+    tall, wide = height + 2 * reach, width + 2 * reach  # points beside the image reach into it
+    inside = (column >= 0) & (column < wide) & (row >= 0) & (row < tall)
+    mask = torch.zeros(1, tall, wide, device=uv.device)
+    mask[0, row[inside].long(), column[inside].long()] = 1
+    along = max_pool2d(mask, (1, 2 * reach + 1), stride=1)
+    return max_pool2d(along, (2 * reach + 1, 1), stride=1)[0] > 0

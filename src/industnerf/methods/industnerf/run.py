@@ -24,7 +24,7 @@ from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
 from industnerf.schema import IndustnerfSettings
 
-Background = Float[np.ndarray, "n 3"]
+Background = Float[np.ndarray, "views 3"]
 
 
 class Watch:

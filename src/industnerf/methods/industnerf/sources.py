@@ -30,6 +30,10 @@ class Sources(nn.Module):
         self.columns = posed + (0 if self._blind else pooled)
         self.place(torch.zeros(0, 3, device=scene.images.device))
 
+    def __len__(self) -> int:
+        """How many views speak."""
+        return len(self._scene)
+
     @property
     def learns(self) -> bool:
         """Whether E is trained at all, which can only be while features are pooled as sums."""
@@ -62,8 +66,8 @@ class Sources(nn.Module):
             self._sums.add(self._features[view : view + 1], self._valid[view : view + 1])
         self._pooled = self._sums.pooled()
 
-    def keep(self, which: Bool[Tensor, "m"]) -> None:
-        """Forget all other points."""
+    def keep(self, which: Int64[Tensor, "k"]) -> None:
+        """From now on speak of these of the points, in this order."""
         self._points, self._encoding = self._points[which], self._encoding[which]
         if not self._blind:
             self._features, self._valid = self._features[:, which], self._valid[:, which]

@@ -3,16 +3,17 @@
 from typing import Any
 
 import torch
-from jaxtyping import Bool, Float32
+from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import near_any
 from industnerf.methods.industnerf.pixels import Pixels, footprint
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
 from industnerf.rendering.points import Points
-from industnerf.rendering.render import Renderer
+from industnerf.rendering.render import Renderer, Seen
 from industnerf.schema import IndustnerfSettings
 
 DECAY = 0.1  # of every learning rate from a level's first step to its last
@@ -62,6 +63,7 @@ class Training:
         self.renderer = Renderer(
             self.points, (-side,) * 3, (side,) * 3, ways.step * self.spacing, ways.stop
         )
+        self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
         seen = footprint(points, reach, self._scene.eyes, self.image_px)
         if ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
@@ -71,29 +73,43 @@ class Training:
         """Skip space that is empty; points that have nothing near them leave the set.
 
         No pixel changes by it: a point is left out only where it and all points that are ever
-        weighed together with it have no density.
+        weighed together with it have no density.  Raises ReconstructionFailed if none has any:
+        from there no gradient leads back.
         """
         sigma, _ = self.values()
+        if not (sigma > 0).any():
+            raise ReconstructionFailed(
+                f"the field is empty after {self.taken} steps of level {self.level}: do the images "
+                "show anything but background?"
+            )
         needed = near_any(self.points.positions, sigma > 0, 2 * self.points.radius)
-        if self.field.network and needed.float().mean() < CROWD:
-            self._forget(~needed)
-            sigma = sigma[needed]
-        self.points.fill(sigma > 0)
+        if self.field.network is not None and needed.float().mean() < CROWD:
+            sigma = sigma[self._keep(needed)]
+        self._fill(sigma > 0)
 
-    def _forget(self, gone: Bool[Tensor, "m"]) -> None:
-        """Take points out of the set; the optimiser goes on with the others where it was."""
+    def _fill(self, filled: Bool[Tensor, "m"]) -> None:
+        self._filled = filled
+        self.points.fill(filled)
+
+    def _keep(self, needed: Bool[Tensor, "m"]) -> Int64[Tensor, "k"]:
+        """Take the other points out of the set; the optimiser goes on with these where it was.
+
+        Returns which they are, in their new order: fewer points have other cells to sort by.
+        """
+        self._index(self.points.positions[needed])
+        kept = needed.nonzero()[:, 0][self.points.order]
         before = self.field.own()
-        self.field.keep(~gone)
-        self._index(self.points.positions[~gone])
+        self.field.keep(kept)
         for old, new in zip(before, self.field.own(), strict=True):
             moments = self._adam.state.pop(old)
             self._adam.state[new] = {
-                name: value[~gone] if value.shape == old.shape else value
+                name: value[kept] if value.shape == old.shape else value
                 for name, value in moments.items()
             }
         learned = self.field.groups()
         for group, named in zip(self._adam.param_groups, learned, strict=True):
             group["params"] = named["params"]
+        return kept
 
     def step(self) -> float:
         """One step of Adam; returns the mean squared error of the pixels it looked at."""
@@ -106,7 +122,7 @@ class Training:
         seen = self.renderer.look(rays, sigma, rgb)
         loss = ((seen.over(background) - target) ** 2).mean()
         self._adam.zero_grad()
-        (loss + self.ways.spread * seen.spread.mean() / self.spacing).backward()
+        (loss + self._preference(seen)).backward()
         self._adam.step()
         self.field.settle()
         self.taken += 1
@@ -114,13 +130,21 @@ class Training:
             self._sweep()
         return loss.item()
 
+    def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
+        """Of fields that re-render alike, rather the emptier one and the one that is less spread.
+
+        Without it, matter of the background's colour anywhere outside the part is as good as none.
+        """
+        matter = self.ways.emptiness * (1 - seen.through).mean()
+        return matter + self.ways.spread * seen.spread.mean() / self.spacing
+
     def _encodes(self) -> bool:
         sources = self.field.sources
         return bool(sources and sources.learns and self.taken % self.ways.network.every == 0)
 
     def _some_views(self) -> Tensor:
-        count = min(self.ways.network.views, len(self._scene))
-        return torch.randperm(len(self._scene), generator=self._generator)[:count]
+        sources = len(self.field.sources)
+        return torch.randperm(sources, generator=self._generator)[: self.ways.network.views]
 
     @torch.no_grad()
     def values(self) -> tuple[Tensor, Tensor]:
@@ -143,12 +167,19 @@ class Training:
         return {
             "taken": self.taken,
             "points": self.points.positions,
+            "filled": self._filled,
             "field": self.field.state_dict(),
             "adam": self._adam.state_dict(),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from `state`, which was taken of the same points."""
+        """Go on from `state`, which was taken of the same points.
+
+        What the source views say is not in it, but encoded anew, every view by E as it is now.
+        """
         self.taken = state["taken"]
         self.field.load_state_dict(state["field"])
+        if self.field.sources:
+            self.field.sources.place(self.points.positions)
         self._adam.load_state_dict(state["adam"])
+        self._fill(state["filled"])

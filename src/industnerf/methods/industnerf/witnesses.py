@@ -6,9 +6,9 @@ import torch
 from jaxtyping import Float32, Int64
 from torch import Tensor
 
-from industnerf.methods.industnerf.confidence import colour_confidence, colour_scale, over_views
 from industnerf.methods.industnerf.pixels import Pixels
 from industnerf.methods.industnerf.scene import Scene
+from industnerf.rendering.confidence import colour_confidence, colour_scale, over_views
 from industnerf.rendering.render import Renderer
 from industnerf.schema.readings import Readings
 
@@ -96,11 +96,11 @@ def thinned(surface: Surface, spacing: float) -> Surface:
     """
     cell = (surface.points / spacing).floor().long()
     _, which = torch.unique(cell, dim=0, return_inverse=True)
-    count = int(which.max()) + 1 if len(which) else 0
-    mean = surface.points.new_zeros(count, 3).index_reduce_(
-        0, which, surface.points, "mean", include_self=False
-    )
+    count = torch.bincount(which)
+    mean = surface.points.new_zeros(len(count), 3).index_add(0, which, surface.points)
+    mean = mean / count[:, None]
     by_confidence = torch.argsort(surface.confidence, stable=True)
-    surest = which.new_zeros(count)
-    surest[which[by_confidence]] = by_confidence  # the last one written is the surest
+    rank = torch.empty_like(which)
+    rank[by_confidence] = torch.arange(len(rank), device=rank.device)
+    surest = by_confidence[torch.zeros_like(count).scatter_reduce(0, which, rank, "amax")]
     return Surface(mean, surface.rgb[surest], surface.confidence[surest], surface.view[surest])

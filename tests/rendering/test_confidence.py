@@ -7,7 +7,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.methods.industnerf.confidence import (
+from industnerf.rendering.confidence import (
     colour_confidence,
     colour_scale,
     over_views,

@@ -92,7 +92,7 @@ def reduce_samples(
     `ids` say which point a value is of; a negative one is of none.  A sum may exceed 1.
     """
     known = ids >= 0
-    how = {"max": "amax", "sum": "sum", "mean": "mean"}[reading]
+    how = {"max": "amax", "sum": "sum"}[reading]
     return values.new_zeros(n_points).scatter_reduce(
         0, ids[known], values[known], how, include_self=False
     )
