@@ -4,8 +4,10 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from industnerf.artifacts.history import History
 from industnerf.tracking import git_state, log_report
 
 LOG = """
@@ -20,6 +22,10 @@ mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
 (run,) = mlflow.search_runs(experiment_names=["industnerf"], output_format="list")
 files = mlflow.MlflowClient().list_artifacts(run.info.run_id, "report")
 print(run.data.params, run.data.metrics, sorted(run.data.tags), [f.path for f in files])
+curve = mlflow.MlflowClient().get_metric_history(run.info.run_id, "net.loss")
+print([(point.step, point.value) for point in curve])
+print(sorted(f.path for f in mlflow.MlflowClient().list_artifacts(run.info.run_id)))
+print(mlflow.artifacts.load_dict(f"{run.info.artifact_uri}/per_part.json"))
 """
 
 
@@ -29,7 +35,16 @@ def report(tmp_path, monkeypatch):
     folder.mkdir()
     summary = {"schema": 1, "inputs": "abc", "preset": "smoke", "metrics": {"hull.test.emd": 0.1}}
     (folder / "summary.json").write_text(json.dumps(summary))
-    (folder / "scores.csv").write_text("part_id,value\np1,0.1\n")
+    (folder / "scores.csv").write_text(
+        "part_id,family,method,split,metric,protocol,value,status\n"
+        "p1,gears,net,test,emd,P1-even,0.1,ok\n"
+    )
+    (folder / "cost.csv").write_text(
+        "stage,method,part_id,seconds,peak_mb,device\nreconstruct,net,p1,3,70,cpu\n"
+    )
+    cloud = tmp_path / "data" / "clouds" / "net" / "p1"
+    cloud.mkdir(parents=True)
+    History(np.array([0, 5]), np.array([0.5, 0.25]), {"level 0": 0}).save(cloud)
     (folder / "report.html").write_text("<html>")
     monkeypatch.setenv("INDUSTNERF_MLFLOW", str(tmp_path / "mlflow"))
     return folder
@@ -55,7 +70,12 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
         assert finish(process)[0] == 0
     code, output = finish(start(READ, tmp_path / "mlflow"))
     assert code == 0, output
-    assert "{'views.count': '6', 'seed': '0'} {'hull.test.emd': 0.1}" in output
+    assert "{'views.count': '6', 'seed': '0'} {'hull.test.emd': 0.1, 'net." in output
+    assert "'net.seconds': 3.0" in output
+    assert "'net.peak_mb': 70.0" in output
+    assert "[(0, 0.5), (5, 0.25)]" in output
+    assert "['per_part.json', 'report']" in output
+    assert "[['p1', 'gears', 'test', 'net', 0.1, 'ok', 3, 70]]" in output
     assert "'git.commit', 'git.dirty', 'inputs'" in output
     assert "report/report.html" in output
 

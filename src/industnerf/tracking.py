@@ -9,12 +9,14 @@ import logging
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from industnerf.config import flat, read_yaml
+from industnerf.tracked import loss_curve, mean_costs, per_part, preview
 
 EXPERIMENT = "industnerf"
 # Without it the UI opens on a page for language models instead of the table of runs.
@@ -59,8 +61,6 @@ def log_report(
 
 
 def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[str, str]) -> None:
-    import pandas as pd
-
     summary = json.loads((report / "summary.json").read_text())
     mlflow, experiment = _client()
     inputs = summary["inputs"] + tags.get("point", "")
@@ -70,12 +70,26 @@ def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[s
     if same:
         return
     mlflow.set_experiment(experiment_id=experiment)
-    with mlflow.start_run(run_name=name or summary["preset"]):
+    with mlflow.start_run(run_name=name or summary["preset"]) as run:
         mlflow.set_tags({"inputs": inputs, **git_state(), **tags})
         mlflow.log_params(flat(params))
-        mlflow.log_metrics(summary["metrics"])
-        mlflow.log_table(pd.read_csv(report / "scores.csv"), "per_part.json")
+        mlflow.log_metrics(summary["metrics"] | mean_costs(report))
+        mlflow.log_table(per_part(report), "per_part.json")
         mlflow.log_artifacts(str(report), "report")
+        _log_methods(mlflow, run.info.run_id, report.parent / "data")
+
+
+def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:
+    """The loss curve and the picture of every method that has them, by its name."""
+    now, client = int(1000 * time.time()), mlflow.MlflowClient()
+    for clouds in sorted((data / "clouds").glob("*/")):
+        curve = loss_curve(clouds)
+        name = f"{clouds.name}.loss"
+        metrics = [mlflow.entities.Metric(name, loss, now, step) for step, loss in curve.items()]
+        client.log_batch(run_id, metrics)  # one by one they would take seconds
+        picture = preview(clouds, data / "views")
+        if picture is not None:
+            mlflow.log_image(picture, artifact_file=f"previews/{clouds.name}.png")
 
 
 def _client() -> tuple[Any, str]:

@@ -14,7 +14,17 @@ from industnerf.schema import MethodSettings
 # Corridors that move results about and log them: they are no dependency of any result.
 CORRIDORS = {
     f"industnerf.{name}"
-    for name in ("cli", "config", "stage", "store", "code", "runner", "progress", "tracking")
+    for name in (
+        "cli",
+        "config",
+        "stage",
+        "store",
+        "code",
+        "runner",
+        "progress",
+        "tracked",
+        "tracking",
+    )
 } | {"industnerf.seeds"}
 
 

@@ -1,0 +1,134 @@
+"""What MLflow is given: curves, one table, pictures."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from industnerf.artifacts.history import History
+from industnerf.artifacts.renderings import Renderings
+from industnerf.artifacts.views import Frame, Views, save_views
+from industnerf.geometry.cameras import Cameras, look_at, pinhole
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.tracked import POINTS, loss_curve, mean_costs, per_part, preview
+
+SIDE = 8
+SCORES = """\
+part_id,family,method,split,metric,protocol,value,status
+a,gears,hull,test,emd,P1-even,0.1,ok
+a,gears,hull,test,emd,P1-iid,0.2,ok
+a,gears,net,test,emd,P1-even,0.3,failed
+a,gears,net,test,emd,P1-iid,0.4,ok
+a,gears,net,test,psnr,P1-union,20,ok
+b,gears,hull,dev,emd,P1-even,0.5,ok
+"""
+COSTS = """\
+stage,method,part_id,seconds,peak_mb,device
+views,,a,100,900,cpu
+reconstruct,hull,a,1,50,cpu
+reconstruct,hull,b,3,70,cpu
+evaluate,hull,a,100,900,cpu
+"""
+
+
+def keep(clouds: Path, part: str, steps, loss) -> None:
+    (clouds / part).mkdir(parents=True)
+    History(np.asarray(steps), np.asarray(loss, float), {"level 0": 0}).save(clouds / part)
+
+
+def test_a_short_curve_is_the_mean_of_the_parts(tmp_path):
+    keep(tmp_path, "a", [0, 1, 2], [4, 2, 1])
+    keep(tmp_path, "b", [0, 1], [2, 0])
+    (tmp_path / "without").mkdir()
+    assert loss_curve(tmp_path) == {0: 3, 1: 1, 2: 1}
+
+
+@pytest.mark.parametrize("length", [POINTS, POINTS + 1, 2 * POINTS - 1, 7 * POINTS, 1234])
+def test_a_long_curve_is_thinned_and_keeps_its_course(tmp_path, length):
+    """Of a loss that falls by 1 a step, each stretch's mean is the middle of its own steps."""
+    keep(tmp_path, "a", np.arange(length), -np.arange(length))
+    curve = loss_curve(tmp_path)
+    first = [*curve, length]
+    assert len(curve) == POINTS
+    assert first[0] == 0
+    for start, end in pairwise(first):
+        assert curve[start] == -(start + end - 1) / 2  # sums of small whole numbers: exact
+
+
+def test_steps_that_were_not_kept_leave_no_gap(tmp_path):
+    keep(tmp_path, "a", [0, 700, 1000], [4, 2, 1])
+    assert list(loss_curve(tmp_path).values()) == [4, 2, 1]
+
+
+def test_no_history_is_no_curve(tmp_path):
+    assert loss_curve(tmp_path) == {}
+
+
+@pytest.fixture
+def report(tmp_path):
+    (tmp_path / "scores.csv").write_text(SCORES)
+    (tmp_path / "cost.csv").write_text(COSTS)
+    return tmp_path
+
+
+def test_the_table_has_a_row_a_part_and_method(report):
+    table = per_part(report)
+    rows = {(row.pop("part_id"), row.pop("method")): row for row in table.to_dict("records")}
+    assert set(rows) == {("a", "hull"), ("a", "net"), ("b", "hull")}
+    assert rows["a", "net"] == {
+        "family": "gears",
+        "split": "test",
+        "emd P1-even": 0.3,
+        "emd P1-iid": 0.4,
+        "psnr P1-union": 20,
+        "status": "failed",
+        "seconds": None,
+        "peak_mb": None,
+    }
+    assert rows["a", "hull"]["status"] == "ok"
+    assert (rows["b", "hull"]["seconds"], rows["b", "hull"]["peak_mb"]) == (3, 70)
+
+
+def test_the_table_is_json_that_browsers_read(report):
+    """NaN would not be."""
+    json.dumps(per_part(report).to_dict("records"), allow_nan=False)
+
+
+def test_costs_are_those_of_reconstructions(report):
+    assert mean_costs(report) == {"hull.seconds": 2, "hull.peak_mb": 60}
+
+
+@pytest.fixture
+def study(tmp_path):
+    """Ten parts photographed in a grey of their own and rendered lighter."""
+    eyes = 300 * fibonacci_sphere(3)
+    cameras = Cameras(
+        np.tile(pinhole(35.0, SIDE), (3, 1, 1)), look_at(eyes, np.zeros(3)), SIDE, SIDE
+    )
+    flat = np.zeros((SIDE, SIDE))
+    for i in range(10):
+        held_out = np.array([False, True, True])
+        views = Views(
+            tmp_path / "views" / f"p{i}", f"p{i}", cameras, held_out, np.ones((3, 3)), 0.1, 1.0
+        )
+        greys = [np.full((SIDE, SIDE, 3), 10 * i + view, np.uint8) for view in range(3)]
+        save_views(views, [Frame(grey, flat > 0, flat.astype(np.float32)) for grey in greys])
+        cloud = tmp_path / "clouds" / f"p{i}"
+        cloud.mkdir(parents=True)
+        pictures = np.stack(greys[1:]) + np.uint8(100)
+        depth = np.zeros((2, SIDE, SIDE), np.float32)
+        Renderings(pictures, depth, depth.astype(np.uint8)).save(cloud)
+    return tmp_path
+
+
+def test_the_photograph_stands_beside_the_rendering_of_the_same_camera(study):
+    picture = preview(study / "clouds", study / "views")
+    assert picture.shape == (4 * SIDE, 2 * SIDE, 3)
+    np.testing.assert_array_equal(picture[::SIDE, 0, 0], [1, 31, 61, 91])
+    np.testing.assert_array_equal(picture[::SIDE, SIDE, 0], [101, 131, 161, 191])
+
+
+def test_without_renderings_there_is_no_picture(study):
+    assert preview(study / "views", study / "views") is None
