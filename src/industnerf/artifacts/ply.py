@@ -8,20 +8,22 @@ from jaxtyping import Float, Int16, Int32, UInt8
 
 def write_ply(
     path: Path,
-    points_mm: Float[np.ndarray, "n 3"],
+    points: Float[np.ndarray, "n 3"],
     *,
     colours: UInt8[np.ndarray, "n 3"] | None = None,
     confidence: Float[np.ndarray, "n"] | None = None,
     view: Int16[np.ndarray, "n"] | None = None,
     faces: Int32[np.ndarray, "m 3"] | None = None,
     face_colours: UInt8[np.ndarray, "m 3"] | None = None,
+    unit: str = "mm",
 ) -> None:
     """Write points, or a mesh if `faces` is given; colours are sRGB.
 
+    Lengths are in `unit`, which the header says: the suite's own files are in mm.
     `view` is the training view that says most of a point; `face_colours` need `faces`.
     """
     columns: list[tuple[str, str, np.ndarray]] = [
-        (name, "f4", points_mm[:, axis]) for axis, name in enumerate("xyz")
+        (name, "f4", points[:, axis]) for axis, name in enumerate("xyz")
     ]
     if colours is not None:
         names = ("red", "green", "blue")
@@ -30,11 +32,11 @@ def write_ply(
         columns.append(("confidence", "f4", confidence))
     if view is not None:
         columns.append(("view", "i2", view))
-    vertices = np.empty(len(points_mm), [(name, "<" + kind) for name, kind, _ in columns])
+    vertices = np.empty(len(points), [(name, "<" + kind) for name, kind, _ in columns])
     for name, _, values in columns:
         vertices[name] = values
     word = {"f4": "float", "i2": "short", "u1": "uchar"}
-    header = ["ply", "format binary_little_endian 1.0", "comment lengths in mm"]
+    header = ["ply", "format binary_little_endian 1.0", f"comment lengths in {unit}"]
     header += [f"element vertex {len(vertices)}"]
     header += [f"property {word[kind]} {name}" for name, kind, _ in columns]
     if faces is not None:

@@ -91,6 +91,7 @@ def write_cloud(options: Options, outcome: Any, photos: Sequence[Path]) -> None:
             colours=outcome.colours,
             confidence=outcome.confidence,
             view=outcome.view,
+            unit="the cameras' unit",
         )
     if options.npz:
         with written_whole(options.npz) as draft, draft.open("wb") as file:

@@ -1,0 +1,100 @@
+"""The command over the method itself: photographs of a ball to a cloud on the ball."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+import trimesh
+from PIL import Image
+
+from industnerf.reconstruct import __main__ as command
+from industnerf.reconstruct.watching import Watching
+from tests.methods.industnerf.scenes import CENTRE, around, ball, photographs
+from tests.reconstruct import scene
+
+RADIUS = 18.0
+SETTINGS = {
+    "industnerf_plus": (
+        "grid_res=20",
+        'levels=[{"steps": 100, "image_px": 48, "points": 2000}]',
+        "rays=512",
+        "spacing=0.05",
+    ),
+    "industnerf": (
+        "grid_res=12",
+        'levels=[{"steps": 20, "image_px": 32, "points": 2000}]',
+        "rays=256",
+        "readings.cloud=confident",
+        "least_confidence=0.01",
+    ),
+}
+
+
+@pytest.fixture
+def ball_photographs(tmp_path) -> Path:
+    """transforms.json beside 16 photographs of 48 px."""
+    torch.set_num_threads(1)
+    cameras = around(16, 48)
+    (tmp_path / "rgb").mkdir()
+    for i, pixels in enumerate(photographs(ball(RADIUS), cameras)):
+        Image.fromarray(pixels).save(tmp_path / f"rgb/{i:03d}.png")
+    return scene.rewrite(tmp_path / "transforms.json", scene.content(cameras))
+
+
+def reconstruct(
+    transforms: Path, out: Path, method: str, monkeypatch: pytest.MonkeyPatch, *more: str
+) -> int:
+    values = [f"method.{method}.{setting}" for setting in SETTINGS[method]]
+    line = ["--cameras", transforms, "--out", out, "--method", method, "--preview-every", "0"]
+    monkeypatch.setattr(sys, "argv", ["reconstruct", *map(str, line), *more, "--set", *values])
+    return command.main()
+
+
+def test_the_cloud_lies_near_the_ball(ball_photographs, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "cloud.ply"
+    assert reconstruct(ball_photographs, out, "industnerf_plus", monkeypatch) == 0
+    cloud = trimesh.load(out)
+    off = np.linalg.norm(cloud.vertices - CENTRE, axis=1) - RADIUS
+    # cells of 3 mm and pixels of 2.7 mm; points all over the ball that is in frame are 8 mm off
+    assert np.abs(off).mean() < 2
+    assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
+    assert "100 steps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("method", SETTINGS)
+def test_an_interrupted_run_goes_on(ball_photographs, tmp_path, monkeypatch, capsys, method):
+    """To the same bytes, but for a trained E: its features of views that were not due differ."""
+    whole, out = tmp_path / "whole.ply", tmp_path / "cloud.ply"
+    assert reconstruct(ball_photographs, whole, method, monkeypatch) == 0
+    with monkeypatch.context() as patch:
+        told = Watching.step
+        taken = []
+
+        def stop_after_seven(self: Watching, loss: float) -> None:
+            told(self, loss)
+            taken.append(loss)
+            self._stop.asked = len(taken) == 7
+
+        patch.setattr(Watching, "step", stop_after_seven)
+        assert reconstruct(ball_photographs, out, method, monkeypatch) == 130
+    assert not out.exists()
+    assert reconstruct(ball_photographs, out, method, monkeypatch) == 0
+    assert "going on from" in capsys.readouterr().out
+    if method == "industnerf_plus":
+        assert out.read_bytes() == whole.read_bytes()
+    sizes = [len(trimesh.load(path).vertices) for path in (whole, out)]
+    assert sizes[1] == pytest.approx(sizes[0], rel=0.2)
+
+
+def test_the_state_of_a_run_is_what_the_file_takes(ball_photographs, tmp_path, monkeypatch, capsys):
+    """Checkpoints after every step, without a complaint."""
+    out = tmp_path / "cloud.ply"
+    code = reconstruct(
+        ball_photographs, out, "industnerf", monkeypatch, "--checkpoint-every", "1e-9"
+    )
+    assert code == 0
+    assert "going on without" not in capsys.readouterr().out
+    assert json.loads(ball_photographs.read_text())["w"] == 48
