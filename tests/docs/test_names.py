@@ -1,0 +1,36 @@
+"""What the documents name in the code is there."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("document", ["method.md", "readings.md"])
+def test_every_module_and_function_that_is_named_exists(document: str):
+    names = re.findall(r"`(industnerf\.[\w.]+)`", (DOCS / document).read_text(encoding="utf-8"))
+    assert len(names) >= 10
+    for name in names:
+        assert looked_up(name), name
+
+
+def looked_up(name: str):
+    """The module, or what a module holds, of a dotted name; None if there is no such thing."""
+    parts = name.split(".")
+    for end in range(len(parts), 0, -1):
+        try:
+            thing = importlib.import_module(".".join(parts[:end]))
+        except ModuleNotFoundError:
+            continue
+        for attribute in parts[end:]:
+            thing = getattr(thing, attribute, None)
+        return thing
+    return None
+
+
+def test_a_name_that_is_not_there_is_found_out():
+    assert looked_up("industnerf.metrics.emd.emd")
+    assert looked_up("industnerf.metrics.emd.emdd") is None

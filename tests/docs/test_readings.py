@@ -1,0 +1,53 @@
+"""docs/readings.md says what the code can do, all of it, and nothing else."""
+
+import inspect
+import re
+from dataclasses import fields
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import pytest
+
+from industnerf.config import load_params
+from industnerf.schema import readings
+from industnerf.schema.readings import Readings
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
+SECTIONS = {part.split(":")[0]: part for part in re.split(r"^## ", TEXT, flags=re.MULTILINE)[1:]}
+NUMBER = dict(re.findall(r"^    (\w+): \w+  # (R\d+)$", inspect.getsource(readings), re.MULTILINE))
+LITERALS = {name: set(get_args(hint)) for name, hint in get_type_hints(Readings).items()}
+ROW = r"^\| `(\w+)`(?: \(\*\*default\*\*\))? \|"
+DEFAULT = r"^\| `(\w+)` \(\*\*default\*\*\) \|"
+
+
+def found(pattern: str, text: str) -> list[str]:
+    return re.findall(pattern, text, re.MULTILINE)
+
+
+def test_there_are_sixteen_sections_and_a_number_for_every_field():
+    assert [name for name in SECTIONS if name.startswith("R")] == [f"R{i}" for i in range(1, 17)]
+    assert list(NUMBER) == [field.name for field in fields(Readings)]
+
+
+@pytest.mark.parametrize("field", LITERALS)
+def test_a_section_names_its_key_its_readings_and_the_default(field: str):
+    section = SECTIONS[NUMBER[field]]
+    settings = load_params(ROOT / "params.yaml").method.industnerf.readings
+    assert f"Key `{field}`, " in section
+    rows = found(ROW, section)
+    assert sorted(rows) == sorted(LITERALS[field])
+    assert found(DEFAULT, section) == [getattr(settings, field)]
+
+
+def test_sections_without_a_key_are_those_that_the_metrics_answer():
+    keyless = [name for name, text in SECTIONS.items() if "No key. " in text]
+    assert keyless == ["R12", "R13"]
+    assert set(NUMBER.values()).isdisjoint(keyless)
+
+
+def test_every_reading_has_a_row_for_its_effect():
+    rows = found(r"^\| (R\d+) \| `(\w+)` \|", TEXT)
+    wanted = {(NUMBER[field], value) for field, values in LITERALS.items() for value in values}
+    assert len(rows) == len(set(rows))
+    assert set(rows) == wanted
