@@ -71,6 +71,7 @@ class IndustnerfSettings:
     radius: float
     neighbours: int
     stop: float
+    emptiness: float
     spread: float
     least_confidence: float
     spacing: float
