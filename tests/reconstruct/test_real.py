@@ -2,7 +2,9 @@
 
 import json
 import sys
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,6 @@ import trimesh
 from PIL import Image
 
 from industnerf.reconstruct import __main__ as command
-from industnerf.reconstruct.watching import Watching
 from tests.methods.industnerf.scenes import CENTRE, around, ball, photographs
 from tests.reconstruct import scene
 
@@ -70,15 +71,16 @@ def test_an_interrupted_run_goes_on(ball_photographs, tmp_path, monkeypatch, cap
     whole, out = tmp_path / "whole.ply", tmp_path / "cloud.ply"
     assert reconstruct(ball_photographs, whole, method, monkeypatch) == 0
     with monkeypatch.context() as patch:
-        told = Watching.step
-        taken = []
+        # looked up here, for tests with a stand-in for the method load this module anew
+        watching = import_module("industnerf.reconstruct.watching").Watching
+        told, taken = watching.step, []
 
-        def stop_after_seven(self: Watching, loss: float) -> None:
+        def stop_after_seven(self: Any, loss: float) -> None:
             told(self, loss)
             taken.append(loss)
             self._stop.asked = len(taken) == 7
 
-        patch.setattr(Watching, "step", stop_after_seven)
+        patch.setattr(watching, "step", stop_after_seven)
         assert reconstruct(ball_photographs, out, method, monkeypatch) == 130
     assert not out.exists()
     assert reconstruct(ball_photographs, out, method, monkeypatch) == 0

@@ -1,0 +1,114 @@
+"""The first grid, cells and their halves, and what is near."""
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from industnerf.errors import ReconstructionFailed
+from industnerf.methods.industnerf.levels import (
+    cells_of,
+    divided,
+    grid,
+    near_any,
+    on_grid,
+    sampled,
+    spacing_of,
+)
+from tests.methods.industnerf.scenes import CPU
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def cloud(seed: int, count: int) -> torch.Tensor:
+    return torch.rand(count, 3, generator=torch.Generator().manual_seed(seed)) * 2 - 1
+
+
+@pytest.mark.parametrize("grid_res", [8, 13])
+def test_the_first_grid_is_the_cells_about_the_unit_ball(grid_res):
+    points, spacing = grid(grid_res, CPU), spacing_of(grid_res, 0)
+    assert len(torch.unique(points, dim=0)) == len(points)
+    cells = (points + 1) / spacing
+    torch.testing.assert_close(cells - 0.5, (cells - 0.5).round(), rtol=0, atol=1e-5)  # centres
+    # every place of the ball is in the cell of some point: half a side away at most, each axis
+    inside = cloud(0, 3000)
+    inside = inside[inside.norm(dim=1) < 1]
+    off = (inside[:, None] - points).abs().amax(dim=2).min(dim=1).values
+    assert (off < spacing / 2 + 1e-6).all()
+    assert (points.norm(dim=1) < 1 + spacing).all()
+
+
+def test_each_level_halves_the_spacing():
+    assert [spacing_of(16, level) for level in range(3)] == [1 / 8, 1 / 16, 1 / 32]
+
+
+@given(SEEDS)
+def test_cells_hold_the_mean_of_their_points(seed):
+    points, values = cloud(seed, 40), cloud(seed + 1, 40)[:, 0]
+    found = on_grid(points, values, 3)
+    for cell in np.ndindex(3, 3, 3):
+        lo = torch.tensor(cell) * 2 / 3 - 1
+        inside = ((points >= lo) & (points < lo + 2 / 3)).all(dim=1)
+        truth = values[inside].mean() if inside.any() else torch.tensor(0.0)
+        torch.testing.assert_close(found[cell], truth, rtol=0, atol=1e-6)  # float32, in any order
+
+
+def test_the_last_cell_has_the_boundary_and_what_is_beyond():
+    edge = torch.tensor([[1.0, -1, 0], [1.2, -1.3, 0.1]])
+    assert cells_of(edge, 4).tolist() == [[3, 0, 2], [3, 0, 2]]
+
+
+@pytest.mark.parametrize("target", ["sigma", "visible"])
+def test_samples_lie_in_cells_with_density_in_proportion(target):
+    """Two of 6^3 cells have density, as 1 to 3; R6 decides whether a third counts, unseen."""
+    points = grid(8, CPU)[:0].new_tensor([[-0.5, 0.5, 0.17], [0.83, -0.17, -0.83], [0.5, 0.5, 0.5]])
+    sigma, seen = torch.tensor([1.0, 3, 4]), torch.tensor([1.0, 1, 0])
+    drawn = sampled(points, sigma, seen, 6, 800, torch.Generator().manual_seed(0), target, "jitter")
+    cell = cells_of(drawn, 6)
+    counts = [(cell == cells_of(points, 6)[i]).all(dim=1).sum().item() for i in range(3)]
+    # x alone tells the cells apart, and its uniforms are stratified: exact but for the strata
+    # that the borders cut
+    shares = [1, 3, 4] if target == "sigma" else [1, 3, 0]
+    np.testing.assert_allclose(counts, 800 * np.array(shares) / sum(shares), atol=1)
+    assert sum(counts) == 800
+    assert torch.equal(drawn, drawn.clamp(-1, 1))
+
+
+def test_samples_are_jittered_or_in_the_middle():
+    given_to = torch.tensor([[0.1, 0.1, 0.1]]), torch.ones(1), torch.ones(1), 4, 50
+    how = (torch.Generator().manual_seed(0), "sigma")
+    assert (sampled(*given_to, *how, "centre") == 0.25).all()
+    assert len(torch.unique(sampled(*given_to, *how, "jitter"), dim=0)) == 50
+
+
+def test_nothing_cannot_be_sampled():
+    with pytest.raises(ReconstructionFailed, match="the field is empty"):
+        sampled(
+            cloud(0, 5), torch.zeros(5), torch.ones(5), 4, 9, torch.Generator(), "sigma", "centre"
+        )
+
+
+@pytest.mark.parametrize("grid_res", [8, 11])
+def test_halves_of_the_grid_are_the_next_grid(grid_res):
+    """What the grid of half the spacing has, and nothing twice."""
+    points, spacing = grid(grid_res, CPU), spacing_of(grid_res, 0)
+    finer = divided(points, spacing)
+    assert len(finer) == 8 * len(points)
+    cells = cells_of(finer, 2 * grid_res)
+    assert len(torch.unique(cells, dim=0)) == len(finer)
+    assert torch.equal(cells // 2, cells_of(points, grid_res).repeat_interleave(8, dim=0))
+    centres = (cells + 0.5) * spacing / 2 - 1
+    torch.testing.assert_close(finer, centres, rtol=0, atol=1e-6)
+
+
+@given(SEEDS, st.floats(0.01, 1))
+def test_near_any_is_what_distances_say(seed, reach):
+    points = cloud(seed, 60)
+    chosen = torch.rand(60, generator=torch.Generator().manual_seed(seed)) < 0.1
+    apart = (points[:, None] - points[chosen]).double().norm(dim=2)
+    nearest = apart.min(dim=1).values if chosen.any() else torch.full((60,), torch.inf)
+    clear = (nearest - reach).abs() > 1e-6  # on the edge, either answer will do
+    found = near_any(points, chosen, reach)
+    assert torch.equal(found[clear], (nearest < reach)[clear])
+    assert found[chosen].all()

@@ -1,0 +1,180 @@
+"""Which pixels are looked at: all that can show a point, and what they say."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from industnerf.geometry.cameras import look_at
+from industnerf.methods.industnerf.pixels import Pixels, averaged, footprint, size_of
+from industnerf.methods.industnerf.scene import Eyes, Scene
+from industnerf.rendering.points import Points
+from industnerf.rendering.render import Renderer
+from tests.methods.industnerf.scenes import ball, scene
+
+SEEDS = st.integers(0, 2**32 - 1)
+HALF = torch.tensor(0.5)
+
+
+def some_eyes(seed: int, count: int = 3) -> Eyes:
+    """Wide and narrow lenses, near and far, unlike in x and y, aimed beside the middle."""
+    rng = np.random.default_rng(seed)
+    width, height = (int(n) for n in rng.integers(20, 60, 2))
+    focal = width * np.exp(rng.uniform(-1.2, 1.2, count))
+    K = np.zeros((count, 3, 3))
+    K[:, 0, 0], K[:, 1, 1] = focal, focal * rng.uniform(0.7, 1.4, count)
+    K[:, :2, 2] = rng.uniform(0.3, 0.7, (count, 2)) * [width, height]
+    K[:, 2, 2] = 1
+    at = rng.normal(size=(count, 3))
+    at *= rng.uniform(1.3, 5, (count, 1)) / np.linalg.norm(at, axis=1, keepdims=True)
+    c2w = look_at(at, rng.uniform(-0.4, 0.4, 3))
+    return Eyes(torch.tensor(K).float(), torch.tensor(c2w).float(), width, height)
+
+
+def through_centres(eyes: Eyes, view: int, height: int, width: int) -> torch.Tensor:
+    """Directions of the rays through the centres of an image's pixels, row by row."""
+    row, column = torch.meshgrid(torch.arange(height), torch.arange(width), indexing="ij")
+    scale = torch.tensor([eyes.width / width, eyes.height / height])
+    uv = (torch.stack([column, row], dim=-1).reshape(-1, 2) + HALF) * scale
+    views = torch.full((len(uv),), view)
+    return eyes.rays(views, uv, torch.zeros(len(uv))).directions
+
+
+def passes(points: torch.Tensor, eye: torch.Tensor, directions: torch.Tensor) -> torch.Tensor:
+    """How near each ray comes to the points, at its nearest; float64."""
+    to, along = (points - eye).double(), directions.double()
+    t = (along @ to.T).clamp(min=0)
+    return (to[None] - t[:, :, None] * along[:, None]).norm(dim=2).min(dim=1).values
+
+
+@pytest.mark.parametrize("longest", [16, 60])
+@given(seed=SEEDS, radius=st.floats(0.01, 0.3), count=st.sampled_from([1, 12]))
+def test_every_ray_that_meets_a_point_is_in_the_footprint(longest, seed, radius, count):
+    eyes = some_eyes(seed)
+    rng = np.random.default_rng(seed)
+    points = torch.tensor(rng.uniform(-1, 1, (count, 3)) * rng.uniform(0.05, 1)).float()
+    shown = footprint(points, radius, eyes, longest)
+    assert tuple(shown.shape[1:]) == size_of(eyes, longest)
+    for view in range(len(eyes)):
+        eye, axis = eyes.c2w[view, :3, 3], eyes.c2w[view, :3, 2]
+        ahead = points[(points - eye) @ axis > radius * (1 + 1e-5)]  # others are not looked for
+        if len(ahead):
+            near = passes(ahead, eye, through_centres(eyes, view, *shown.shape[1:]))
+            # rays and pixels are rounded to float32: 1e-6 of distances of 5
+            assert shown[view].flatten()[near < radius - 1e-5].all()
+
+
+def test_the_footprint_of_a_point_is_little_larger_than_its_ball():
+    """Of 64 px and 30 degrees, 4.1 away: a square about the disc, a pixel's rounding all round."""
+    eyes = scene(ball(18.0), 6, 64).eyes
+    radius = 0.1
+    shown = footprint(torch.zeros(1, 3), radius, eyes, 64)
+    side = 2 * math.ceil(radius * eyes.K[0, 0, 0].item() / (4.1 - radius)) + 1
+    assert (shown.sum(dim=(1, 2)) == side**2).all()
+
+
+def test_balls_at_the_edge_of_a_wide_lens_are_drawn_out():
+    """60 degrees off the axis, where a ball's image is four times as long as in the middle."""
+    K = torch.tensor([[[30.0, 0, 60], [0, 30, 60], [0, 0, 1]]])
+    eyes = Eyes(K, torch.eye(4)[None], 120, 120)
+    point = torch.tensor([[3**0.5, 0.0, 1.0]])
+    shown = footprint(point, 0.2, eyes, 120)
+    near = passes(point, torch.zeros(3), through_centres(eyes, 0, 120, 120)) < 0.2
+    assert near.sum() > 50
+    assert shown.flatten()[near].all()
+
+
+def test_no_points_have_no_footprint():
+    eyes = some_eyes(0)
+    assert not footprint(torch.zeros(0, 3), 0.1, eyes, 32).any()
+    behind = eyes.c2w[:1, :3, 3] - eyes.c2w[:1, :3, 2]
+    assert not footprint(behind, 0.1, eyes[:1], 32).any()
+
+
+@given(SEEDS)
+def test_beside_the_footprint_rays_see_pure_background(seed):
+    """However dense the points are: the renderer itself is asked."""
+    eyes = some_eyes(seed)
+    points = torch.rand(8, 3, generator=torch.Generator().manual_seed(seed)) - 0.5
+    shown = footprint(points, 0.2, eyes, 40)
+    beside = (~shown).nonzero()
+    if not len(beside):
+        return
+    view, row, column = beside.unbind(1)
+    scale = torch.tensor([eyes.width / shown.shape[2], eyes.height / shown.shape[1]])
+    rays = eyes.rays(
+        view, (torch.stack([column, row], 1) + HALF) * scale, torch.full((len(view),), 0.5)
+    )
+    cloud = Points(points, 0.2, 4, "inverse_square")
+    renderer = Renderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
+    seen = renderer.look(rays, torch.full((8,), 1e4), torch.zeros(8, 3))
+    assert (seen.through == 1).all()
+    assert (seen.colour == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "longest", "expected"),
+    [
+        (64, 64, 32, (32, 32)),
+        (64, 48, 32, (24, 32)),
+        (48, 64, 32, (32, 24)),
+        (64, 48, 64, (48, 64)),
+        (64, 48, 500, (48, 64)),  # never made larger
+        (600, 2, 30, (1, 30)),
+    ],
+)
+def test_images_keep_their_shape_and_are_only_reduced(width, height, longest, expected):
+    assert size_of(Eyes(torch.eye(3)[None], torch.eye(4)[None], width, height), longest) == expected
+
+
+def test_reduced_images_are_means_of_blocks():
+    full = scene(ball(18.0), 3, 24)
+    small = averaged(full, 8, 6)
+    blocks = full.images.double().reshape(3, 8, 3, 6, 4, 3).mean(dim=(2, 4)) / 255
+    torch.testing.assert_close(small.double(), blocks, rtol=0, atol=1e-6)  # float32
+    # sides that do not divide: nothing is lost, the mean stays about the same
+    odd = averaged(full, 7, 5)
+    torch.testing.assert_close(odd.mean(dim=(1, 2)), small.mean(dim=(1, 2)), rtol=0, atol=0.05)
+
+
+def a_scene() -> Scene:
+    made = scene(ball(18.0), 4, 24)
+    return Scene(made.images, made.eyes, torch.rand(4, 3))
+
+
+def test_a_pixel_has_its_views_ray_colour_and_background():
+    full = a_scene()
+    pixels = Pixels(full, 12, torch.ones(4, 12, 12, dtype=torch.bool))
+    rays, colours, background = pixels.rays(torch.tensor([[2, 7, 3]]), torch.tensor([0.25]))
+    uv = torch.tensor([[2 * 3.5, 2 * 7.5]])  # px of the image as it was: u goes with the column
+    truth = full.eyes.rays(torch.tensor([2]), uv, torch.tensor([0.25]))
+    assert torch.equal(rays.directions, truth.directions)
+    assert torch.equal(rays.origins, truth.origins)
+    assert rays.offsets == 0.25
+    mean = full.images[2, 14:16, 6:8].float().mean(dim=(0, 1)) / 255
+    torch.testing.assert_close(colours[0], mean, rtol=0, atol=1e-6)
+    assert torch.equal(background[0], full.background[2])
+
+
+def test_only_pixels_that_are_shown_are_drawn_all_of_them_and_by_seed():
+    full, shown = a_scene(), torch.zeros(4, 24, 24, dtype=torch.bool)
+    shown[1, 3, 4:9] = shown[3, 20, 5] = True
+    pixels = Pixels(full, 24, shown)
+
+    def drawn(seed: int):
+        rays, colours, background = pixels.draw(200, torch.Generator().manual_seed(seed))
+        return torch.cat([rays.origins, rays.directions, colours, background], dim=1), rays.offsets
+
+    first, offsets = drawn(0)
+    allowed = pixels.rays(shown.nonzero(), torch.zeros(6))
+    known = torch.cat([allowed[0].origins, allowed[0].directions, *allowed[1:]], dim=1)
+    same = (first[:, None] == known[None]).all(dim=2)
+    assert same.any(dim=1).all()
+    assert same.any(dim=0).all()  # a miss has a chance of 6 (5/6)^200 = 1e-15
+    assert ((offsets >= 0) & (offsets < 1)).all()
+    assert offsets.std() > 0.2  # even: 0.29
+    assert torch.equal(first, drawn(0)[0])
+    assert not torch.equal(first, drawn(1)[0])
