@@ -1,8 +1,8 @@
 """How the features of several source views join before eq. (4).  Reading R3.
 
 The paper writes (4) for one view.  Here a point's features are pooled over the views that it
-projects into.  The other reading, `per_view`, in which each source view makes a cloud of its own
-and confidence joins them, pools nothing and is no business of this module.
+projects into.  The other reading, in which each source view makes a cloud of its own and
+confidence joins them, is not offered.
 """
 
 from typing import assert_never, final

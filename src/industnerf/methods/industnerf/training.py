@@ -154,11 +154,9 @@ class Training:
     def testimony(self) -> Testimony:
         """What the source views say of the points, at the level's resolution."""
         sigma, rgb = self.values()
-        self.points.fill(sigma > 0)
+        self._fill(sigma > 0)
         reach, eyes = self.points.radius, self._scene.eyes
-        shown = footprint(
-            self.points.positions[sigma > 0], reach, eyes, self.ways.levels[self.level].image_px
-        )
+        shown = footprint(self.points.positions[sigma > 0], reach, eyes, self.image_px)
         pixels = Pixels(self._scene, self.image_px, shown)
         return testimony(self._scene, pixels, self.renderer, sigma, rgb, self.ways.readings)
 
