@@ -35,8 +35,8 @@ def march(scene: Scene) -> Iterator[Step]:
             near = _near(tree, o + t * d, how)
             if not near:
                 continue
-            density = sum(w * sigma[j] for j, w in near.items()) / sum(near.values())
-            alpha = 1 - math.exp(-density * how["step"])
+            held = sum(w * sigma[j] for j, w in near.items()) / sum(near.values())
+            alpha = 1 - math.exp(-_density(held, how.get("beta", 0.0)) * how["step"])
             yield Step(ray, t, near, left, alpha)
             left *= 1 - alpha
             if left < how["stop"]:
@@ -55,8 +55,19 @@ def _span(o: np.ndarray, d: np.ndarray, lo: np.ndarray, hi: np.ndarray) -> tuple
     return enter, leave
 
 
+def _density(held: float, beta: float) -> float:
+    """Of what points hold: a density, or if there is a `beta` a signed distance."""
+    if not beta:
+        return held
+    return max(1 / (1 + math.exp(held / beta)) - 1 / (1 + math.exp(6)), 0) / beta
+
+
 def _near(tree: cKDTree, x: np.ndarray, how: dict) -> dict[int, float]:
     radius, floor = how["radius"], 1e-3 * how["radius"]
+    if how["weights"] == "tent":
+        found = zip(*tree.query(x, range(1, how["k"] + 1), p=math.inf), strict=True)
+        near = [int(j) for d, j in found if d < radius]
+        return {j: math.prod(1 - abs(a) / radius for a in tree.data[j] - x) for j in near}
     found = zip(*tree.query(x, k=range(1, how["k"] + 1), distance_upper_bound=radius), strict=True)
     weigh = {
         "inverse": lambda d: 1 / max(d, floor),

@@ -26,7 +26,7 @@ class Scene:
     rgb: Tensor
     background: Tensor
     agreement: Tensor  # S of eq. (12), per ray
-    settings: dict[str, Any]  # step, radius, k, weights, stop
+    settings: dict[str, Any]  # step, radius, k, weights, stop; beta: sigma is a signed distance
 
     @property
     def rays(self) -> tuple[Tensor, ...]:
@@ -63,6 +63,8 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Sce
     cloud = LO + size * torch.rand(points, 3, generator=rng)
     sigma = settings.pop("density", 4.0) * -torch.log1p(-torch.rand(points, generator=rng))
     sigma[::5] = 0
+    if "beta" in settings:  # then these are distances
+        sigma = sigma.mean() - sigma
     origins, directions = _rays(rays, rng)
     scene = Scene(
         origins,
@@ -100,4 +102,6 @@ SCENES = {
     "single": random_scene(5, 1),
     "squared": random_scene(6, 400, weights="inverse_square"),
     "tapered": random_scene(7, 400, weights="tapered"),
+    "tent": random_scene(8, 400, weights="tent"),
+    "distance": random_scene(9, 400, weights="tent", density=0.3, beta=0.05, stop=0.01),
 }

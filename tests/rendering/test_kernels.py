@@ -9,6 +9,7 @@ import math
 import pytest
 import torch
 
+from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Rays, Renderer
 from industnerf.rendering.twin import confidence_twin, render_twin
@@ -20,6 +21,7 @@ def compiled(scene: Scene) -> tuple[Renderer, Rays]:
     points = Points(scene.points, ways["radius"], ways["k"], ways["weights"])
     box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
     renderer = Renderer(points, *box, ways["step"], ways["stop"])
+    renderer.beta = ways.get("beta", 0.0)
     return renderer, Rays(scene.origins, scene.directions, scene.offsets)
 
 
@@ -93,7 +95,7 @@ def test_skipping_empty_points_changes_nothing(scene):
     renderer, rays = compiled(scene)
     sigma, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
     before = renderer.look(rays, sigma, rgb)
-    renderer.points.fill(sigma > 0)
+    renderer.points.fill(density(sigma, renderer.beta) > 0)
     after = renderer.look(rays, sigma, rgb)
     # samples are the same ones; only their places t = t_in + q step are reached by other sums
     torch.testing.assert_close(after.colour, before.colour, rtol=1e-5, atol=1e-6)

@@ -11,7 +11,9 @@ from tests.rendering.scenes import SCENES, Scene
 
 
 def samples_of(scene: Scene):
-    settings = {name: value for name, value in scene.settings.items() if name != "stop"}
+    settings = {
+        name: value for name, value in scene.settings.items() if name not in ("stop", "beta")
+    }
     return radiance_points(*scene.rays, scene.points, **settings)
 
 

@@ -10,7 +10,10 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
+from industnerf.rendering.distance import FAINT
 from industnerf.rendering.nearest import Cells, Met, cell_at, nearest
+
+NOTHING = wp.constant(FAINT)
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 
@@ -25,6 +28,7 @@ class March:
     step: wp.float32
     stop: wp.float32
     room: wp.int32  # samples that a ray can have at most
+    beta: wp.float32  # 0: points hold densities, else distances, and this is their softness
 
 
 @wp.func
@@ -44,12 +48,33 @@ def crossing(origin: wp.vec3, direction: wp.vec3, lo: wp.vec3, hi: wp.vec3):
     return wp.vec2(enter, leave)
 
 
+@wp.func
+@no_type_check
+def density(march: March, value: wp.float32):
+    """`distance.density` of what a sample's neighbours hold in the mean."""
+    if march.beta == 0.0:
+        return value
+    return wp.max(1.0 / (1.0 + wp.exp(value / march.beta)) - NOTHING, 0.0) / march.beta
+
+
+@wp.func
+@no_type_check
+def slope(march: March, value: wp.float32):
+    """How much the density grows with the value."""
+    if march.beta == 0.0:
+        return wp.float32(1.0)
+    share = 1.0 / (1.0 + wp.exp(value / march.beta))
+    if share <= NOTHING:
+        return wp.float32(0.0)
+    return -share * (1.0 - share) / (march.beta * march.beta)
+
+
 @wp.kernel
 @no_type_check
 def forward(
     cells: Cells,
     march: March,
-    sigma: wp.array(dtype=wp.float32),
+    values: wp.array(dtype=wp.float32),
     rgb: wp.array(dtype=wp.vec3),
     origins: wp.array(dtype=wp.vec3),
     directions: wp.array(dtype=wp.vec3),
@@ -88,9 +113,9 @@ def forward(
                 s = wp.float32(0.0)
                 mean = wp.vec3(0.0, 0.0, 0.0)
                 for i in range(first, first + size):
-                    s += met.weights[i] * sigma[met.ids[i]]
+                    s += met.weights[i] * values[met.ids[i]]
                     mean += met.weights[i] * rgb[met.ids[i]]
-                tau = s * march.step
+                tau = density(march, s) * march.step
                 kept = wp.exp(-tau)
                 share = T * (1.0 - kept)
                 apart += 2.0 * share * (t * (1.0 - T) - z)
@@ -117,7 +142,7 @@ def forward(
 def backward(
     march: March,
     k: wp.int32,
-    sigma: wp.array(dtype=wp.float32),
+    values: wp.array(dtype=wp.float32),
     rgb: wp.array(dtype=wp.vec3),
     met: Met,
     colour: wp.array(dtype=wp.vec3),
@@ -127,7 +152,7 @@ def backward(
     d_colour: wp.array(dtype=wp.vec3),
     d_through: wp.array(dtype=wp.float32),
     d_spread: wp.array(dtype=wp.float32),
-    d_sigma: wp.array(dtype=wp.float32),
+    d_values: wp.array(dtype=wp.float32),
     d_rgb: wp.array(dtype=wp.vec3),
 ):
     """The way back, from the eye again.
@@ -154,9 +179,9 @@ def backward(
         s = wp.float32(0.0)
         mean = wp.vec3(0.0, 0.0, 0.0)
         for i in range(first, last):
-            s += met.weights[i] * sigma[met.ids[i]]
+            s += met.weights[i] * values[met.ids[i]]
             mean += met.weights[i] * rgb[met.ids[i]]
-        kept = wp.exp(-s * march.step)
+        kept = wp.exp(-density(march, s) * march.step)
         share = T * (1.0 - kept)
         t = met.where[slot]
         before = t * (1.0 - T) - z
@@ -165,9 +190,9 @@ def backward(
         after = (moment - z) - t * (seen - (1.0 - T))
         here = wp.dot(g, mean) + 2.0 * e * (before + after)
         behind -= share * here
-        ds = march.step * (T * here - behind - ending)
+        ds = slope(march, s) * march.step * (T * here - behind - ending)
         for i in range(first, last):
-            wp.atomic_add(d_sigma, met.ids[i], met.weights[i] * ds)
+            wp.atomic_add(d_values, met.ids[i], met.weights[i] * ds)
             wp.atomic_add(d_rgb, met.ids[i], (met.weights[i] * share) * g)
 
 
@@ -176,7 +201,7 @@ def backward(
 def confide(
     march: March,
     k: wp.int32,
-    sigma: wp.array(dtype=wp.float32),
+    values: wp.array(dtype=wp.float32),
     met: Met,
     agreement: wp.array(dtype=wp.float32),
     own: wp.bool,
@@ -193,9 +218,9 @@ def confide(
         s = wp.float32(0.0)
         most = wp.float32(0.0)
         for i in range(first, last):
-            s += met.weights[i] * sigma[met.ids[i]]
+            s += met.weights[i] * values[met.ids[i]]
             most = wp.max(most, met.weights[i])
-        kept = wp.exp(-s * march.step)
+        kept = wp.exp(-density(march, s) * march.step)
         value = agreement[r] * T / most
         if own:
             value = value * kept

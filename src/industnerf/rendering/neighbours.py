@@ -8,22 +8,27 @@ PAIRS = 2**22  # compared at once: 32 MB of float64
 
 
 def neighbours(
-    queries: Float[Tensor, "q 3"], points: Float[Tensor, "m 3"], radius: float, k: int
+    queries: Float[Tensor, "q 3"],
+    points: Float[Tensor, "m 3"],
+    radius: float,
+    k: int,
+    norm: float = 2.0,
 ) -> tuple[Int64[Tensor, "q {k}"], Float[Tensor, "q {k}"]]:
     """Ids and distances of the at most `k` nearest points nearer than `radius`, nearest first.
 
-    Rows are padded with id -1 and distance inf.  Positions are constants: no gradient flows.
+    `norm`: 2 = Euclidean distances, inf = along the axis where they are farthest apart.  Rows are
+    padded with id -1 and distance inf.  Positions are constants: no gradient flows.
     """
     rows = queries.detach().split(max(1, PAIRS // max(1, len(points))))
-    found = [_nearest(some, points.detach(), radius, k) for some in rows]
+    found = [_nearest(some, points.detach(), radius, k, norm) for some in rows]
     return torch.cat([ids for ids, _ in found]), torch.cat([distance for _, distance in found])
 
 
 def _nearest(
-    queries: Float[Tensor, "q 3"], points: Float[Tensor, "m 3"], radius: float, k: int
+    queries: Float[Tensor, "q 3"], points: Float[Tensor, "m 3"], radius: float, k: int, norm: float
 ) -> tuple[Int64[Tensor, "q {k}"], Float[Tensor, "q {k}"]]:
     # The default expands |a-b|^2 = |a|^2 + |b|^2 - 2ab, which loses half of the digits.
-    apart = torch.cdist(queries, points, compute_mode="donot_use_mm_for_euclid_dist")
+    apart = torch.cdist(queries, points, norm, compute_mode="donot_use_mm_for_euclid_dist")
     apart = torch.nn.functional.pad(apart, (0, max(0, k - len(points))), value=torch.inf)
     distance, ids = apart.topk(k, largest=False)
     near = distance < radius

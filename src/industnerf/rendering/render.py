@@ -61,18 +61,20 @@ class Renderer:
         self._march.step, self._march.stop = step, stop
         diagonal = sum((b - a) ** 2 for a, b in zip(lo, hi, strict=True)) ** 0.5
         self._march.room = int(diagonal / step) + 2
+        self.beta = 0.0
         self._met: tuple | None = None  # rays, `Met`, and the tensors that it points to
 
-    def look(self, rays: Rays, sigma: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
-        """What `rays` see of points of density `sigma` and colour `rgb`, differentiable in both.
+    def look(self, rays: Rays, values: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
+        """What `rays` see of points that hold `values` and colour `rgb`, differentiable in both.
 
+        Values are densities, or signed distances where `beta` is above 0: `rendering.distance`.
         Not differentiable are depth and median.
         """
-        return Seen(*_Look.apply(sigma, rgb, self, rays))
+        return Seen(*_Look.apply(values, rgb, self, rays))
 
     def confide(
         self,
-        sigma: Float[Tensor, "m"],
+        values: Float[Tensor, "m"],
         agreement: Float[Tensor, "r"],
         confidence: Float[Tensor, "m"],
         *,
@@ -87,7 +89,7 @@ class Renderer:
             inputs=[
                 self._march,
                 self.points.k,
-                _numbers(sigma),
+                _numbers(values),
                 self._met[1],
                 _numbers(agreement),
                 own,
@@ -97,6 +99,15 @@ class Renderer:
             ],
             device=self._device,
         )
+
+    @property
+    def beta(self) -> float:
+        """Softness of the surface, if points hold distances; 0 if they hold densities."""
+        return self._march.beta
+
+    @beta.setter
+    def beta(self, beta: float) -> None:
+        self._march.beta = beta
 
     @property
     def _device(self) -> Any:
@@ -119,7 +130,7 @@ class Renderer:
             self._met = (rays, met, kept)
         return self._met[1]
 
-    def _forward(self, sigma: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
+    def _forward(self, values: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
         colour = torch.empty_like(rays.origins)
         through, depth, median, spread = (torch.empty_like(rays.offsets) for _ in range(4))
         wp.launch(
@@ -128,7 +139,7 @@ class Renderer:
             inputs=[
                 self.points.cells,
                 self._march,
-                _numbers(sigma),
+                _numbers(values),
                 _vectors(rgb),
                 _vectors(rays.origins),
                 _vectors(rays.directions),
@@ -145,9 +156,9 @@ class Renderer:
         return colour, through, depth, median, spread
 
     def _backward(
-        self, sigma: Tensor, rgb: Tensor, seen: Sequence[Tensor], d_seen: Sequence[Tensor]
+        self, values: Tensor, rgb: Tensor, seen: Sequence[Tensor], d_seen: Sequence[Tensor]
     ) -> tuple[Tensor, Tensor]:
-        d_sigma, d_rgb = torch.zeros_like(sigma), torch.zeros_like(rgb)
+        d_values, d_rgb = torch.zeros_like(values), torch.zeros_like(rgb)
         colour, *others = seen
         d_colour, *d_others = d_seen
         wp.launch(
@@ -156,37 +167,37 @@ class Renderer:
             inputs=[
                 self._march,
                 self.points.k,
-                _numbers(sigma),
+                _numbers(values),
                 _vectors(rgb),
                 self._met[1],
                 _vectors(colour),
                 *map(_numbers, others),
                 _vectors(d_colour),
                 *map(_numbers, d_others),
-                _numbers(d_sigma),
+                _numbers(d_values),
                 _vectors(d_rgb),
             ],
             device=self._device,
         )
-        return d_sigma, d_rgb
+        return d_values, d_rgb
 
 
 class _Look(torch.autograd.Function):
     """The way back must follow before the renderer looks along other rays: it keeps one record."""
 
     @staticmethod
-    def forward(ctx, sigma, rgb, renderer, rays):
-        colour, through, depth, median, spread = renderer._forward(sigma, rgb, rays)
-        ctx.save_for_backward(sigma, rgb, colour, through, depth, spread)
+    def forward(ctx, values, rgb, renderer, rays):
+        colour, through, depth, median, spread = renderer._forward(values, rgb, rays)
+        ctx.save_for_backward(values, rgb, colour, through, depth, spread)
         ctx.renderer = renderer
         ctx.mark_non_differentiable(depth, median)
         return colour, through, depth, median, spread
 
     @staticmethod
     def backward(ctx, d_colour, d_through, d_depth, d_median, d_spread):
-        sigma, rgb, *seen = ctx.saved_tensors
+        values, rgb, *seen = ctx.saved_tensors
         d_seen = d_colour, d_through, d_spread
-        return *ctx.renderer._backward(sigma, rgb, seen, d_seen), None, None
+        return *ctx.renderer._backward(values, rgb, seen, d_seen), None, None
 
 
 def _numbers(values: Tensor) -> wp.array:

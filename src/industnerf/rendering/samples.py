@@ -6,8 +6,14 @@ import torch
 from jaxtyping import Bool, Float, Int64
 from torch import Tensor
 
+from industnerf.rendering.distance import density
 from industnerf.rendering.neighbours import neighbours
-from industnerf.rendering.weights import WeightReading, inverse_distance_weights, weighted_mean
+from industnerf.rendering.weights import (
+    WeightReading,
+    inverse_distance_weights,
+    tent_weights,
+    weighted_mean,
+)
 
 TILT = 1e-30  # stands for a direction's component of 0, so that no face is met at 0/0
 
@@ -24,6 +30,10 @@ class Samples:
         """The cloud's `values` interpolated at every sample; 0 where it has no neighbour."""
         rows = self.ids.flatten(0, 1), self.weights.flatten(0, 1)
         return weighted_mean(values, *rows).unflatten(0, self.t.shape)
+
+    def dense(self, values: Float[Tensor, "r s"], beta: float) -> Float[Tensor, "r s"]:
+        """The density where samples have these `values`; 0 where they have no neighbour."""
+        return torch.where((self.ids >= 0).any(dim=2), density(values, beta), 0.0)
 
 
 def radiance_points(
@@ -43,9 +53,29 @@ def radiance_points(
     t, inside = rays_in_cube(origins, directions, offsets, lo, hi, step)
     at = origins[:, None] + t[:, :, None] * directions[:, None]
     at = at.where(inside[:, :, None], torch.inf)  # out there nothing is a neighbour
-    ids, distance = neighbours(at.flatten(0, 1), points, radius, k)
-    weight = inverse_distance_weights(distance, radius, weights)
+    ids, weight = weighted_neighbours(at.flatten(0, 1), points, radius, k, weights)
     return Samples(t, ids.reshape(*t.shape, k), weight.reshape(*t.shape, k))
+
+
+def weighted_neighbours(
+    at: Float[Tensor, "q 3"],
+    points: Float[Tensor, "m 3"],
+    radius: float,
+    k: int,
+    weights: WeightReading,
+) -> tuple[Int64[Tensor, "q {k}"], Float[Tensor, "q {k}"]]:
+    """Ids of the neighbours of `at`, -1 where there is none, and their weights.
+
+    `tent` has its neighbours in a cube of half the side `radius`, the others in a ball.
+    """
+    if weights != "tent":
+        ids, distance = neighbours(at, points, radius, k)
+        return ids, inverse_distance_weights(distance, radius, weights)
+    ids, _ = neighbours(at, points, radius, k, norm=torch.inf)
+    if not len(points):
+        return ids, torch.zeros_like(ids, dtype=points.dtype)
+    weight = tent_weights(at[:, None] - points[ids], radius)
+    return ids, torch.where(ids >= 0, weight, 0)
 
 
 def rays_in_cube(

@@ -29,7 +29,7 @@ def render_twin(
     lo: Float[Tensor, "3"],
     hi: Float[Tensor, "3"],
     points: Float[Tensor, "m 3"],
-    sigma: Float[Tensor, "m"],
+    values: Float[Tensor, "m"],
     rgb: Float[Tensor, "m 3"],
     background: Float[Tensor, "r 3"],
     *,
@@ -38,18 +38,20 @@ def render_twin(
     k: int,
     weights: WeightReading,
     stop: float,
+    beta: float = 0.0,
 ) -> Rendered:
     """The cloud as the rays see it -- paper, 3.3.
 
-    A radiance point takes the weighted mean density and colour of its neighbours; a ray ends at
-    the sample that leaves less than `stop` of its light (0 = never).
+    A radiance point takes the weighted mean value and colour of its neighbours; a ray ends at
+    the sample that leaves less than `stop` of its light (0 = never).  Values are densities, or
+    where `beta` is above 0 signed distances.
     """
     samples = radiance_points(
         origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
     )
-    field = samples.mean(torch.cat([sigma[:, None], rgb], dim=1))
-    density = stopped(field[..., 0], step, stop)
-    return composite(density, field[..., 1:], samples.t, background, step)
+    field = samples.mean(torch.cat([values[:, None], rgb], dim=1))
+    sigma = stopped(samples.dense(field[..., 0], beta), step, stop)
+    return composite(sigma, field[..., 1:], samples.t, background, step)
 
 
 def confidence_twin(
@@ -59,7 +61,7 @@ def confidence_twin(
     lo: Float[Tensor, "3"],
     hi: Float[Tensor, "3"],
     points: Float[Tensor, "m 3"],
-    sigma: Float[Tensor, "m"],
+    values: Float[Tensor, "m"],
     agreement: Float[Tensor, "r"],
     *,
     step: float,
@@ -67,6 +69,7 @@ def confidence_twin(
     k: int,
     weights: WeightReading,
     stop: float,
+    beta: float = 0.0,
     own: bool,
     opaque: bool,
     reduce: Literal["max", "sum"],
@@ -80,12 +83,12 @@ def confidence_twin(
     samples = radiance_points(
         origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
     )
-    density = samples.mean(sigma[:, None])[..., 0]
-    left = transmittance(density, step)[:, :-1]
+    sigma = samples.dense(samples.mean(values[:, None])[..., 0], beta)
+    left = transmittance(sigma, step)[:, :-1]
     voxel = voxel_confidence(
         left * (left >= stop),
         samples.weights,
-        opacities(density, step),
+        opacities(sigma, step),
         "own" if own else "shared",
         "with" if opaque else "without",
     )

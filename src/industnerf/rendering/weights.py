@@ -32,6 +32,15 @@ def inverse_distance_weights(
     return weight * near
 
 
+def tent_weights(apart: Float[Tensor, "*any 3"], radius: float) -> Float[Tensor, "*any"]:
+    """The product over the axes of 1 - |apart| / radius, and 0 beyond; not normalised.
+
+    On a grid of that spacing it is trilinear interpolation: linear fields come out as they are,
+    which no weight by distance alone can do.
+    """
+    return (1 - apart.abs() / radius).clamp(min=0).prod(dim=-1)
+
+
 def weighted_mean(
     values: Float[Tensor, "m c"], ids: Int[Tensor, "q k"], weights: Float[Tensor, "q k"]
 ) -> Float[Tensor, "q c"]:

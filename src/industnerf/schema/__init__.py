@@ -1,6 +1,6 @@
 """The type and range of every key of params.yaml, and no value: one knob a line."""
 
-from industnerf.schema.industnerf import IndustnerfSettings
+from industnerf.schema.industnerf import IndustnerfSettings, ReliefSettings
 from industnerf.schema.methods import HullRgbSettings, HullSettings, MethodSettings, SampleSettings
 from industnerf.schema.parts import CleanParams, PartsParams
 from industnerf.schema.rules import require
@@ -34,6 +34,7 @@ __all__ = [
     "PartsParams",
     "PhotoParams",
     "ReconstructParams",
+    "ReliefSettings",
     "ReportParams",
     "SampleSettings",
     "SensorParams",

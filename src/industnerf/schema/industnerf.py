@@ -56,6 +56,30 @@ class ResidualSettings:
 
 
 @dataclass(frozen=True)
+class ReliefSettings:
+    """A surface carved out of the visual hull: an addition to the paper."""
+
+    use: bool
+    first: float
+    last: float
+    shown: float
+    rate: float
+    wait: int
+    slack: float
+    sparing: float
+    fill_every: int
+    fill_from: float
+
+    def __post_init__(self) -> None:
+        where = f"{WHERE}.relief"
+        require(0 < self.last <= self.first, f"{where}.last", self.last, "in (0, relief.first]")
+        require(self.shown > 0, f"{where}.shown", self.shown, "above 0")
+        require(self.rate > 0, f"{where}.rate", self.rate, "above 0")
+        require(self.slack >= 1, f"{where}.slack", self.slack, "at least 1")
+        require(self.fill_every >= 1, f"{where}.fill_every", self.fill_every, "at least 1")
+
+
+@dataclass(frozen=True)
 class IndustnerfSettings:
     readings: Readings
     grid_res: int
@@ -64,10 +88,13 @@ class IndustnerfSettings:
     carve: bool
     network: NetworkSettings
     residual: ResidualSettings
+    relief: ReliefSettings
     initial: float
     ceiling: float
     rays: int
     step: float
+    fine_step: float
+    surface_px: int
     radius: float
     neighbours: int
     stop: float
@@ -83,10 +110,20 @@ class IndustnerfSettings:
             False,
             "true for one of them: else nothing is learned",
         )
+        free_grid = self.carve and self.residual.use and not self.network.use
+        stays_grid = self.refine == "divided" or len(self.levels) == 1
+        require(
+            not self.relief.use or (free_grid and stays_grid),
+            f"{WHERE}.relief.use",
+            True,
+            "false, or else carve and residual.use true, network.use false and refine divided",
+        )
         require(8 <= self.grid_res <= 512, f"{WHERE}.grid_res", self.grid_res, "in 8..512")
         require(bool(self.levels), f"{WHERE}.levels", self.levels, "one level or more")
         require(self.rays >= 1, f"{WHERE}.rays", self.rays, "at least 1")
         require(0 < self.step <= 4, f"{WHERE}.step", self.step, "in (0, 4] spacings")
+        require(0 < self.fine_step <= 4, f"{WHERE}.fine_step", self.fine_step, "in (0, 4] spacings")
+        require(self.surface_px >= 16, f"{WHERE}.surface_px", self.surface_px, "at least 16 px")
         require(0 < self.radius <= 8, f"{WHERE}.radius", self.radius, "in (0, 8] spacings")
         require(1 <= self.neighbours <= 64, f"{WHERE}.neighbours", self.neighbours, "in 1..64")
         require(0 <= self.stop < 1, f"{WHERE}.stop", self.stop, "in [0, 1)")

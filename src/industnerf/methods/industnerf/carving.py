@@ -1,14 +1,17 @@
 """Free space from background pixels: an addition to the paper, for `industnerf_plus`."""
 
+import numpy as np
 import torch
 from jaxtyping import Bool, Float32
 from scipy.ndimage import distance_transform_edt
 from torch import Tensor
 
-from industnerf.methods.industnerf.projection import in_view, project
+from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 
 TOLERANCE = 0.02  # a channel this far from the background's is not background
+
+FAR = 2.0  # beyond the region of interest, and of any view
 
 
 class Silhouettes:
@@ -18,10 +21,29 @@ class Silhouettes:
         self._eyes = scene.eyes
         colours = scene.images.float() / 255
         part = ((colours - scene.background[:, None, None]).abs() > TOLERANCE).any(dim=-1)
-        outside = [
-            torch.from_numpy(distance_transform_edt(~mask.cpu().numpy())).float() for mask in part
-        ]
+        outside = [_away(mask.cpu().numpy()) for mask in part]
+        inside = [_away(~mask.cpu().numpy()) for mask in part]
         self._outside = torch.stack(outside).to(scene.images.device)
+        self._inside = torch.stack(inside).to(scene.images.device)
+
+    def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
+        """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
+
+        The most that any view says: how far the silhouette's outline is from the point's pixel,
+        at the point's depth.  Views that do not have the point in frame say nothing.
+        """
+        most = torch.full_like(points[:, 0], -torch.inf)
+        height, width = self._outside.shape[1:]
+        for K, c2w, outside, inside in zip(
+            self._eyes.K, self._eyes.c2w, self._outside, self._inside, strict=True
+        ):
+            uv, depth = project(points, K, c2w)
+            seen = in_view(uv, depth, width, height)
+            signed = (outside - 0.5).clamp(min=0) - (inside - 0.5).clamp(min=0)  # 0 on the outline
+            px = sample_features(signed[None], uv.masked_fill(~seen[:, None], 0.0), width, height)
+            away = px[:, 0] * depth / K[0, 0]
+            most = torch.maximum(most, torch.where(seen, away, -torch.inf))
+        return most.clamp(-FAR, FAR)
 
     def may_hold(self, points: Float32[Tensor, "m 3"], slack: float) -> Bool[Tensor, "m"]:
         """False for points that some view sees before background, farther than `slack` from it.
@@ -41,3 +63,10 @@ class Silhouettes:
         mask = torch.zeros(len(points), dtype=torch.bool, device=points.device)
         mask[kept] = True
         return mask
+
+
+def _away(part: Bool[np.ndarray, "h w"]) -> Float32[Tensor, "h w"]:
+    """How many pixels each pixel is from the nearest of the part."""
+    if not part.any():
+        return torch.full(part.shape, float(sum(part.shape)))
+    return torch.from_numpy(distance_transform_edt(~part)).float()

@@ -76,7 +76,7 @@ class Field(nn.Module):
     def forward(
         self,
     ) -> tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]]:
-        """Density and colour of every point."""
+        """Density, or where there is a relief distance, and colour of every point."""
         raw, rgb = (
             self.network((self.sources() - self._mean) / self._deviation)
             if self.network is not None
@@ -84,6 +84,8 @@ class Field(nn.Module):
         )
         if self._settings.residual.use:
             raw, rgb = raw + self.raw, rgb + self.rgb
+        if self._settings.relief.use:
+            return raw * self._unit, rgb.clamp(0, 1)
         readings, ceiling = self._settings.readings, self._settings.ceiling
         return activate(raw, readings.activation, self._unit, ceiling), rgb.clamp(0, 1)
 
@@ -91,8 +93,9 @@ class Field(nn.Module):
     def settle(self) -> None:
         """After a step, bring what points learn by themselves back to where it has a gradient."""
         if self._settings.residual.use and self.network is None:
-            self.raw.clamp_(EMPTY, self._settings.ceiling)
             self.rgb.clamp_(0, 1)
+            if not self._settings.relief.use:
+                self.raw.clamp_(EMPTY, self._settings.ceiling)
 
     def own(self) -> list[nn.Parameter]:
         """What points learn by themselves, a row a point."""

@@ -15,7 +15,7 @@ def refined(
 ) -> tuple[Float32[Tensor, "n 3"], tuple[Tensor, Tensor] | None]:
     """The next level's points, and where their residuals start: at those of the nearest point."""
     ways, level, old = training.ways, training.level, training.points.positions
-    sigma, _ = training.values()
+    sigma = training.density()
     if ways.refine == "divided":
         near = near_any(old, told.confidence >= ways.least_confidence, 1.01 * training.spacing)
         points = divided(old[near & (sigma > 0)], training.spacing)

@@ -9,6 +9,7 @@ from industnerf.artifacts.renderings import Renderings
 from industnerf.methods.industnerf.pixels import footprint
 from industnerf.methods.industnerf.scene import Eyes
 from industnerf.methods.industnerf.witnesses import CHUNK
+from industnerf.rendering.distance import density
 from industnerf.rendering.render import Renderer
 
 
@@ -17,22 +18,23 @@ def rerender(
     eyes: Eyes,
     background: Float32[Tensor, "n 3"],
     renderer: Renderer,
-    sigma: Float32[Tensor, "m"],
+    values: Float32[Tensor, "m"],
     rgb: Float32[Tensor, "m 3"],
     radius: float,
 ) -> Renderings:
     """Colour, depth along z, and opacity from every camera; depth in `radius` of the unit ball."""
     n, height, width = len(eyes), eyes.height, eyes.width
     colour = background[:, None, None].expand(n, height, width, 3).clone()
-    depth = torch.zeros(n, height, width, device=sigma.device)
+    depth = torch.zeros(n, height, width, device=values.device)
     opacity = torch.zeros_like(depth)
     reach = renderer.points.radius
-    shown = footprint(renderer.points.positions[sigma > 0], reach, eyes, max(height, width))
+    dense = density(values, renderer.beta) > 0
+    shown = footprint(renderer.points.positions[dense], reach, eyes, max(height, width))
     for pixels in shown.nonzero().split(CHUNK):
         view, row, column = pixels.unbind(1)
         uv = torch.stack([column, row], dim=1) + 0.5
         rays = eyes.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
-        seen = renderer.look(rays, sigma, rgb)
+        seen = renderer.look(rays, values, rgb)
         colour[view, row, column] = seen.over(background[view])
         ahead = (rays.directions * eyes.c2w[view, :3, 2]).sum(dim=1)
         hit = seen.median > 0

@@ -19,6 +19,7 @@ from industnerf.methods.industnerf.extraction import final_cloud
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import grid, spacing_of
 from industnerf.methods.industnerf.refine import refined
+from industnerf.methods.industnerf.relief import MARGIN
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
@@ -114,7 +115,7 @@ class _Work:
         """The training of this level, of the points that are not carved away."""
         spacing = spacing_of(self._settings.grid_res, self._level)
         if self._silhouettes:
-            kept = self._silhouettes.may_hold(points, 0.9 * spacing)
+            kept = self._silhouettes.may_hold(points, self._slack() * spacing)
             points, start = points[kept], tuple(x[kept] for x in start) if start else None
         if not len(points):
             raise ReconstructionFailed(
@@ -130,7 +131,12 @@ class _Work:
             self._settings,
             self._generator,
             start,
+            self._silhouettes,
         )
+
+    def _slack(self) -> float:
+        """How many spacings beyond the hull points are kept."""
+        return MARGIN if self._settings.relief.use else 0.9
 
     def train(self) -> None:
         """Take the steps of this level that are left."""
@@ -157,7 +163,7 @@ class _Work:
     def outcome(self) -> Outcome:
         """The cloud, of the last level."""
         ways = self._settings
-        sigma, rgb = self._training.values()
+        sigma, (_, rgb) = self._training.density(), self._training.values()
         points = self._training.points.positions
         cloud = final_cloud(
             points, rgb, self.told, ways.least_confidence, ways.spacing, ways.readings.cloud
@@ -220,6 +226,6 @@ def pictures(
     """The field of `training` from `cameras`, before `background`, depth in the cameras' unit."""
     where = training.points.positions.device
     behind = torch.tensor(background, dtype=torch.float32, device=where)
-    sigma, rgb = training.values()
+    values, rgb = training.values()
     looking = eyes(cameras, posed.centre, posed.radius, where)
-    return rerender(looking, behind, training.renderer, sigma, rgb, posed.radius)
+    return rerender(looking, behind, training.fine, values, rgb, posed.radius)

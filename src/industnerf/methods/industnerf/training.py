@@ -7,11 +7,14 @@ from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 
 from industnerf.errors import ReconstructionFailed
+from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import near_any
+from industnerf.methods.industnerf.levels import near_any, spacing_of
 from industnerf.methods.industnerf.pixels import Pixels, footprint
+from industnerf.methods.industnerf.relief import Relief, beside_on_grid
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
+from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer, Seen
 from industnerf.schema import IndustnerfSettings
@@ -34,14 +37,18 @@ class Training:
         settings: IndustnerfSettings,
         generator: torch.Generator,
         start: tuple[Tensor, Tensor] | None,
+        silhouettes: Silhouettes | None = None,
     ) -> None:
         self.field, self.spacing, self.ways = field, spacing, settings
         self._scene, self.level, self._generator = scene, level, generator
         self.taken = 0
         self._index(points)
-        self.field.place(
-            self.points.positions, *(x[self.points.order] for x in start) if start else ()
-        )
+        start = tuple(x[self.points.order] for x in start) if start else ()
+        self.relief = self._relief(silhouettes) if settings.relief.use else None
+        if self.relief and not start:
+            start = (self.relief.hull,)
+        self.field.place(self.points.positions, *start)
+        self._harden()
         self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
         self._rates = [group["lr"] for group in self._adam.param_groups]
 
@@ -60,14 +67,30 @@ class Training:
         ways = self.ways
         reach, side = ways.radius * self.spacing, 1 + self.spacing
         self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
-        self.renderer = Renderer(
-            self.points, (-side,) * 3, (side,) * 3, ways.step * self.spacing, ways.stop
-        )
+        box = (-side,) * 3, (side,) * 3
+        self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
+        self.fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
         self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
         seen = footprint(points, reach, self._scene.eyes, self.image_px)
         if ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
         self.pixels = Pixels(self._scene, self.image_px, seen)
+
+    def _relief(self, silhouettes: Silhouettes) -> Relief:
+        points = self.points.positions
+        hull = silhouettes.distance(points) / self._unit
+        return Relief(hull, beside_on_grid(points, self.spacing), self.ways.relief)
+
+    @property
+    def _unit(self) -> float:
+        """That raw values are counted in: the first level's spacing."""
+        return spacing_of(self.ways.grid_res, 0)
+
+    def _harden(self) -> None:
+        """Bring the softness of the surface to where it is after the steps taken."""
+        if self.relief:
+            self.renderer.beta = self.relief.beta(self.taken / self.steps) * self._unit
+            self.fine.beta = self.ways.relief.shown * self._unit
 
     def _sweep(self) -> None:
         """Skip space that is empty; points that have nothing near them leave the set.
@@ -76,15 +99,16 @@ class Training:
         weighed together with it have no density.  Raises ReconstructionFailed if none has any:
         from there no gradient leads back.
         """
-        sigma, _ = self.values()
+        sigma = self.density()
         if not (sigma > 0).any():
             raise ReconstructionFailed(
                 f"the field is empty after {self.taken} steps of level {self.level}: do the images "
                 "show anything but background?"
             )
-        needed = near_any(self.points.positions, sigma > 0, 2 * self.points.radius)
-        if self.field.network is not None and needed.float().mean() < CROWD:
-            sigma = sigma[self._keep(needed)]
+        if self.field.network is not None:
+            needed = near_any(self.points.positions, sigma > 0, 2 * self.points.radius)
+            if needed.float().mean() < CROWD:
+                sigma = sigma[self._keep(needed)]
         self._fill(sigma > 0)
 
     def _fill(self, filled: Bool[Tensor, "m"]) -> None:
@@ -113,22 +137,30 @@ class Training:
 
     def step(self) -> float:
         """One step of Adam; returns the mean squared error of the pixels it looked at."""
-        for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
-            group["lr"] = rate * DECAY ** (self.taken / self.steps)
+        self._set_rates()
+        self._harden()
         if self._encodes():
             self.field.sources.refresh(self._some_views())
         rays, target, background = self.pixels.draw(self.ways.rays, self._generator)
-        sigma, rgb = self.field()
-        seen = self.renderer.look(rays, sigma, rgb)
+        seen = self.renderer.look(rays, *self.field())
         loss = ((seen.over(background) - target) ** 2).mean()
         self._adam.zero_grad()
         (loss + self._preference(seen)).backward()
         self._adam.step()
         self.field.settle()
         self.taken += 1
+        if self.relief:
+            self.relief.settle(self.field.raw, self.taken, self.steps)
         if self.taken % SWEEP == 0:
             self._sweep()
         return loss.item()
+
+    def _set_rates(self) -> None:
+        share = self.taken / self.steps
+        for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
+            group["lr"] = rate * DECAY**share
+            if self.relief and group["params"][0] is self.field.raw:
+                group["lr"] = self.relief.rate(self.taken, share)
 
     def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
         """Of fields that re-render alike, rather the emptier one and the one that is less spread.
@@ -136,7 +168,9 @@ class Training:
         Without it, matter of the background's colour anywhere outside the part is as good as none.
         """
         matter = self.ways.emptiness * (1 - seen.through).mean()
-        return matter + self.ways.spread * seen.spread.mean() / self.spacing
+        apart = self.ways.spread * seen.spread.mean() / self.spacing
+        carved = self.relief.cost(self.field.raw) if self.relief else 0.0
+        return matter + apart + carved
 
     def _encodes(self) -> bool:
         sources = self.field.sources
@@ -148,17 +182,24 @@ class Training:
 
     @torch.no_grad()
     def values(self) -> tuple[Tensor, Tensor]:
-        """Density and colour of the points, as they are now."""
+        """What the renderer is given of the points, as they are now: densities or distances."""
         return self.field()
 
+    @torch.no_grad()
+    def density(self) -> Tensor:
+        """Of the points, as they are now."""
+        return density(self.field()[0], self.renderer.beta)
+
     def testimony(self) -> Testimony:
-        """What the source views say of the points, at the level's resolution."""
-        sigma, rgb = self.values()
+        """What the source views say of the points."""
+        values, rgb = self.values()
+        sigma = self.density()
         self._fill(sigma > 0)
         reach, eyes = self.points.radius, self._scene.eyes
-        shown = footprint(self.points.positions[sigma > 0], reach, eyes, self.image_px)
-        pixels = Pixels(self._scene, self.image_px, shown)
-        return testimony(self._scene, pixels, self.renderer, sigma, rgb, self.ways.readings)
+        longest = self.ways.surface_px
+        shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
+        pixels = Pixels(self._scene, longest, shown)
+        return testimony(self._scene, pixels, self.fine, values, rgb, self.ways.readings)
 
     def state(self) -> dict[str, Any]:
         """All that a later step depends on."""
@@ -181,3 +222,4 @@ class Training:
             self.field.sources.place(self.points.positions)
         self._adam.load_state_dict(state["adam"])
         self._fill(state["filled"])
+        self._harden()

@@ -39,23 +39,23 @@ def testimony(
     scene: Scene,
     pixels: Pixels,
     renderer: Renderer,
-    sigma: Float32[Tensor, "m"],
+    values: Float32[Tensor, "m"],
     rgb: Float32[Tensor, "m 3"],
     readings: Readings,
 ) -> Testimony:
     """Re-render every source view and ask it for its confidence in every point."""
     scale = colour_scale(readings.scale, contrast_of(pixels))
-    best = torch.zeros_like(sigma)
-    who = torch.full_like(sigma, -1, dtype=torch.int64)
+    best = torch.zeros_like(values)
+    who = torch.full_like(values, -1, dtype=torch.int64)
     met: list[Surface] = []
     for view in range(len(scene)):
-        own = torch.zeros_like(sigma)
+        own = torch.zeros_like(values)
         for shown in pixels.shown[pixels.shown[:, 0] == view].split(CHUNK):
-            rays, target, background = pixels.rays(shown, torch.full((len(shown),), 0.5).to(sigma))
-            seen = renderer.look(rays, sigma, rgb)
+            rays, target, background = pixels.rays(shown, torch.full((len(shown),), 0.5).to(values))
+            seen = renderer.look(rays, values, rgb)
             agreement = colour_confidence(target, seen.over(background), scale)
             renderer.confide(
-                sigma,
+                values,
                 agreement,
                 own,
                 own=readings.transmittance == "own",

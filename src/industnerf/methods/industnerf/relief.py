@@ -1,0 +1,80 @@
+"""A surface inside the visual hull, for `industnerf_plus`: points hold distances, not densities.
+
+Every point starts at its signed distance from the hull, so that the first surface is the hull's,
+and is soft: light reaches far inside.  While it hardens, what the images contradict is carved.
+
+    carved = distance - that of the hull >= 0
+
+An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings.
+"""
+
+import torch
+from jaxtyping import Float32, Int64
+from torch import Tensor
+
+from industnerf.schema import ReliefSettings
+
+MARGIN = 2.0  # beyond the hull, where points are needed to say where it ends
+FARTHEST = 9.0  # distances are kept within this: nothing is learned from larger ones
+
+
+class Relief:
+    """The constraint and the preferences that distances on a grid learn under."""
+
+    def __init__(
+        self,
+        hull: Float32[Tensor, "m"],
+        beside: Int64[Tensor, "m 6"],
+        settings: ReliefSettings,
+    ) -> None:
+        self.hull, self._beside, self._ways = hull, beside, settings
+        self._least = torch.where(hull > 0, hull, hull * settings.slack)
+
+    def beta(self, share: float) -> float:
+        """Softness of the surface after `share` of the steps: geometric, from first to last."""
+        return self._ways.first * (self._ways.last / self._ways.first) ** share
+
+    def rate(self, taken: int, share: float) -> float:
+        """Of Adam: a soft surface may move far.  At first only colours learn, to know better."""
+        return 0.0 if taken < self._ways.wait else self._ways.rate * self.beta(share)
+
+    def cost(self, distance: Float32[Tensor, "m"]) -> Float32[Tensor, ""]:
+        """Of fields that re-render alike, rather the one that is carved less."""
+        return self._ways.sparing * (distance - self.hull).clamp(min=0).mean()
+
+    @torch.no_grad()
+    def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:
+        """Back inside the hull; now and then, and at the end, without pits."""
+        distance.copy_(torch.maximum(distance, self._least)).clamp_(-FARTHEST, FARTHEST)
+        due = taken % self._ways.fill_every == 0 and taken >= self._ways.fill_from * steps
+        if due or taken == steps:
+            distance.copy_(without_pits(distance, self.hull, self._beside))
+
+
+def without_pits(
+    distance: Float32[Tensor, "m"], hull: Float32[Tensor, "m"], beside: Int64[Tensor, "m 6"]
+) -> Float32[Tensor, "m"]:
+    """Nowhere carved more than in the median of the point and the six beside it.
+
+    A slot one point wide has five of the seven and stays.  A hole one point wide is the chance
+    of a pixel that no colour fits: it is filled.
+    """
+    carved = (distance - hull).clamp(min=0)
+    around = torch.where(beside >= 0, carved[beside.clamp(min=0)], carved[:, None])
+    median = torch.cat([carved[:, None], around], dim=1).median(dim=1).values
+    return torch.where(median < carved, hull + median, distance)
+
+
+def beside_on_grid(points: Float32[Tensor, "m 3"], spacing: float) -> Int64[Tensor, "m 6"]:
+    """Which points lie one `spacing` before and behind each along the axes; -1: none does."""
+    index = ((points - points.amin(0)) / spacing).round().long() + 1
+    size = index.amax(0) + 2
+    table = torch.full((int(size.prod()),), -1, device=points.device)
+    table[_flat(index, size)] = torch.arange(len(points), device=points.device)
+    steps = torch.eye(3, dtype=torch.int64, device=points.device)
+    moved = [table[_flat(index + way * step, size)] for step in steps for way in (1, -1)]
+    return torch.stack(moved, dim=1)
+
+
+def _flat(index: Int64[Tensor, "m 3"], size: Int64[Tensor, "3"]) -> Int64[Tensor, "m"]:
+    return (index[:, 0] * size[1] + index[:, 1]) * size[2] + index[:, 2]
