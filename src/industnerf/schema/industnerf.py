@@ -66,7 +66,6 @@ class ReliefSettings:
     rate: float
     wait: int
     slack: float
-    sparing: float
     fill_every: int
     fill_from: float
 

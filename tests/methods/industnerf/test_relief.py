@@ -13,7 +13,7 @@ from industnerf.methods.industnerf.relief import FARTHEST, Relief, beside_on_gri
 from industnerf.schema import ReliefSettings
 
 WAYS = ReliefSettings(
-    use=True, first=4.0, last=0.25, shown=0.1, rate=0.1, wait=3, slack=3.0, sparing=0.5,
+    use=True, first=4.0, last=0.25, shown=0.1, rate=0.1, wait=3, slack=3.0,
     fill_every=5, fill_from=0.5,
 )  # fmt: skip
 SIDE = 7
@@ -92,10 +92,3 @@ def test_it_hardens_from_first_to_last_and_steps_shorten_with_it():
     relief = Relief(torch.zeros(SIDE**3), BESIDE, WAYS)
     assert [relief.beta(share) for share in (0.0, 0.5, 1.0)] == pytest.approx([4.0, 1.0, 0.25])
     assert [relief.rate(taken, 0.5) for taken in (0, 2, 3)] == pytest.approx([0, 0, 0.1])
-
-
-def test_only_carving_costs():
-    hull = torch.linspace(-3, 2, SIDE**3)
-    relief = Relief(hull, BESIDE, WAYS)
-    assert relief.cost(hull - 1).item() == 0
-    assert relief.cost(hull + 2).item() == pytest.approx(0.5 * 2, rel=1e-5)

@@ -19,7 +19,7 @@ FARTHEST = 9.0  # distances are kept within this: nothing is learned from larger
 
 
 class Relief:
-    """The constraint and the preferences that distances on a grid learn under."""
+    """The constraints that distances on a grid learn under."""
 
     def __init__(
         self,
@@ -37,10 +37,6 @@ class Relief:
     def rate(self, taken: int, share: float) -> float:
         """Of Adam: a soft surface may move far.  At first only colours learn, to know better."""
         return 0.0 if taken < self._ways.wait else self._ways.rate * self.beta(share)
-
-    def cost(self, distance: Float32[Tensor, "m"]) -> Float32[Tensor, ""]:
-        """Of fields that re-render alike, rather the one that is carved less."""
-        return self._ways.sparing * (distance - self.hull).clamp(min=0).mean()
 
     @torch.no_grad()
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:

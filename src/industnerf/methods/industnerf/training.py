@@ -168,9 +168,7 @@ class Training:
         Without it, matter of the background's colour anywhere outside the part is as good as none.
         """
         matter = self.ways.emptiness * (1 - seen.through).mean()
-        apart = self.ways.spread * seen.spread.mean() / self.spacing
-        carved = self.relief.cost(self.field.raw) if self.relief else 0.0
-        return matter + apart + carved
+        return matter + self.ways.spread * seen.spread.mean() / self.spacing
 
     def _encodes(self) -> bool:
         sources = self.field.sources
