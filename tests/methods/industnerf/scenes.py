@@ -55,6 +55,29 @@ def box(half: tuple[float, float, float]) -> Solid:
     return Solid(meets, away)
 
 
+def moved(solid: Solid, by: tuple[float, float, float]) -> Solid:
+    return Solid(
+        lambda origins, directions: solid.meets(origins - by, directions),
+        lambda points: solid.away(points - by),
+    )
+
+
+def united(*solids: Solid) -> Solid:
+    """All of them; `away` is right outside of all, and near the surface of one alone."""
+    return Solid(
+        lambda origins, directions: np.min([s.meets(origins, directions) for s in solids], axis=0),
+        lambda points: np.min([s.away(points) for s in solids], axis=0),
+    )
+
+
+def cup() -> Solid:
+    """A box of 32 x 32 x 20 mm with a pocket of 24 x 24 x 16 mm, open upwards."""
+    floor = moved(box((16.0, 16.0, 2.0)), (0.0, 0.0, -8.0))
+    along = [moved(box((16.0, 2.0, 10.0)), (0.0, side, 0.0)) for side in (-14.0, 14.0)]
+    across = [moved(box((2.0, 16.0, 10.0)), (side, 0.0, 0.0)) for side in (-14.0, 14.0)]
+    return united(floor, *along, *across)
+
+
 def texture(points: np.ndarray) -> np.ndarray:
     """Colours in [0.1, 0.8] that wave across the solid, an axis a channel."""
     return 0.45 + 0.35 * np.sin(points / 5)
