@@ -46,6 +46,11 @@ class Points:
     def __len__(self) -> int:
         return len(self.positions)
 
+    @property
+    def reach(self) -> float:
+        """How far a neighbour can be: tents stand on a cube, whose corners are farther."""
+        return self.radius * (3**0.5 if self.cells.reading == READINGS["tent"] else 1)
+
     def fill(self, filled: Bool[Tensor, "m"]) -> None:
         """From now on rays skip space without a `filled` point within the radius.
 

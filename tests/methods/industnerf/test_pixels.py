@@ -94,12 +94,14 @@ def test_no_points_have_no_footprint():
     assert not footprint(behind, 0.1, eyes[:1], 32).any()
 
 
+@pytest.mark.parametrize("weights", ["inverse_square", "tent"])
 @given(SEEDS)
-def test_beside_the_footprint_rays_see_pure_background(seed):
+def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     """However dense the points are: the renderer itself is asked."""
     eyes = some_eyes(seed)
     points = torch.rand(8, 3, generator=torch.Generator().manual_seed(seed)) - 0.5
-    shown = footprint(points, 0.2, eyes, 40)
+    cloud = Points(points, 0.2, 4, weights)
+    shown = footprint(points, cloud.reach, eyes, 40)
     beside = (~shown).nonzero()
     if not len(beside):
         return
@@ -108,7 +110,6 @@ def test_beside_the_footprint_rays_see_pure_background(seed):
     rays = eyes.rays(
         view, (torch.stack([column, row], 1) + HALF) * scale, torch.full((len(view),), 0.5)
     )
-    cloud = Points(points, 0.2, 4, "inverse_square")
     renderer = Renderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
     seen = renderer.look(rays, torch.full((8,), 1e4), torch.zeros(8, 3))
     assert (seen.through == 1).all()

@@ -27,7 +27,7 @@ def rerender(
     colour = background[:, None, None].expand(n, height, width, 3).clone()
     depth = torch.zeros(n, height, width, device=values.device)
     opacity = torch.zeros_like(depth)
-    reach = renderer.points.radius
+    reach = renderer.points.reach
     dense = density(values, renderer.beta) > 0
     shown = footprint(renderer.points.positions[dense], reach, eyes, max(height, width))
     for pixels in shown.nonzero().split(CHUNK):

@@ -71,7 +71,7 @@ class Training:
         self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
         self.fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
         self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
-        seen = footprint(points, reach, self._scene.eyes, self.image_px)
+        seen = footprint(points, self.points.reach, self._scene.eyes, self.image_px)
         if ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
         self.pixels = Pixels(self._scene, self.image_px, seen)
@@ -193,7 +193,7 @@ class Training:
         values, rgb = self.values()
         sigma = self.density()
         self._fill(sigma > 0)
-        reach, eyes = self.points.radius, self._scene.eyes
+        reach, eyes = self.points.reach, self._scene.eyes
         longest = self.ways.surface_px
         shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
         pixels = Pixels(self._scene, longest, shown)
