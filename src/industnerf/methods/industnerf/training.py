@@ -21,6 +21,7 @@ from industnerf.schema import IndustnerfSettings
 
 DECAY = 0.1  # of every learning rate from a level's first step to its last
 SWEEP = 25  # steps from one look for empty points to the next
+OUTLINE = 1.0  # spacings beyond the hull: no pixel that is farther can tell anything new
 CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
 
 
@@ -42,9 +43,10 @@ class Training:
         self.field, self.spacing, self.ways = field, spacing, settings
         self._scene, self.level, self._generator = scene, level, generator
         self.taken = 0
-        self._index(points)
+        hull = silhouettes.distance(points) / self._unit if settings.relief.use else None
+        self._index(points, points if hull is None else points[hull < OUTLINE])
         start = tuple(x[self.points.order] for x in start) if start else ()
-        self.relief = self._relief(silhouettes) if settings.relief.use else None
+        self.relief = None if hull is None else self._relief(hull[self.points.order])
         if self.relief and not start:
             start = (self.relief.hull,)
         self.field.place(self.points.positions, *start)
@@ -62,8 +64,8 @@ class Training:
         """The longer side of the images that this level looks at."""
         return self.ways.levels[self.level].image_px
 
-    def _index(self, points: Float32[Tensor, "m 3"]) -> None:
-        """Sort the points and find the pixels that can show them."""
+    def _index(self, points: Float32[Tensor, "m 3"], shown: Float32[Tensor, "n 3"]) -> None:
+        """Sort the points and find the pixels that can show those of them that are `shown`."""
         ways = self.ways
         reach, side = ways.radius * self.spacing, 1 + self.spacing
         self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
@@ -71,15 +73,14 @@ class Training:
         self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
         self.fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
         self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
-        seen = footprint(points, self.points.reach, self._scene.eyes, self.image_px)
+        seen = footprint(shown, self.points.reach, self._scene.eyes, self.image_px)
         if ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
         self.pixels = Pixels(self._scene, self.image_px, seen)
 
-    def _relief(self, silhouettes: Silhouettes) -> Relief:
-        points = self.points.positions
-        hull = silhouettes.distance(points) / self._unit
-        return Relief(hull, beside_on_grid(points, self.spacing), self.ways.relief)
+    def _relief(self, hull: Float32[Tensor, "m"]) -> Relief:
+        beside = beside_on_grid(self.points.positions, self.spacing)
+        return Relief(hull, beside, self.ways.relief)
 
     @property
     def _unit(self) -> float:
@@ -120,7 +121,8 @@ class Training:
 
         Returns which they are, in their new order: fewer points have other cells to sort by.
         """
-        self._index(self.points.positions[needed])
+        left = self.points.positions[needed]
+        self._index(left, left)
         kept = needed.nonzero()[:, 0][self.points.order]
         before = self.field.own()
         self.field.keep(kept)
