@@ -41,8 +41,6 @@ class Cells:
     first: wp.array(dtype=wp.int32)  # point of each cell, and one beyond the last
     away: wp.array(dtype=wp.uint8)  # cells to the nearest with a filled point within the radius
     corner: wp.vec3
-    least: wp.vec3  # where in their cells points lie, the first and the last along each axis
-    most: wp.vec3
     nx: wp.int32
     ny: wp.int32
     nz: wp.int32
@@ -69,29 +67,19 @@ SEARCH = """
     float* w = weights.data + slot * k;
     float reach = radius * radius;
     int count = 0, worst = 0;
-    // Where x is in its cell; beside it, only cells whose points can be nearer than their side.
-    // Points of a grid lie alike in their cells: then eight cells are asked instead of 27.
-    int before[3], behind[3];
-    const int place[3] = {cell / (ny * nz), cell / nz % ny, cell % nz};
-    for (int axis = 0; axis < 3; ++axis) {
-        const float u = (x[axis] - corner[axis]) / radius - place[axis];
-        before[axis] = u < most[axis] ? -1 : 0;
-        behind[axis] = u > least[axis] ? 1 : 0;
+    int begin[9], end[9];
+    for (int row = 0; row < 9; ++row) {
+        const int middle = cell + ((row / 3 - 1) * ny + row % 3 - 1) * nz;
+        begin[row] = first.data[middle - 1];
+        end[row] = first.data[middle + 2];
     }
-    int begin[9], end[9], rows = 0;
-    for (int a = before[0]; a <= behind[0]; ++a)
-        for (int b = before[1]; b <= behind[1]; ++b, ++rows) {
-            const int middle = cell + (a * ny + b) * nz;
-            begin[rows] = first.data[middle + before[2]];
-            end[rows] = first.data[middle + behind[2] + 1];
-        }
 #ifndef __CUDA_ARCH__  // fetch all rows at once instead of waiting for memory at each
-    for (int row = 0; row < rows; ++row) {
+    for (int row = 0; row < 9; ++row) {
         __builtin_prefetch(p + begin[row]);
         __builtin_prefetch(p + begin[row] + 5);  // in the next cache line
     }
 #endif
-    for (int row = 0; row < rows; ++row)
+    for (int row = 0; row < 9; ++row)
         for (int j = begin[row]; j < end[row]; ++j) {
             const float dx = p[j][0] - x[0], dy = p[j][1] - x[1], dz = p[j][2] - x[2];
             const float square = reading == 3
@@ -134,9 +122,6 @@ SEARCH = """
 def search(
     points: wp.array(dtype=wp.vec3),
     first: wp.array(dtype=wp.int32),
-    corner: wp.vec3,
-    least: wp.vec3,
-    most: wp.vec3,
     ny: wp.int32,
     nz: wp.int32,
     radius: wp.float32,
@@ -158,9 +143,6 @@ def nearest(cells: Cells, x: wp.vec3, cell: wp.int32, slot: wp.int32, met: Met):
     search(
         cells.points,
         cells.first,
-        cells.corner,
-        cells.least,
-        cells.most,
         cells.ny,
         cells.nz,
         cells.radius,

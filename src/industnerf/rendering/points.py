@@ -11,7 +11,6 @@ from industnerf.rendering.nearest import Cells, mark
 from industnerf.rendering.weights import WeightReading
 
 READINGS: dict[WeightReading, int] = {"inverse": 0, "inverse_square": 1, "tapered": 2, "tent": 3}
-ROUNDING = 1e-3  # of a cell: generous
 FARTHEST = 255  # cells that a byte can say space is empty
 
 
@@ -36,9 +35,6 @@ class Points:
         self.cells.points = wp.from_torch(self.positions, dtype=wp.vec3)
         self.cells.first = wp.from_torch(self._first)
         self.cells.corner = wp.vec3(*corner.tolist())
-        inside = ((positions - corner) / radius) % 1
-        self.cells.least = wp.vec3(*(inside.amin(0) - ROUNDING).tolist())
-        self.cells.most = wp.vec3(*(inside.amax(0) + ROUNDING).tolist())
         self.cells.nx, self.cells.ny, self.cells.nz = self._size
         self.cells.radius, self.cells.k, self.cells.reading = radius, k, READINGS[weights]
         self.fill(torch.ones(len(positions), dtype=torch.bool, device=positions.device))

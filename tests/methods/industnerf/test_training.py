@@ -6,12 +6,14 @@ from typing import Any
 import pytest
 import torch
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf import training as module
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import grid, spacing_of
+from industnerf.methods.industnerf.run import run
 from industnerf.methods.industnerf.training import DECAY, Training
 from industnerf.schema import IndustnerfSettings
-from tests.methods.industnerf.scenes import BOTH, CPU, FREE, ball, scene, settings
+from tests.methods.industnerf.scenes import BOTH, CPU, FREE, ball, posed, scene, settings
 
 RES = 12
 PLAIN = {"readings": {"encoder": "none", "pose": "identity", "frame": "world"}}
@@ -284,3 +286,10 @@ def test_testimony_speaks_of_the_points_as_they_are():
     assert not nothing.confidence.any()
     assert (nothing.view == -1).all()
     assert not len(nothing.surface.points)
+
+
+def test_a_single_view_that_is_left_out_is_said_to_be_too_few():
+    """It would judge nothing and speak alone; before, drawing from no pixels failed in torch."""
+    ways = settings(readings={"signal": "left_out"})
+    with pytest.raises(ReconstructionFailed, match="are there views enough"):
+        run(posed(ball(18.0), 1, 32), ways, 0)

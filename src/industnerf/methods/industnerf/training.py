@@ -76,6 +76,11 @@ class Training:
         seen = footprint(shown, self.points.reach, self._scene.eyes, self.image_px)
         if ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
+        if not seen.any():
+            raise ReconstructionFailed(
+                f"no source view can show a point of level {self.level}: are there views enough, "
+                "and do their cameras agree on where the part is?"
+            )
         self.pixels = Pixels(self._scene, self.image_px, seen)
 
     def _relief(self, hull: Float32[Tensor, "m"]) -> Relief:
