@@ -81,22 +81,16 @@ def render_loops(scene: Scene) -> Rendered:
     """What `render_twin` returns."""
     rays = len(scene.origins)
     pixel, depth, left = torch.zeros(rays, 3).double(), torch.zeros(rays).double(), [1.0] * rays
-    seen: list[list[tuple[float, float]]] = [[] for _ in range(rays)]
     for step in march(scene):
         total = sum(step.neighbours.values())
         colour = sum(w / total * scene.rgb[j] for j, w in step.neighbours.items())
         pixel[step.ray] += step.before * step.alpha * colour
         depth[step.ray] += step.before * step.alpha * step.t
-        seen[step.ray].append((float(step.before * step.alpha), float(step.t)))
         left[step.ray] = step.before * (1 - step.alpha)
     end = torch.tensor(left, dtype=torch.float64)
     opacity = 1 - end
-    spread = [sum(w * v * abs(t - u) for w, t in ray for v, u in ray) for ray in seen]
     return Rendered(
-        pixel + end[:, None] * scene.background,
-        opacity,
-        depth / opacity.clamp(min=1e-8),
-        torch.tensor(spread, dtype=torch.float64),
+        pixel + end[:, None] * scene.background, opacity, depth / opacity.clamp(min=1e-8)
     )
 
 

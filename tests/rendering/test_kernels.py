@@ -48,7 +48,6 @@ def test_pixels_are_the_twins(scene):
     pixels = seen.over(scene.background.float())
     torch.testing.assert_close(pixels.double(), twin.rgb, rtol=1e-4, atol=1e-5)
     torch.testing.assert_close(1 - seen.through.double(), twin.opacity, rtol=1e-4, atol=1e-5)
-    torch.testing.assert_close(seen.spread.double(), twin.spread, rtol=1e-3, atol=1e-4)
     solid = twin.opacity > 0.01  # below, 1 - T cancels in float32
     torch.testing.assert_close(seen.depth[solid].double(), twin.depth[solid], rtol=1e-3, atol=1e-4)
 
@@ -59,16 +58,12 @@ def test_gradients_are_the_twins(scene):
     back_colour = scene.background.float().requires_grad_()
     pull = torch.linspace(-1, 1, 3 * len(rays)).reshape(-1, 3)
     seen = renderer.look(rays, sigma, rgb)
-    tug = pull[:, 1]
-    (
-        (seen.over(back_colour) * pull).sum() + seen.through @ pull[:, 0] + seen.spread @ tug
-    ).backward()
+    ((seen.over(back_colour) * pull).sum() + seen.through @ pull[:, 0]).backward()
 
     leaves = [x.clone().requires_grad_() for x in scene.inputs[6:9]]
     twin = render_twin(*scene.inputs[:6], *leaves, **scene.settings)
     pull = pull.double()
-    tug = pull[:, 1]
-    ((twin.rgb * pull).sum() + (1 - twin.opacity) @ pull[:, 0] + twin.spread @ tug).backward()
+    ((twin.rgb * pull).sum() + (1 - twin.opacity) @ pull[:, 0]).backward()
     ours = back(renderer, sigma.grad), back(renderer, rgb.grad), back_colour.grad.double()
     for mine, leaf in zip(ours, leaves, strict=True):
         largest = leaf.grad.abs().max().item()

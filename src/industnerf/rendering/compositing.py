@@ -20,7 +20,6 @@ class Rendered:
     rgb: Float[Tensor, "r 3"]  # in [0, 1] if the points and the background are
     opacity: Float[Tensor, "r"]  # in [0, 1]; 0 = the background alone
     depth: Float[Tensor, "r"]  # distance along the ray, averaged over what is not background
-    spread: Float[Tensor, "r"]  # how far apart along the ray what is seen is
 
 
 def transmittance(sigma: Float[Tensor, "r s"], step: float) -> Float[Tensor, "r s+1"]:
@@ -55,13 +54,4 @@ def composite(
     pixel = (weights[:, :, None] * rgb).sum(dim=1) + left[:, -1:] * background
     opacity = 1 - left[:, -1]
     depth = (weights * t).sum(dim=1) / opacity.clamp(min=FAINTEST)
-    return Rendered(pixel, opacity, depth, spread_of(weights, t))
-
-
-def spread_of(weights: Float[Tensor, "r s"], t: Float[Tensor, "r s"]) -> Float[Tensor, "r"]:
-    """sum_ij w_i w_j |t_i - t_j|: 0 where one sample is all that is seen.
-
-    The distortion of mip-NeRF 360 -- Barron et al. (2022), eq. (15), its first term.
-    """
-    apart = (t[:, :, None] - t[:, None]).abs()
-    return torch.einsum("ri,rj,rij->r", weights, weights, apart)
+    return Rendered(pixel, opacity, depth)

@@ -14,6 +14,7 @@ from industnerf.rendering.distance import FAINT
 from industnerf.rendering.nearest import Cells, Met, cell_at, nearest
 
 NOTHING = wp.constant(FAINT)
+FAR = wp.constant(50.0)
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 
@@ -50,11 +51,18 @@ def crossing(origin: wp.vec3, direction: wp.vec3, lo: wp.vec3, hi: wp.vec3):
 
 @wp.func
 @no_type_check
+def inside(march: March, value: wp.float32):
+    """The logistic function of -value / beta; kept from overflow, which fast maths forbids."""
+    return 1.0 / (1.0 + wp.exp(wp.min(value / march.beta, FAR)))
+
+
+@wp.func
+@no_type_check
 def density(march: March, value: wp.float32):
     """`distance.density` of what a sample's neighbours hold in the mean."""
     if march.beta == 0.0:
         return value
-    return wp.max(1.0 / (1.0 + wp.exp(value / march.beta)) - NOTHING, 0.0) / march.beta
+    return wp.max(inside(march, value) - NOTHING, 0.0) / march.beta
 
 
 @wp.func
@@ -63,7 +71,7 @@ def slope(march: March, value: wp.float32):
     """How much the density grows with the value."""
     if march.beta == 0.0:
         return wp.float32(1.0)
-    share = 1.0 / (1.0 + wp.exp(value / march.beta))
+    share = inside(march, value)
     if share <= NOTHING:
         return wp.float32(0.0)
     return -share * (1.0 - share) / (march.beta * march.beta)
@@ -84,9 +92,8 @@ def forward(
     through: wp.array(dtype=wp.float32),
     depth: wp.array(dtype=wp.float32),
     median: wp.array(dtype=wp.float32),
-    spread: wp.array(dtype=wp.float32),
 ):
-    """Colour before the background, T_end, mean distance, where T falls through 1/2, spread."""
+    """Colour before the background, T_end, mean distance, where T falls through 1/2."""
     r = wp.tid()
     span = crossing(origins[r], directions[r], march.lo, march.hi)
     per_cell = cells.radius / march.step
@@ -95,7 +102,6 @@ def forward(
     T = wp.float32(1.0)
     c = wp.vec3(0.0, 0.0, 0.0)
     z = wp.float32(0.0)
-    apart = wp.float32(0.0)
     middle = wp.float32(-1.0)
     t = span[0] + offsets[r] * march.step
     while t < span[1] and n < march.room:
@@ -118,10 +124,8 @@ def forward(
                 tau = density(march, s) * march.step
                 kept = wp.exp(-tau)
                 share = T * (1.0 - kept)
-                apart += 2.0 * share * (t * (1.0 - T) - z)
                 c += share * mean
                 z += share * t
-                met.where[slot] = t
                 if T * kept < 0.5 and middle < 0.0:
                     middle = t + (wp.log(2.0 * T) / tau - 0.5) * march.step
                 T = T * kept
@@ -134,7 +138,6 @@ def forward(
     through[r] = T
     depth[r] = z / wp.max(1.0 - T, 1.0e-8)
     median[r] = middle
-    spread[r] = apart
 
 
 @wp.kernel
@@ -147,11 +150,8 @@ def backward(
     met: Met,
     colour: wp.array(dtype=wp.vec3),
     through: wp.array(dtype=wp.float32),
-    depth: wp.array(dtype=wp.float32),
-    spread: wp.array(dtype=wp.float32),
     d_colour: wp.array(dtype=wp.vec3),
     d_through: wp.array(dtype=wp.float32),
-    d_spread: wp.array(dtype=wp.float32),
     d_values: wp.array(dtype=wp.float32),
     d_rgb: wp.array(dtype=wp.vec3),
 ):
@@ -160,18 +160,14 @@ def backward(
     With w_q = T_q alpha_q and v_q = dL/d w_q, what a sample adds to the loss by being seen,
         dL/d sigma_q = step (T_{q+1} v_q - sum_{p>q} w_p v_p - T_end dL/d T_end)
         dL/d c_q = w_q dL/d colour
-        v_q = c_q . dL/d colour + (2 sum_p w_p |t_q - t_p|) dL/d spread
+        v_q = c_q . dL/d colour
     What lies behind a sample is the total less what lies before.
     """
     r = wp.tid()
     g = d_colour[r]
-    e = d_spread[r]
-    behind = wp.dot(g, colour[r]) + 2.0 * e * spread[r]
+    behind = wp.dot(g, colour[r])
     ending = d_through[r] * through[r]
-    seen = 1.0 - through[r]
-    moment = depth[r] * seen
     T = wp.float32(1.0)
-    z = wp.float32(0.0)
     for q in range(met.count[r]):
         slot = r * march.room + q
         first = slot * k
@@ -183,12 +179,8 @@ def backward(
             mean += met.weights[i] * rgb[met.ids[i]]
         kept = wp.exp(-density(march, s) * march.step)
         share = T * (1.0 - kept)
-        t = met.where[slot]
-        before = t * (1.0 - T) - z
-        z += share * t
         T = T * kept
-        after = (moment - z) - t * (seen - (1.0 - T))
-        here = wp.dot(g, mean) + 2.0 * e * (before + after)
+        here = wp.dot(g, mean)
         behind -= share * here
         ds = slope(march, s) * march.step * (T * here - behind - ending)
         for i in range(first, last):

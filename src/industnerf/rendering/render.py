@@ -34,7 +34,6 @@ class Seen:
     through: Float[Tensor, "r"]  # share of the light that passes all points
     depth: Float[Tensor, "r"]  # mean distance along the ray of what is not background
     median: Float[Tensor, "r"]  # distance at which half of the light is left; -1 if never
-    spread: Float[Tensor, "r"]  # sum_ij w_i w_j |t_i - t_j| -- the distortion of Barron (2022)
 
     def over(self, background: Float[Tensor, "r 3"]) -> Float[Tensor, "r 3"]:
         """The pixels before a background."""
@@ -120,19 +119,18 @@ class Renderer:
             like = {"device": self.points.positions.device}
             kept = [
                 torch.empty(rays, dtype=torch.int32, **like),
-                torch.empty(slots, dtype=torch.float32, **like),
                 torch.empty(slots, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.float32, **like),
             ]
             met = Met()
-            met.count, met.where, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
+            met.count, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
             self._met = (rays, met, kept)
         return self._met[1]
 
     def _forward(self, values: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
         colour = torch.empty_like(rays.origins)
-        through, depth, median, spread = (torch.empty_like(rays.offsets) for _ in range(4))
+        through, depth, median = (torch.empty_like(rays.offsets) for _ in range(3))
         wp.launch(
             kernels.forward,
             dim=len(rays),
@@ -149,18 +147,16 @@ class Renderer:
                 _numbers(through),
                 _numbers(depth),
                 _numbers(median),
-                _numbers(spread),
             ],
             device=self._device,
         )
-        return colour, through, depth, median, spread
+        return colour, through, depth, median
 
     def _backward(
         self, values: Tensor, rgb: Tensor, seen: Sequence[Tensor], d_seen: Sequence[Tensor]
     ) -> tuple[Tensor, Tensor]:
         d_values, d_rgb = torch.zeros_like(values), torch.zeros_like(rgb)
-        colour, *others = seen
-        d_colour, *d_others = d_seen
+        (colour, through), (d_colour, d_through) = seen, d_seen
         wp.launch(
             kernels.backward,
             dim=len(colour),
@@ -171,9 +167,9 @@ class Renderer:
                 _vectors(rgb),
                 self._met[1],
                 _vectors(colour),
-                *map(_numbers, others),
+                _numbers(through),
                 _vectors(d_colour),
-                *map(_numbers, d_others),
+                _numbers(d_through),
                 _numbers(d_values),
                 _vectors(d_rgb),
             ],
@@ -187,17 +183,16 @@ class _Look(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx, values, rgb, renderer, rays):
-        colour, through, depth, median, spread = renderer._forward(values, rgb, rays)
-        ctx.save_for_backward(values, rgb, colour, through, depth, spread)
+        colour, through, depth, median = renderer._forward(values, rgb, rays)
+        ctx.save_for_backward(values, rgb, colour, through)
         ctx.renderer = renderer
         ctx.mark_non_differentiable(depth, median)
-        return colour, through, depth, median, spread
+        return colour, through, depth, median
 
     @staticmethod
-    def backward(ctx, d_colour, d_through, d_depth, d_median, d_spread):
+    def backward(ctx, d_colour, d_through, d_depth, d_median):
         values, rgb, *seen = ctx.saved_tensors
-        d_seen = d_colour, d_through, d_spread
-        return *ctx.renderer._backward(values, rgb, seen, d_seen), None, None
+        return *ctx.renderer._backward(values, rgb, seen, (d_colour, d_through)), None, None
 
 
 def _numbers(values: Tensor) -> wp.array:

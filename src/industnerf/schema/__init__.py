@@ -1,6 +1,12 @@
 """The type and range of every key of params.yaml, and no value: one knob a line."""
 
-from industnerf.schema.industnerf import IndustnerfSettings, ReliefSettings
+from industnerf.schema.industnerf import (
+    IndustnerfSettings,
+    LevelSettings,
+    ReliefSettings,
+    SoftnessSettings,
+    WarmUpSettings,
+)
 from industnerf.schema.methods import HullRgbSettings, HullSettings, MethodSettings, SampleSettings
 from industnerf.schema.parts import CleanParams, PartsParams
 from industnerf.schema.rules import require
@@ -28,6 +34,7 @@ __all__ = [
     "HullSettings",
     "IndustnerfSettings",
     "JitterParams",
+    "LevelSettings",
     "LightParams",
     "MethodSettings",
     "Params",
@@ -38,7 +45,9 @@ __all__ = [
     "ReportParams",
     "SampleSettings",
     "SensorParams",
+    "SoftnessSettings",
     "SplitParams",
     "ViewsParams",
+    "WarmUpSettings",
     "require",
 ]

@@ -24,6 +24,18 @@ class LevelSettings:
 
 
 @dataclass(frozen=True)
+class WarmUpSettings:
+    """Steps on a grid of half the resolution, before the first level."""
+
+    steps: int
+    image_px: int
+
+    def __post_init__(self) -> None:
+        require(self.steps >= 0, f"{WHERE}.warm_up.steps", self.steps, "at least 0")
+        require(self.image_px >= 16, f"{WHERE}.warm_up.image_px", self.image_px, "at least 16 px")
+
+
+@dataclass(frozen=True)
 class NetworkSettings:
     """E and N of section 3.1."""
 
@@ -39,11 +51,16 @@ class NetworkSettings:
     every: int
     views: int
     rate: float
+    straight_rate: float
+    encoder_rate: float
+    gain: float
 
     def __post_init__(self) -> None:
         require(self.every >= 1, f"{WHERE}.network.every", self.every, "at least 1")
         require(self.views >= 1, f"{WHERE}.network.views", self.views, "at least 1")
-        require(self.rate > 0, f"{WHERE}.network.rate", self.rate, "above 0")
+        for name in ("rate", "straight_rate", "encoder_rate", "gain"):
+            value = getattr(self, name)
+            require(value > 0, f"{WHERE}.network.{name}", value, "above 0")
 
 
 @dataclass(frozen=True)
@@ -56,13 +73,24 @@ class ResidualSettings:
 
 
 @dataclass(frozen=True)
+class SoftnessSettings:
+    """Of a surface that is given by distances: R4."""
+
+    first: float
+    last: float
+    shown: float
+
+    def __post_init__(self) -> None:
+        where = f"{WHERE}.softness"
+        require(0 < self.last <= self.first, f"{where}.last", self.last, "in (0, softness.first]")
+        require(self.shown > 0, f"{where}.shown", self.shown, "above 0")
+
+
+@dataclass(frozen=True)
 class ReliefSettings:
     """A surface carved out of the visual hull: an addition to the paper."""
 
     use: bool
-    first: float
-    last: float
-    shown: float
     rate: float
     wait: int
     slack: float
@@ -71,8 +99,6 @@ class ReliefSettings:
 
     def __post_init__(self) -> None:
         where = f"{WHERE}.relief"
-        require(0 < self.last <= self.first, f"{where}.last", self.last, "in (0, relief.first]")
-        require(self.shown > 0, f"{where}.shown", self.shown, "above 0")
         require(self.rate > 0, f"{where}.rate", self.rate, "above 0")
         require(self.slack >= 1, f"{where}.slack", self.slack, "at least 1")
         require(self.fill_every >= 1, f"{where}.fill_every", self.fill_every, "at least 1")
@@ -82,11 +108,13 @@ class ReliefSettings:
 class IndustnerfSettings:
     readings: Readings
     grid_res: int
+    warm_up: WarmUpSettings
     levels: list[LevelSettings]
     refine: Literal["sampled", "divided"]
     carve: bool
     network: NetworkSettings
     residual: ResidualSettings
+    softness: SoftnessSettings
     relief: ReliefSettings
     initial: float
     ceiling: float
@@ -98,7 +126,7 @@ class IndustnerfSettings:
     neighbours: int
     stop: float
     emptiness: float
-    spread: float
+    veil: float
     least_confidence: float
     spacing: float
 
@@ -109,13 +137,15 @@ class IndustnerfSettings:
             False,
             "true for one of them: else nothing is learned",
         )
-        free_grid = self.carve and self.residual.use and not self.network.use
+        distances = self.readings.activation == "distance"
+        free_grid = distances and self.carve and self.residual.use and not self.network.use
         stays_grid = self.refine == "divided" or len(self.levels) == 1
         require(
             not self.relief.use or (free_grid and stays_grid),
             f"{WHERE}.relief.use",
             True,
-            "false, or else carve and residual.use true, network.use false and refine divided",
+            "false, or else readings.activation distance, carve and residual.use true, network.use "
+            "false and refine divided",
         )
         require(8 <= self.grid_res <= 512, f"{WHERE}.grid_res", self.grid_res, "in 8..512")
         require(bool(self.levels), f"{WHERE}.levels", self.levels, "one level or more")
@@ -126,7 +156,12 @@ class IndustnerfSettings:
         require(0 < self.radius <= 8, f"{WHERE}.radius", self.radius, "in (0, 8] spacings")
         require(1 <= self.neighbours <= 64, f"{WHERE}.neighbours", self.neighbours, "in 1..64")
         require(0 <= self.stop < 1, f"{WHERE}.stop", self.stop, "in [0, 1)")
-        require(self.initial < self.ceiling, f"{WHERE}.initial", self.initial, "below ceiling")
+        require(
+            distances or self.initial < self.ceiling,
+            f"{WHERE}.initial",
+            self.initial,
+            "below ceiling",
+        )
         require(
             0 <= self.least_confidence < 1,
             f"{WHERE}.least_confidence",

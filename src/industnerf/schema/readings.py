@@ -5,8 +5,8 @@ from typing import Literal
 
 PoseReading = Literal["intended", "printed", "nerf", "identity"]
 FrameReading = Literal["camera", "world", "pose"]
-PoolReading = Literal["mean_variance", "mean", "max"]
-ActivationReading = Literal["cut_exp", "relu", "softplus"]
+PoolReading = Literal["confident", "all", "mean_variance", "mean", "max"]
+ActivationReading = Literal["distance", "cut_exp", "relu", "softplus"]
 PlaceReading = Literal["jitter", "centre"]
 TargetReading = Literal["sigma", "visible"]
 WeightReading = Literal["inverse", "inverse_square", "tapered", "tent"]

@@ -124,10 +124,18 @@ def settings(
     network: dict[str, Any] | None = None,
     residual: dict[str, Any] | None = None,
     levels: list[dict[str, int]] | None = None,
+    warm_up: dict[str, int] | None = None,
     **others: Any,
 ) -> IndustnerfSettings:
-    """Those of params.yaml, with so few points, steps and rays that tests are quick."""
+    """Those of params.yaml, with so few points, steps and rays that tests are quick.
+
+    The paper's method has densities, whose closed forms are known, unless distances are asked for.
+    """
     shipped = getattr(load_params(Path(__file__).parents[3] / "params.yaml").method, name)
+    if name == "industnerf":
+        readings = {"activation": "cut_exp"} | (readings or {})
+        dense = readings["activation"] != "distance"
+        others = ({"initial": -4.0} if dense else {}) | others
     level = {"steps": 10, "image_px": 32, "points": 2000}
     return replace(
         shipped,
@@ -135,6 +143,7 @@ def settings(
         network=replace(shipped.network, **{"channels": 24, "hidden": 32} | (network or {})),
         residual=replace(shipped.residual, **(residual or {})),
         levels=[replace(shipped.levels[0], **level | extra) for extra in levels or [{}]],
+        warm_up=replace(shipped.warm_up, **{"steps": 0} | (warm_up or {})),
         **{"grid_res": 12, "rays": 256} | others,
     )
 

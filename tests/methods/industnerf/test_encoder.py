@@ -8,6 +8,7 @@ from industnerf.methods.industnerf.encoder import STRIDE, Encoder
 # A texel of the last layer sees 20 px, so up to 8 px beyond its own 4: two texels on each side
 # of the map depend on what is repeated beyond the border.
 INSIDE = slice(3, -3)
+WHITE = torch.ones(3, 1, 1, dtype=torch.float64)
 
 
 def encoder(rgb_skip: bool = False) -> Encoder:
@@ -24,9 +25,9 @@ def test_an_image_shifted_by_a_stride_shifts_its_features_by_one():
     taken = images()
     shifted = torch.roll(taken, (STRIDE, 2 * STRIDE), dims=(2, 3))
     net = encoder(rgb_skip=True)
-    expected = torch.roll(net(taken), (1, 2), dims=(2, 3))
+    expected = torch.roll(net(taken, WHITE), (1, 2), dims=(2, 3))
     inside = (..., slice(4, -3), slice(5, -3))  # and away from the seam of the roll
-    torch.testing.assert_close(net(shifted)[inside], expected[inside], rtol=0, atol=1e-12)
+    torch.testing.assert_close(net(shifted, WHITE)[inside], expected[inside], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("axis", [2, 3])
@@ -37,24 +38,28 @@ def test_symmetric_kernels_mirror_features_with_the_image(axis):
         for layer in (net.first, net.second, net.last):
             layer.weight += layer.weight.flip(axis)
     taken = images()
-    torch.testing.assert_close(net(taken.flip(axis)), net(taken).flip(axis), rtol=0, atol=1e-12)
+    torch.testing.assert_close(
+        net(taken.flip(axis), WHITE), net(taken, WHITE).flip(axis), rtol=0, atol=1e-12
+    )
 
 
 def test_a_texel_sees_no_further_than_stated():
     taken = images().requires_grad_()
-    encoder()(taken)[0, :, 5, 7].sum().backward()
+    encoder()(taken, WHITE)[0, :, 5, 7].sum().backward()
     seen = taken.grad[0].abs().sum(dim=0).nonzero()
     assert seen.amin(dim=0).tolist() == [5 * STRIDE - 8, 7 * STRIDE - 8]
     assert seen.amax(dim=0).tolist() == [6 * STRIDE + 7, 8 * STRIDE + 7]
 
 
-def test_the_skip_is_the_mean_colour_of_each_texel():
+def test_the_skip_is_the_mean_colour_and_contrast_of_each_texel():
     taken = images()
-    found = encoder(rgb_skip=True)(taken)
-    assert found.shape[1] == encoder(rgb_skip=True).channels == encoder().channels + 3
+    found = encoder(rgb_skip=True)(taken, WHITE)
+    assert found.shape[1] == encoder(rgb_skip=True).channels == encoder().channels + 4
     mean = taken[0, :, 8:12, 20:24].mean(dim=(1, 2))
-    torch.testing.assert_close(found[0, 5:, 2, 5], mean, rtol=0, atol=1e-14)
-    torch.testing.assert_close(found[:, :5], encoder()(taken), rtol=0, atol=0)
+    torch.testing.assert_close(found[0, 5:8, 2, 5], mean, rtol=0, atol=1e-14)
+    darkest = taken[0, :, 8:12, 20:24].amin(dim=0)  # the channel that is farthest from white
+    torch.testing.assert_close(found[0, 8, 2, 5], (1 - darkest).mean(), rtol=0, atol=1e-14)
+    torch.testing.assert_close(found[:, :5], encoder()(taken, WHITE), rtol=0, atol=0)
 
 
 @pytest.mark.parametrize(("height", "width"), [(48, 64), (45, 63), (46, 61), (5, 4)])
@@ -62,7 +67,7 @@ def test_texels_cover_the_image_whatever_its_size(height, width):
     """A linear image keeps its slope and its place, but for a border's half pixel."""
     u = (torch.arange(width, dtype=torch.float64) + 0.5) / width
     ramp = u.expand(1, 3, height, width)
-    colour = encoder(rgb_skip=True)(ramp)[0, 5]
+    colour = encoder(rgb_skip=True)(ramp, WHITE)[0, 5]
     texels = colour.shape[1]
     assert colour.shape == (-(-height // STRIDE), -(-width // STRIDE))
     expected = (torch.arange(texels, dtype=torch.float64) + 0.5) / texels
@@ -72,7 +77,16 @@ def test_texels_cover_the_image_whatever_its_size(height, width):
     torch.testing.assert_close(colour[0, 1:-1], expected[1:-1], rtol=0, atol=1e-12)
 
 
+def test_before_its_background_an_image_is_told_by_how_it_differs():
+    """Another background and an image as much brighter: the same features but for the colours."""
+    net, taken = encoder(rgb_skip=True), images() / 2
+    here, there = net(taken, WHITE / 2), net(taken + 0.25, WHITE / 2 + 0.25)
+    torch.testing.assert_close(here[:, :5], there[:, :5], rtol=0, atol=1e-12)
+    torch.testing.assert_close(here[:, 8], there[:, 8], rtol=0, atol=1e-12)
+    assert not net(WHITE.expand(1, 3, 48, 64), WHITE)[:, 8].any()
+
+
 def test_gradients_reach_every_weight():
     net = encoder()
-    net(images()).square().sum().backward()
+    net(images(), WHITE).square().sum().backward()
     assert all((weight.grad != 0).any() for weight in net.parameters())

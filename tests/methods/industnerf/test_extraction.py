@@ -16,7 +16,7 @@ def some(count: int, seed: int) -> Surface:
 
 
 MEMBERS, SEEN = some(21, 0), some(41, 1)
-TOLD = witnesses.Testimony(MEMBERS.confidence, MEMBERS.view, SEEN)
+TOLD = witnesses.Testimony(MEMBERS.confidence, MEMBERS.view, SEEN, MEMBERS.confidence[None])
 
 
 def cloud(least: float, reading: str, spacing: float = 0.2) -> Surface:
@@ -46,7 +46,10 @@ def test_surface_points_are_those_of_sure_pixels_thinned(least, kept):
 
 def test_nothing_sure_is_an_empty_cloud():
     doubtful = witnesses.Testimony(
-        torch.zeros(21), torch.full((21,), -1), Surface(*(v[:0] for v in vars(SEEN).values()))
+        torch.zeros(21),
+        torch.full((21,), -1),
+        Surface(*(v[:0] for v in vars(SEEN).values())),
+        torch.zeros(1, 21),
     )
     for reading in ("confident", "surface"):
         found = final_cloud(MEMBERS.points, MEMBERS.rgb, doubtful, 0.0, 0.2, reading)

@@ -3,9 +3,10 @@
 import pytest
 import torch
 
-from industnerf.methods.industnerf.field import EMPTY, GREY, Field
+from industnerf.methods.industnerf.field import EMPTY, Field
 from industnerf.methods.industnerf.levels import spacing_of
-from industnerf.methods.industnerf.network import activate
+from industnerf.methods.industnerf.network import PURE, activate
+from industnerf.methods.industnerf.sources import GREY
 from industnerf.schema import IndustnerfSettings
 from tests.methods.industnerf.scenes import BOTH, FREE, ball, scene, settings
 
@@ -38,13 +39,15 @@ def stir(field: Field) -> None:
 
 @every_kind
 @pytest.mark.parametrize("activation", ["cut_exp", "relu", "softplus"])
-def test_it_starts_uniform_and_grey(kind, activation):
+def test_it_starts_uniform_and_in_the_colours_that_views_see(kind, activation):
     ways = settings_of(kind, initial=0.5, readings={"activation": activation})
-    sigma, rgb = placed(ways)()
+    field = placed(ways)
+    sigma, rgb = field()
     unit = spacing_of(ways.grid_res, 0)
     truth = activate(torch.full((30,), 0.5), activation, unit, ways.ceiling)
     torch.testing.assert_close(sigma, truth)
-    torch.testing.assert_close(rgb, torch.full((30, 3), GREY))
+    seen = field.sources.colours().clamp(PURE, 1 - PURE) if kind != "free" else GREY
+    torch.testing.assert_close(rgb, torch.zeros(30, 3) + seen)
 
 
 def test_density_per_first_spacing_does_not_depend_on_the_grid():
@@ -65,8 +68,8 @@ def test_free_points_are_what_they_are_told():
 def test_residuals_add_to_the_network():
     """In raw density and in colour; relu so that densities add up too."""
     readings = {"activation": "relu"}
-    alone = placed(settings_of("network", initial=2.0, readings=readings))
-    both = placed(settings_of("both", initial=2.0, readings=readings))
+    alone = placed(settings_of("network", initial=6.0, ceiling=9.0, readings=readings))
+    both = placed(settings_of("both", initial=6.0, ceiling=9.0, readings=readings))
     stir(alone)
     both.load_state_dict(alone.state_dict() | {"raw": both.raw, "rgb": both.rgb})
     with torch.no_grad():
@@ -112,7 +115,8 @@ def test_each_group_has_its_rate():
     assert rates[id(field.raw)] == ways.residual.density_rate
     assert rates[id(field.rgb)] == ways.residual.colour_rate
     assert rates[id(field.network.head.bias)] == ways.network.rate
-    assert rates[id(field.sources.encoder.last.weight)] == ways.network.rate
+    assert rates[id(field.network.straight.weight)] == ways.network.straight_rate
+    assert rates[id(field.sources.encoder.last.weight)] == ways.network.encoder_rate
 
 
 @pytest.mark.parametrize("encoder", ["none", "frozen"])
@@ -161,3 +165,16 @@ def test_moving_on_to_other_points_keeps_what_is_learned_of_all(kind):
     field.place(some_points()[:7] * 0.1)
     field.place(some_points(), *own)
     assert all(torch.equal(a, b) for a, b in zip(before, field(), strict=True))
+
+
+def test_views_that_are_first_heeded_are_counted_as_n_is_used_to():
+    """Mean and deviation of N's inputs stay; which point has which does not."""
+    field = placed(settings_of("network"))
+    told = (field.sources() - field._mean) / field._deviation
+    trust = torch.rand(3, 30, generator=torch.Generator().manual_seed(2))
+    field.place(some_points(), trust=trust)
+    heeded = (field.sources() - field._mean) / field._deviation
+    assert (heeded - told).abs().max() > 0.1
+    torch.testing.assert_close(heeded.mean(0), told.mean(0), rtol=0, atol=1e-4)
+    varied = field.sources().std(0) > 0.011  # less counts as that
+    torch.testing.assert_close(heeded.std(0)[varied], told.std(0)[varied], rtol=1e-3, atol=1e-4)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.levels import (
+    Layer,
     cells_of,
     divided,
     grid,
@@ -27,7 +28,8 @@ def cloud(seed: int, count: int) -> torch.Tensor:
 
 @pytest.mark.parametrize("grid_res", [8, 13])
 def test_the_first_grid_is_the_cells_about_the_unit_ball(grid_res):
-    points, spacing = grid(grid_res, CPU), spacing_of(grid_res, 0)
+    spacing = spacing_of(grid_res, 0)
+    points = grid(spacing, CPU)
     assert len(torch.unique(points, dim=0)) == len(points)
     cells = (points + 1) / spacing
     torch.testing.assert_close(cells - 0.5, (cells - 0.5).round(), rtol=0, atol=1e-5)  # centres
@@ -40,7 +42,7 @@ def test_the_first_grid_is_the_cells_about_the_unit_ball(grid_res):
 
 
 def test_each_level_halves_the_spacing():
-    assert [spacing_of(16, level) for level in range(3)] == [1 / 8, 1 / 16, 1 / 32]
+    assert [spacing_of(16, level) for level in range(-1, 3)] == [1 / 4, 1 / 8, 1 / 16, 1 / 32]
 
 
 @given(SEEDS)
@@ -59,40 +61,52 @@ def test_the_last_cell_has_the_boundary_and_what_is_beyond():
     assert cells_of(edge, 4).tolist() == [[3, 0, 2], [3, 0, 2]]
 
 
-@pytest.mark.parametrize("target", ["sigma", "visible"])
-def test_samples_lie_in_cells_with_density_in_proportion(target):
-    """Two of 6^3 cells have density, as 1 to 3; R6 decides whether a third counts, unseen."""
-    points = grid(8, CPU)[:0].new_tensor([[-0.5, 0.5, 0.17], [0.83, -0.17, -0.83], [0.5, 0.5, 0.5]])
-    sigma, seen = torch.tensor([1.0, 3, 4]), torch.tensor([1.0, 1, 0])
-    drawn = sampled(points, sigma, seen, 6, 800, torch.Generator().manual_seed(0), target, "jitter")
+def test_samples_lie_in_cells_with_density_in_proportion():
+    """Two of 6^3 cells have density, as 1 to 3."""
+    points = torch.tensor([[-0.5, 0.5, 0.17], [0.83, -0.17, -0.83]])
+    density = on_grid(points, torch.tensor([1.0, 3]), 6)
+    drawn = sampled(density, 800, torch.Generator().manual_seed(0), "jitter")
     cell = cells_of(drawn, 6)
-    counts = [(cell == cells_of(points, 6)[i]).all(dim=1).sum().item() for i in range(3)]
+    counts = [(cell == cells_of(points, 6)[i]).all(dim=1).sum().item() for i in range(2)]
     # x alone tells the cells apart, and its uniforms are stratified: exact but for the strata
-    # that the borders cut
-    shares = [1, 3, 4] if target == "sigma" else [1, 3, 0]
-    np.testing.assert_allclose(counts, 800 * np.array(shares) / sum(shares), atol=1)
+    # that the border cuts
+    np.testing.assert_allclose(counts, [200, 600], atol=1)
     assert sum(counts) == 800
     assert torch.equal(drawn, drawn.clamp(-1, 1))
 
 
 def test_samples_are_jittered_or_in_the_middle():
-    given_to = torch.tensor([[0.1, 0.1, 0.1]]), torch.ones(1), torch.ones(1), 4, 50
-    how = (torch.Generator().manual_seed(0), "sigma")
-    assert (sampled(*given_to, *how, "centre") == 0.25).all()
-    assert len(torch.unique(sampled(*given_to, *how, "jitter"), dim=0)) == 50
+    density = on_grid(torch.tensor([[0.1, 0.1, 0.1]]), torch.ones(1), 4)
+    how = (density, 50, torch.Generator().manual_seed(0))
+    assert (sampled(*how, "centre") == 0.25).all()
+    assert len(torch.unique(sampled(*how, "jitter"), dim=0)) == 50
 
 
 def test_nothing_cannot_be_sampled():
     with pytest.raises(ReconstructionFailed, match="the field is empty"):
-        sampled(
-            cloud(0, 5), torch.zeros(5), torch.ones(5), 4, 9, torch.Generator(), "sigma", "centre"
-        )
+        sampled(torch.zeros(4, 4, 4), 9, torch.Generator(), "centre")
+
+
+def test_a_layers_rows_stay_together():
+    points, trust = cloud(0, 6), torch.rand(3, 6)
+    layer = Layer(points, 0.1, (points[:, 0], points / 2), trust)
+    for which in (torch.tensor([4, 1]), points[:, 0] > 0):
+        some = layer.only(which)
+        assert some.spacing == 0.1
+        assert torch.equal(some.points, points[which])
+        assert torch.equal(some.residuals[0], points[which, 0])
+        assert torch.equal(some.residuals[1], points[which] / 2)
+        assert torch.equal(some.trust, trust[:, which])
+    bare = Layer(points, 0.1).only(torch.tensor([2]))
+    assert bare.residuals is None
+    assert bare.trust is None
 
 
 @pytest.mark.parametrize("grid_res", [8, 11])
 def test_halves_of_the_grid_are_the_next_grid(grid_res):
     """What the grid of half the spacing has, and nothing twice."""
-    points, spacing = grid(grid_res, CPU), spacing_of(grid_res, 0)
+    spacing = spacing_of(grid_res, 0)
+    points = grid(spacing, CPU)
     finer = divided(points, spacing)
     assert len(finer) == 8 * len(points)
     cells = cells_of(finer, 2 * grid_res)

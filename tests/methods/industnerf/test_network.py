@@ -6,34 +6,35 @@ from itertools import pairwise
 import pytest
 import torch
 
-from industnerf.methods.industnerf.network import Network, activate
+from industnerf.methods.industnerf.network import PURE, Network, activate
 
-READINGS = ["cut_exp", "relu", "softplus"]
+READINGS = ["distance", "cut_exp", "relu", "softplus"]
 
 
-def test_it_starts_with_one_density_and_grey():
-    raw, rgb = Network(10, 16, 2, initial=-1.5)(torch.randn(30, 10))
+def test_it_starts_with_one_density_and_the_colours_it_is_given():
+    colours = torch.rand(30, 3)
+    raw, rgb = Network(10, 16, 2, initial=-1.5, gain=3.0)(torch.randn(30, 10), colours)
     assert (raw == -1.5).all()
-    assert (rgb == 0.5).all()
+    torch.testing.assert_close(rgb, colours.clamp(PURE, 1 - PURE))
 
 
 @pytest.mark.parametrize("layers", [0, 1, 3])
 def test_it_has_the_layers_asked_for(layers):
-    net = Network(10, 16, layers, initial=0.0)
+    net = Network(10, 16, layers, initial=0.0, gain=3.0)
     widths = [10, *[16] * layers, 4]
-    expected = sum(a * b + b for a, b in pairwise(widths))
+    expected = sum(a * b + b for a, b in pairwise(widths)) + 10 * 4  # and straight
     assert sum(p.numel() for p in net.parameters()) == expected
 
 
 def test_it_learns_density_and_colour():
     """One inside, one outside, of two colours: each to a hundredth of the start's error."""
     torch.manual_seed(0)
-    net = Network(3, 16, 2, initial=0.0)
+    net = Network(3, 16, 2, initial=0.0, gain=3.0)
     x = torch.tensor([[1.0, 0, 0], [0, 1, 0]])
     raw, rgb = torch.tensor([3.0, -6]), torch.tensor([[0.9, 0.1, 0.1], [0.2, 0.8, 0.5]])
     optimiser, losses = torch.optim.Adam(net.parameters(), 1e-2), []
     for _ in range(200):
-        found = net(x)
+        found = net(x, torch.full((2, 3), 0.5))
         loss = torch.stack([(found[0] - raw).square().mean(), (found[1] - rgb).square().mean()])
         optimiser.zero_grad()
         loss.sum().backward()
@@ -45,6 +46,7 @@ def test_it_learns_density_and_colour():
 @pytest.mark.parametrize(
     ("reading", "expected"),
     [
+        ("distance", lambda raw: raw / 16),
         ("cut_exp", lambda raw: max(math.exp(min(raw, 4)) - math.exp(-6), 0)),
         ("relu", lambda raw: max(raw, 0)),
         ("softplus", lambda raw: math.log1p(math.exp(raw))),
@@ -63,7 +65,7 @@ def test_only_softplus_is_never_zero():
     assert (activate(low, "softplus", 1.0, 4.0) > 0).all()
 
 
-@pytest.mark.parametrize("reading", READINGS)
+@pytest.mark.parametrize("reading", READINGS[1:])
 def test_densities_are_finite_and_not_negative_with_finite_gradients(reading):
     raw = torch.tensor([-1e30, -100, -6, 0, 4, 100, 1e30]).requires_grad_()
     sigma = activate(raw, reading, 0.1, 4.0)

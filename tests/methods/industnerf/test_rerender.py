@@ -18,7 +18,7 @@ BEHIND = torch.tensor([[1.0, 0.5, 0.0], [0.2, 0.2, 0.2], [0.0, 1.0, 0.5]])
 
 def a_field(radius: float = 0.5, density: float = 400.0):
     """A ball of points in a colour each, opaque; the other points are empty."""
-    points = Points(grid(16, CPU), 1.1 * SPACING, 8, "inverse_square")
+    points = Points(grid(SPACING, CPU), 1.1 * SPACING, 8, "inverse_square")
     sigma = torch.where(points.positions.norm(dim=1) < radius, density, 0.0)
     side = 1 + SPACING
     renderer = Renderer(points, (-side,) * 3, (side,) * 3, SPACING, 0.01)

@@ -9,10 +9,10 @@ import torch
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf import training as module
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import grid, spacing_of
+from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.run import run
 from industnerf.methods.industnerf.training import DECAY, Training
-from industnerf.schema import IndustnerfSettings
+from industnerf.schema import IndustnerfSettings, SoftnessSettings
 from tests.methods.industnerf.scenes import BOTH, CPU, FREE, ball, posed, scene, settings
 
 RES = 12
@@ -31,16 +31,18 @@ def settings_of(kind: str, **changes: Any) -> IndustnerfSettings:
     return settings("industnerf", grid_res=RES, **KINDS[kind] | changes)
 
 
-def a_training(ways: IndustnerfSettings, seed: int = 0, points: torch.Tensor | None = None):
+def a_training(
+    ways: IndustnerfSettings, seed: int = 0, points: torch.Tensor | None = None, level: int = 0
+) -> Training:
     """Of a ball in four views, from a grid that is a little shaken: no two cells are alike."""
     torch.manual_seed(seed)
     seen = scene(ball(18.0), 4, 32)
     field = Field(seen, ways)
-    places = grid(RES, CPU)
+    places = grid(spacing_of(RES, 0), CPU)
     shaken = places + 0.03 * torch.randn(places.shape, generator=torch.Generator().manual_seed(9))
     generator = torch.Generator().manual_seed(seed)
-    first = shaken if points is None else points
-    return Training(seen, field, first, spacing_of(RES, 0), 0, ways, generator, None)
+    layer = Layer(shaken if points is None else points, spacing_of(RES, 0))
+    return Training(seen, field, layer, level, ways, generator)
 
 
 def pixels_of(training: Training, rays: tuple) -> torch.Tensor:
@@ -54,8 +56,12 @@ class Inside(torch.nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.brightness = torch.nn.Parameter(torch.ones(1))
+        self.straight = torch.nn.Linear(1, 4, bias=False)  # that nothing goes
 
-    def forward(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    def deep_parameters(self) -> list[torch.nn.Parameter]:
+        return [self.brightness]
+
+    def forward(self, x: torch.Tensor, colours: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Everything else has no density at all."""
         near = (x - torch.tensor([0.4, 0.2, -0.3])).norm(dim=1) < 0.8
         return (3 * x[:, 0]).where(near, -8.0), self.brightness * (0.5 + 0.5 * (4 * x).sin())
@@ -83,11 +89,48 @@ def test_same_seed_same_bytes_other_seed_other_bytes(kind):
 def test_rates_fall_from_the_first_step_to_the_last():
     ways = settings_of("both", levels=[{"steps": 4}])
     training = a_training(ways)
-    first = [ways.network.rate, ways.residual.density_rate, ways.residual.colour_rate]
+    first = [ways.network.rate, ways.network.straight_rate, ways.network.encoder_rate]
+    first += [ways.residual.density_rate, ways.residual.colour_rate]
     for taken in range(4):
         training.step()
         rates = [group["lr"] for group in training._adam.param_groups]
         assert rates == pytest.approx([rate * DECAY ** (taken / 4) for rate in first])
+
+
+def test_over_all_levels_the_surface_hardens_and_rates_fall_once():
+    """Geometrically, from the warm-up's first step to the last level's last."""
+    softness = SoftnessSettings(4.0, 0.25, 0.1)
+    ways = settings_of(
+        "trained",
+        readings={"activation": "distance"},
+        levels=[{"steps": 4}, {"steps": 4}],
+        warm_up={"steps": 8},
+        softness=softness,
+    )
+    unit = spacing_of(RES, 0)
+    for level, before in ((WARM_UP, 0), (0, 8), (1, 12)):
+        training = a_training(ways, level=level)
+        for taken in range(training.steps):
+            training.step()
+            beta = 4.0 * 2.0 ** (-(before + taken) / 4)
+            assert training.renderer.beta == pytest.approx(beta * unit)
+            assert training.field.softness == pytest.approx(beta)
+            rate = training._adam.param_groups[0]["lr"]
+            assert rate == pytest.approx(ways.network.rate * DECAY ** ((before + taken) / 16))
+    assert training.fine.beta == pytest.approx(0.1 * unit)
+
+
+def test_hardening_makes_what_n_calls_matter_more_opaque():
+    """N counts distances in softnesses: where it says 1 / 2, there is ever more matter."""
+    training = a_training(settings_of("trained", readings={"activation": "distance"}))
+    with torch.no_grad():
+        training.field.network.head.bias[0] = 0.5  # outside by half a softness: thin, and seen
+    training.taken = 1
+    training._harden()
+    soft = training.density()
+    training.taken = training.steps
+    training._harden()
+    assert (training.density() > 2 * soft).all()
 
 
 def test_what_is_left_out_is_not_trained_on():
@@ -102,16 +145,8 @@ def test_points_start_where_they_are_told_to():
     training = a_training(ways)
     places = training.points.positions.flip(0)
     raw, rgb = places[:, 0] * 2, places / 2 + 0.5
-    again = Training(
-        scene(ball(18.0), 4, 32),
-        training.field,
-        places,
-        0.1,
-        0,
-        ways,
-        torch.Generator(),
-        (raw, rgb),
-    )
+    layer = Layer(places, 0.1, (raw, rgb))
+    again = Training(scene(ball(18.0), 4, 32), training.field, layer, 0, ways, torch.Generator())
     positions = again.points.positions
     assert not torch.equal(positions, places)  # sorted
     assert torch.equal(again.field.raw, positions[:, 0] * 2)
@@ -226,7 +261,7 @@ def test_a_training_that_is_taken_up_again_is_the_same(kind, halfway, monkeypatc
 
 
 def test_with_a_trained_encoder_that_sees_all_views_only_rounding_differs(monkeypatch):
-    """Sums of features have another history, in float64; ten steps of Adam make more of it."""
+    """Features of all views together or one by one; ten steps of Adam make more of it."""
     monkeypatch.setattr(module, "SWEEP", 4)
     whole, other = resumed(settings_of("trained", network={"every": 1, "views": 4}), 5, 9)
     for a, b in zip(whole.values(), other.values(), strict=True):

@@ -84,7 +84,7 @@ def solid_ball(grid_res: int, radius: float) -> tuple[Renderer, torch.Tensor, to
     """Opaque points of the grid, in the colours of the photographed ball, and empty ones."""
     spacing = spacing_of(grid_res, 0)
     side = 1 + spacing
-    points = Points(grid(grid_res, CPU), 1.1 * spacing, 8, "inverse_square")
+    points = Points(grid(spacing, CPU), 1.1 * spacing, 8, "inverse_square")
     sigma = torch.where(points.positions.norm(dim=1) < radius, 50 / spacing, 0.0)
     rgb = 0.45 + 0.35 * torch.sin(points.positions * REACH / 5)
     return Renderer(points, (-side,) * 3, (side,) * 3, spacing, 0.01), sigma, rgb

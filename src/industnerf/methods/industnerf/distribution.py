@@ -51,6 +51,12 @@ def pdf(sigma: Float[Tensor, "x y z"]) -> Grid:
     return density / density.sum()
 
 
+def effective_cells(sigma: Float[Tensor, "x y z"]) -> float:
+    """How many cells the draws are spread over: (sum p)^2 / sum p^2, n if n have equal shares."""
+    p = pdf(sigma)
+    return 1 / float((p**2).sum())
+
+
 def marginal_xy(p: Grid) -> Float64[Tensor, "x y"]:
     """Eq. (6)."""
     return p.sum(dim=2)

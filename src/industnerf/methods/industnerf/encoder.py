@@ -17,28 +17,37 @@ STRIDE = 4  # px of the image on each side of a texel
 class Encoder(nn.Module):
     """Two convolutions of stride 2 with `width` channels, then one to `features` channels.
 
-    With `rgb_skip` the image itself, averaged over each texel, follows as 3 more channels.
+    They look at how the image differs from its background and have no biases: background is 0,
+    whatever they learn.  With `rgb_skip` the image itself, averaged over each texel, follows as
+    3 more channels, and its contrast to the background, the largest of the three, as a fourth.
     The initial weights come from torch's global generator.
     """
 
     def __init__(self, features: int, width: int, rgb_skip: bool) -> None:
         super().__init__()
         # photographs do not end in black: the border is repeated, not zero
-        self.first = nn.Conv2d(3, width, 6, stride=2, padding=2, padding_mode="replicate")
-        self.second = nn.Conv2d(width, width, 4, stride=2, padding=1, padding_mode="replicate")
-        self.last = nn.Conv2d(width, features, 3, padding=1, padding_mode="replicate")
+        ways = {"padding_mode": "replicate", "bias": False}
+        self.first = nn.Conv2d(3, width, 6, stride=2, padding=2, **ways)
+        self.second = nn.Conv2d(width, width, 4, stride=2, padding=1, **ways)
+        self.last = nn.Conv2d(width, features, 3, padding=1, **ways)
         self.rgb_skip = rgb_skip
-        self.channels = features + 3 * rgb_skip
+        self.channels = features + 4 * rgb_skip
 
-    def forward(self, images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v c th tw"]:
+    def forward(
+        self, images: Float[Tensor, "v 3 h w"], behind: Float[Tensor, "3 1 1"]
+    ) -> Float[Tensor, "v c th tw"]:
         """Features of images in [0, 1], a texel for every 4 x 4 px.
 
         A side that is no multiple of 4 px is first stretched to the next one, so that the
         texels cover the image exactly, as `sample_features` takes it.
         """
         images = stretched(images)
-        features = self.last(relu(self.second(relu(self.first(images)))))
-        return cat([features, avg_pool2d(images, STRIDE)], dim=1) if self.rgb_skip else features
+        against = images - behind
+        features = self.last(relu(self.second(relu(self.first(against)))))
+        if not self.rgb_skip:
+            return features
+        contrast = against.abs().amax(dim=1, keepdim=True)
+        return cat([features, avg_pool2d(cat([images, contrast], dim=1), STRIDE)], dim=1)
 
 
 def stretched(images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v 3 sh sw"]:

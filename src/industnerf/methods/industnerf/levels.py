@@ -1,17 +1,17 @@
 """From coarse to fine: the first grid (3.1), and the points that refine it (3.2)."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import torch
 from jaxtyping import Bool, Float32, Int64
 from scipy.spatial import cKDTree
 from torch import Tensor
 
-from industnerf.methods.industnerf.distribution import (
-    density_to_sample,
-    inverse_transform,
-    stratified,
-)
-from industnerf.schema.readings import PlaceReading, TargetReading
+from industnerf.methods.industnerf.distribution import inverse_transform, stratified
+from industnerf.schema.readings import PlaceReading
+
+WARM_UP = -1  # the level before the first: every eighth point of its grid
 
 
 def spacing_of(grid_res: int, level: int) -> float:
@@ -19,13 +19,32 @@ def spacing_of(grid_res: int, level: int) -> float:
     return 2 / (grid_res * 2**level)
 
 
-def grid(grid_res: int, device: torch.device) -> Float32[Tensor, "m 3"]:
-    """X = S(r): the centres of r^3 cells of [-1, 1]^3, those that touch the unit ball.
+@dataclass(frozen=True)
+class Layer:
+    """The points of a level, how far apart they are, and what they take over from the last."""
+
+    points: Float32[Tensor, "m 3"]
+    spacing: float
+    residuals: tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]] | None = None
+    trust: Float32[Tensor, "v m"] | None = None  # (13), as each view had it of the nearest point
+
+    def only(self, which: Bool[Tensor, "m"] | Int64[Tensor, "k"]) -> "Layer":
+        """These of the points, in this order."""
+        residuals, trust = self.residuals, self.trust
+        return Layer(
+            self.points[which],
+            self.spacing,
+            (residuals[0][which], residuals[1][which]) if residuals else None,
+            None if trust is None else trust[:, which],
+        )
+
+
+def grid(spacing: float, device: torch.device) -> Float32[Tensor, "m 3"]:
+    """X = S(r): the centres of r^3 cells of [-1, 1]^3, r = 2 / spacing, that touch the unit ball.
 
     Every camera has the ball in frame; what is beyond it some cameras do not see.
     """
-    spacing = spacing_of(grid_res, 0)
-    axis = -1 + spacing * (torch.arange(grid_res, device=device) + 0.5)
+    axis = -1 + spacing * (torch.arange(round(2 / spacing), device=device) + 0.5)
     points = torch.cartesian_prod(axis, axis, axis)
     return points[points.norm(dim=1) < 1 + spacing]
 
@@ -46,22 +65,12 @@ def on_grid(
 
 
 def sampled(
-    points: Float32[Tensor, "m 3"],
-    sigma: Float32[Tensor, "m"],
-    visibility: Float32[Tensor, "m"],
-    cells: int,
-    count: int,
-    generator: torch.Generator,
-    target: TargetReading,
-    place: PlaceReading,
+    density: Float32[Tensor, "r r r"], count: int, generator: torch.Generator, place: PlaceReading
 ) -> Float32[Tensor, "n 3"]:
-    """`count` points by inverse transform sampling of the density, eqs. (5)-(9)."""
-    density = density_to_sample(
-        on_grid(points, sigma, cells), on_grid(points, visibility, cells), target
-    )
+    """`count` points by inverse transform sampling of the density on a grid, eqs. (5)-(9)."""
     uniforms = stratified(count, generator).to(density.device)
     places = inverse_transform(density, uniforms, place)
-    return (places * (2 / cells) - 1).float()
+    return (places * (2 / len(density)) - 1).float()
 
 
 def divided(points: Float32[Tensor, "m 3"], spacing: float) -> Float32[Tensor, "n 3"]:

@@ -11,18 +11,21 @@ from torch.nn.functional import softplus
 
 from industnerf.schema.readings import ActivationReading
 
+PURE = 0.02  # colours start this far from 0 and 1, where no gradient leads away
 CUT = math.exp(-6)  # what `cut_exp` takes off: raw values of -6 and less have no density
 
 
 @final
 class Network(nn.Module):
-    """A perceptron with `layers` hidden layers of `hidden` units.
+    """A perceptron with `layers` hidden layers of `hidden` units, and a straight way past them.
 
-    Its last layer starts at zero weights: every point has the raw density `initial` and is
-    grey.  The other initial weights come from torch's global generator.
+    The straight way learns soon what a single input tells, such as that a view sees background.
+    It and the last layer start at zero weights: every point has the raw density `initial` and the
+    colour that it is given.  The other initial weights come from torch's global generator.  Raw
+    densities count `gain` times, for they range farther than outputs of a network easily do.
     """
 
-    def __init__(self, inputs: int, hidden: int, layers: int, initial: float) -> None:
+    def __init__(self, inputs: int, hidden: int, layers: int, initial: float, gain: float) -> None:
         super().__init__()
         widths = [inputs, *[hidden] * layers]
         body: list[nn.Module] = []
@@ -30,17 +33,24 @@ class Network(nn.Module):
             body += [nn.Linear(width, following), nn.ReLU()]
         self.body = nn.Sequential(*body)
         self.head = nn.Linear(widths[-1], 4)
+        self.straight = nn.Linear(inputs, 4, bias=False)
+        nn.init.zeros_(self.straight.weight)
         nn.init.zeros_(self.head.weight)
         nn.init.zeros_(self.head.bias)
         with torch.no_grad():
-            self.head.bias[0] = initial
+            self.head.bias[0] = initial / gain
+        self._gain = gain
+
+    def deep_parameters(self) -> list[nn.Parameter]:
+        """All but those of the straight way."""
+        return [*self.body.parameters(), *self.head.parameters()]
 
     def forward(
-        self, inputs: Float[Tensor, "n i"]
+        self, inputs: Float[Tensor, "n i"], colours: Float[Tensor, "n 3"]
     ) -> tuple[Float[Tensor, "n"], Float[Tensor, "n 3"]]:
-        """Raw density, for `activate`, and colour in (0, 1)."""
-        raw = self.head(self.body(inputs))
-        return raw[:, 0], raw[:, 1:].sigmoid()
+        """Raw density, for `activate`, and colour in (0, 1), which starts at `colours`."""
+        raw = self.head(self.body(inputs)) + self.straight(inputs)
+        return raw[:, 0] * self._gain, (raw[:, 1:] + colours.logit(eps=PURE)).sigmoid()
 
 
 def activate(
@@ -56,6 +66,8 @@ def activate(
     Where a density is cut, above `ceiling` and at 0, it has no gradient in its own raw value.
     """
     match reading:
+        case "distance":
+            return raw * unit
         case "cut_exp":
             density = (raw.clamp(max=ceiling).exp() - CUT).clamp(min=0)
         case "relu":

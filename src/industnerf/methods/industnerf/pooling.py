@@ -1,11 +1,8 @@
 """How the features of several source views join before eq. (4).  Reading R3.
 
 The paper writes (4) for one view.  Here a point's features are pooled over the views that it
-projects into.  The other reading, in which each source view makes a cloud of its own and
-confidence joins them, is not offered.
+projects into.
 """
-
-from typing import assert_never, final
 
 import torch
 from jaxtyping import Bool, Float
@@ -13,83 +10,91 @@ from torch import Tensor
 
 from industnerf.schema.readings import PoolReading
 
+STATISTICS: dict[PoolReading, tuple[str, ...]] = {
+    "confident": ("mean", "variance", "least", "greatest"),
+    "all": ("mean", "variance", "least", "greatest"),
+    "mean_variance": ("mean", "variance"),
+    "mean": ("mean",),
+    "max": ("greatest",),
+}
+DOUBT = 0.02  # how much a view counts of which nothing is known, beside one of confidence 1
+
 
 def pooled_channels(channels: int, reading: PoolReading) -> int:
     """How many columns `pool` returns for features of so many."""
-    return (2 if reading == "mean_variance" else 1) * channels + 1
+    return len(STATISTICS[reading]) * channels + 1
 
 
+def weights_of(
+    valid: Bool[Tensor, "v n"], trust: Float[Tensor, "v n"] | None, reading: PoolReading
+) -> Float[Tensor, "v n 1"]:
+    """How much each view counts for each point; of sum 1, or 0 for a point in no view.
+
+    confident: as much as the view was sure of the point, (13), when the last level was done.
+    Otherwise, and as long as no view has been asked, all count alike.
+    """
+    trust = torch.ones(valid.shape, device=valid.device) if trust is None else trust
+    weights = valid * (trust + DOUBT if reading == "confident" else torch.ones_like(trust))
+    return (weights / weights.sum(dim=0).clamp(min=DOUBT))[..., None]
+
+
+@torch.no_grad()
 def pool(
-    features: Float[Tensor, "v n c"], valid: Bool[Tensor, "v n"], reading: PoolReading
+    features: Float[Tensor, "v n c"],
+    valid: Bool[Tensor, "v n"],
+    weights: Float[Tensor, "v n 1"],
+    reading: PoolReading,
 ) -> Float[Tensor, "n p"]:
     """Each point's features over its valid views, and as last column the share of valid views.
 
-    mean_variance: the means, then the variances about them (divided by the number of views).
-    mean, max: these alone.  A point in no view gets zeros.
+    Of every channel the weighted mean and variance, the least and the greatest, or some of these.
+    A point in no view gets zeros.  `felt` has the gradient.
     """
+    mean, squares = torch.zeros_like(features[0]), torch.zeros_like(features[0])
+    least, greatest = torch.full_like(mean, torch.inf), torch.full_like(mean, -torch.inf)
+    for view, seen, weight in zip(features, valid[..., None], weights, strict=True):  # for memory
+        # not multiplied by 0: outside its view a point may have any value, or none
+        known = view.masked_fill(~seen, 0)
+        weighted = weight * known
+        mean += weighted
+        squares.addcmul_(weighted, known)
+        torch.minimum(least, view.masked_fill(~seen, torch.inf), out=least)
+        torch.maximum(greatest, view.masked_fill(~seen, -torch.inf), out=greatest)
+    every = {
+        "mean": mean,
+        "variance": (squares - mean**2).clamp(min=0),  # below 0 by rounding only
+        "least": least,
+        "greatest": greatest,
+    }
     share = valid.to(features.dtype).mean(dim=0)[:, None]
-    seen = valid[..., None]
-    # not multiplied by 0: outside its view a point may have any value, or none
-    known = features.masked_fill(~seen, 0)
-    match reading:
-        case "mean_variance":
-            mean = masked_mean(known, seen)
-            return torch.cat([mean, masked_mean((known - mean) ** 2, seen), share], dim=1)
-        case "mean":
-            return torch.cat([masked_mean(known, seen), share], dim=1)
-        case "max":
-            highest = known.masked_fill(~seen, -torch.inf).amax(dim=0)
-            return torch.cat([highest.masked_fill(~seen.any(dim=0), 0), share], dim=1)
-        case _:
-            assert_never(reading)
+    columns = [every[name].masked_fill(share == 0, 0) for name in STATISTICS[reading]]
+    return torch.cat([*columns, share], dim=1)
 
 
-def masked_mean(
-    values: Float[Tensor, "v n c"], seen: Bool[Tensor, "v n 1"]
-) -> Float[Tensor, "n c"]:
-    """Mean over the views in which a point is seen; 0 where there is none."""
-    return values.masked_fill(~seen, 0).sum(dim=0) / seen.sum(dim=0).clamp(min=1)
+def felt(
+    pooled: Float[Tensor, "n p"],
+    fresh: Float[Tensor, "v n c"],
+    valid: Bool[Tensor, "v n"],
+    weights: Float[Tensor, "v n 1"],
+    reading: PoolReading,
+) -> Float[Tensor, "n p"]:
+    """`pooled` as it is, with the gradient that it has in the features of some of its views.
 
-
-@final
-class PooledSums:
-    """`pool` by mean and variance over views that are exchanged a few at a time.
-
-    Sums are kept in float64.  Features of float32 and their squares are then added and removed
-    with next to no rounding, so that thousands of exchanges do not drift.
+    `pooled` is what `pool` says of all views; `fresh`, `valid` and `weights` are of those that
+    are to have a gradient.  The others then need no memory for one.
     """
+    names = STATISTICS[reading]
+    columns = dict(zip(names, pooled[:, :-1].split(fresh.shape[2], dim=1), strict=True))
+    known = fresh.masked_fill(~valid[..., None], 0)
 
-    def __init__(
-        self, points: int, channels: int, dtype: torch.dtype, device: torch.device
-    ) -> None:
-        exact = {"dtype": torch.float64, "device": device}
-        self._dtype = dtype  # of what is pooled
-        self._sum = torch.zeros(points, channels, **exact)
-        self._squares = torch.zeros(points, channels, **exact)
-        self._count = torch.zeros(points, 1, **exact)
-        self._views = 0
+    def share(name: str) -> Float[Tensor, "n c"]:
+        match name:
+            case "mean":
+                return (weights * known).sum(dim=0)
+            case "variance":  # d/df of sum w (f - mean)^2, to which the mean adds nothing
+                return (weights * (known - columns["mean"]) ** 2).sum(dim=0)
+            case _:  # least, greatest: of whoever has it
+                return (known * (valid[..., None] & (fresh == columns[name]))).sum(dim=0)
 
-    def add(self, features: Float[Tensor, "v n c"], valid: Bool[Tensor, "v n"]) -> None:
-        """Take these views in; only what was added last can be differentiated."""
-        self._change(features, valid, 1)
-
-    def remove(self, features: Float[Tensor, "v n c"], valid: Bool[Tensor, "v n"]) -> None:
-        """Take out views that were added with the same features; no gradient flows here."""
-        self._change(features.detach(), valid, -1)
-
-    def _change(
-        self, features: Float[Tensor, "v n c"], valid: Bool[Tensor, "v n"], sign: int
-    ) -> None:
-        values = features.double().masked_fill(~valid[..., None], 0)
-        self._sum = self._sum.detach() + sign * values.sum(dim=0)
-        self._squares = self._squares.detach() + sign * (values**2).sum(dim=0)
-        self._count = self._count + sign * valid.sum(dim=0)[:, None]
-        self._views += sign * len(valid)
-
-    def pooled(self) -> Float[Tensor, "n p"]:
-        """What `pool` says of the views that are in, `mean_variance`."""
-        count = self._count.clamp(min=1)
-        mean = self._sum / count
-        variance = (self._squares / count - mean**2).clamp(min=0)  # below 0 by rounding only
-        share = self._count / max(self._views, 1)
-        return torch.cat([mean, variance, share], dim=1).to(self._dtype)
+    shares = torch.cat([share(name) for name in names], dim=1)
+    return torch.cat([pooled[:, :-1] + shares - shares.detach(), pooled[:, -1:]], dim=1)

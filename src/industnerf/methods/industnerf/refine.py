@@ -5,32 +5,54 @@ from jaxtyping import Float32, Int64
 from scipy.spatial import cKDTree
 from torch import Tensor
 
-from industnerf.methods.industnerf.levels import divided, near_any, sampled
+from industnerf.methods.industnerf.distribution import density_to_sample, effective_cells
+from industnerf.methods.industnerf.levels import WARM_UP, Layer, divided, near_any, on_grid, sampled
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import Testimony
 
 
-def refined(
-    training: Training, told: Testimony, generator: torch.Generator
-) -> tuple[Float32[Tensor, "n 3"], tuple[Tensor, Tensor] | None]:
-    """The next level's points, and where their residuals start: at those of the nearest point."""
-    ways, level, old = training.ways, training.level, training.points.positions
+def refined(training: Training, told: Testimony, generator: torch.Generator) -> Layer:
+    """The points that follow on those of `training`, of which the views said what was `told`.
+
+    The warm-up's are divided into the first grid; so are all others where `refine` says so.
+    """
+    ways, old = training.ways, training.points.positions
     sigma = training.density()
-    if ways.refine == "divided":
+    spacing = training.spacing / 2
+    if ways.refine == "divided" or training.level == WARM_UP:
         near = near_any(old, told.confidence >= ways.least_confidence, 1.01 * training.spacing)
         points = divided(old[near & (sigma > 0)], training.spacing)
     else:
-        cells = ways.grid_res * 2**level
-        count = ways.levels[level + 1].points
-        readings = ways.readings
-        fresh = sampled(
-            old, sigma, told.confidence, cells, count, generator, readings.target, readings.place
-        )
-        points = torch.cat([old[sigma > 0], fresh])
-    if not ways.residual.use:
-        return points, None
+        points, spacing = _drawn(training, told, sigma, generator)
     which = nearest(old, points)
-    return points, (training.field.raw.detach()[which], training.field.rgb.detach()[which])
+    field = training.field
+    return Layer(
+        points,
+        spacing,
+        (field.raw.detach()[which], field.rgb.detach()[which]) if ways.residual.use else None,
+        told.of_views[:, which],
+    )
+
+
+def _drawn(
+    training: Training,
+    told: Testimony,
+    sigma: Float32[Tensor, "m"],
+    generator: torch.Generator,
+) -> tuple[Float32[Tensor, "n 3"], float]:
+    """The old points that have a density, and new ones drawn by it; and their spacing.
+
+    That is at most the half of the old: where matter is thin, its points come closer.
+    """
+    ways, old = training.ways, training.points.positions
+    cells = round(2 / training.spacing)
+    density = density_to_sample(
+        on_grid(old, sigma, cells), on_grid(old, told.confidence, cells), ways.readings.target
+    )
+    count = ways.levels[training.level + 1].points
+    fresh = sampled(density, count, generator, ways.readings.place)
+    apart = (effective_cells(density) / count) ** (1 / 3) * 2 / cells
+    return torch.cat([old[sigma > 0], fresh]), min(apart, training.spacing / 2)
 
 
 def nearest(points: Float32[Tensor, "m 3"], queries: Float32[Tensor, "q 3"]) -> Int64[Tensor, "q"]:

@@ -30,13 +30,9 @@ class Relief:
         self.hull, self._beside, self._ways = hull, beside, settings
         self._least = torch.where(hull > 0, hull, hull * settings.slack)
 
-    def beta(self, share: float) -> float:
-        """Softness of the surface after `share` of the steps: geometric, from first to last."""
-        return self._ways.first * (self._ways.last / self._ways.first) ** share
-
-    def rate(self, taken: int, share: float) -> float:
+    def rate(self, taken: int, beta: float) -> float:
         """Of Adam: a soft surface may move far.  At first only colours learn, to know better."""
-        return 0.0 if taken < self._ways.wait else self._ways.rate * self.beta(share)
+        return 0.0 if taken < self._ways.wait else self._ways.rate * beta
 
     @torch.no_grad()
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:

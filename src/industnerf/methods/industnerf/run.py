@@ -17,7 +17,7 @@ from industnerf.geometry.cameras import Cameras
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.extraction import final_cloud
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import grid, spacing_of
+from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.refine import refined
 from industnerf.methods.industnerf.relief import MARGIN
 from industnerf.methods.industnerf.rerender import rerender
@@ -104,20 +104,18 @@ class _Work:
             torch.manual_seed(seed)
             self._field = Field(self._scene, settings).to(self._scene.images.device)
         self._silhouettes = Silhouettes(self._scene) if settings.carve else None
-        self._level, self._losses, self._first_steps = 0, [], {}
+        self._losses, self._first_steps = [], {}
+        self._level = WARM_UP if settings.warm_up.steps else 0
         self.finished = False
-        points = grid(settings.grid_res, self._scene.images.device)
-        self._training = self._start(points, None)
+        spacing = spacing_of(settings.grid_res, self._level)
+        self._training = self._start(Layer(grid(spacing, self._scene.images.device), spacing))
 
-    def _start(
-        self, points: Float32[Tensor, "m 3"], start: tuple[Tensor, Tensor] | None
-    ) -> Training:
+    def _start(self, layer: Layer) -> Training:
         """The training of this level, of the points that are not carved away."""
-        spacing = spacing_of(self._settings.grid_res, self._level)
         if self._silhouettes:
-            kept = self._silhouettes.may_hold(points, self._slack() * spacing)
-            points, start = points[kept], tuple(x[kept] for x in start) if start else None
-        if not len(points):
+            slack = self._slack() * layer.spacing
+            layer = layer.only(self._silhouettes.may_hold(layer.points, slack))
+        if not len(layer.points):
             raise ReconstructionFailed(
                 f"no point is left at level {self._level}: is the part inside the region of "
                 "interest, and is the background's colour right?"
@@ -125,12 +123,10 @@ class _Work:
         return Training(
             self._scene,
             self._field,
-            points,
-            spacing,
+            layer,
             self._level,
             self._settings,
             self._generator,
-            start,
             self._silhouettes,
         )
 
@@ -140,7 +136,7 @@ class _Work:
 
     def train(self) -> None:
         """Take the steps of this level that are left."""
-        name = f"level {self._level}"
+        name = f"level {self._level}" if self._level >= 0 else "warm-up"
         self._first_steps.setdefault(name, len(self._losses))
         self._watch.begin(name, self._training.steps - self._training.taken)
         while self._training.taken < self._training.steps:
@@ -153,12 +149,12 @@ class _Work:
 
     def listen(self) -> None:
         """Hear what the views say of the level's points; go on to the next level, or finish."""
-        self.told = self._training.testimony()
         self.finished = self._level == len(self._settings.levels) - 1
+        self.told = self._training.testimony()
         if not self.finished:
-            points, start = refined(self._training, self.told, self._generator)
+            layer = refined(self._training, self.told, self._generator)
             self._level += 1
-            self._training = self._start(points, start)
+            self._training = self._start(layer)
 
     def outcome(self) -> Outcome:
         """The cloud, of the last level."""
@@ -209,7 +205,10 @@ class _Work:
         """Go on from `state`."""
         self._level = state["level"]
         self._losses, self._first_steps = state["losses"], state["first_steps"]
-        self._training = self._start(state["training"]["points"], None)
+        trained = state["training"]
+        self._training = self._start(
+            Layer(trained["points"], trained["spacing"], trust=trained["trust"])
+        )
         self._training.restore(state["training"])
         self._generator.set_state(state["generator"])
 

@@ -6,10 +6,12 @@ from torch import Tensor, nn
 
 from industnerf.methods.industnerf.encoder import Encoder
 from industnerf.methods.industnerf.encoding import encode, encoded_channels, encoding_frame
-from industnerf.methods.industnerf.pooling import PooledSums, pool, pooled_channels
+from industnerf.methods.industnerf.pooling import felt, pool, pooled_channels, weights_of
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.schema import IndustnerfSettings
+
+GREY = 0.5
 
 
 class Sources(nn.Module):
@@ -36,11 +38,11 @@ class Sources(nn.Module):
 
     @property
     def learns(self) -> bool:
-        """Whether E is trained at all, which can only be while features are pooled as sums."""
-        return self._readings.encoder == "per_part" and self._readings.views == "mean_variance"
+        """Whether E is trained at all."""
+        return self._readings.encoder == "per_part"
 
     def place(self, points: Float32[Tensor, "m 3"]) -> None:
-        """From now on speak of these points."""
+        """From now on speak of these points; all views count alike."""
         self._points = points
         frame = encoding_frame(points, self._scene.eyes.c2w[0], self._readings.frame)
         ways = self._ways
@@ -49,37 +51,48 @@ class Sources(nn.Module):
         )
         if self._blind:
             return
-        with torch.no_grad():
-            looks = [self._look(torch.tensor([view])) for view in range(len(self._scene))]
-        self._features = torch.cat([features for features, _ in looks])
-        self._valid = torch.cat([valid for _, valid in looks])
+        self._features, self._valid = self._look_all()
+        self._weigh(None)
+
+    def encode_anew(self) -> None:
+        """Have every view told by E as it is now."""
+        if not self._blind:
+            self._features, _ = self._look_all()
+            self._pool()
+
+    @torch.no_grad()
+    def _look_all(self) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
+        looks = [self._look(torch.tensor([view])) for view in range(len(self._scene))]
+        return torch.cat([features for features, _ in looks]), torch.cat([v for _, v in looks])
+
+    def heed(self, trust: Float32[Tensor, "v m"]) -> None:
+        """From now on trust each view as far as it was sure of the points; reading R3."""
+        if not self._blind:
+            self._weigh(trust)
+
+    def _weigh(self, trust: Float32[Tensor, "v m"] | None) -> None:
+        self._weights = weights_of(self._valid, trust, self._readings.views)
         self._pool()
 
     def _pool(self) -> None:
-        if self._readings.views != "mean_variance":
-            self._pooled = pool(self._features, self._valid, self._readings.views)
-            return
-        columns = self._features.shape[2]
-        device = self._features.device
-        self._sums = PooledSums(len(self._points), columns, torch.float32, device)
-        for view in range(len(self._scene)):  # one by one: sums are kept in float64
-            self._sums.add(self._features[view : view + 1], self._valid[view : view + 1])
-        self._pooled = self._sums.pooled()
+        reading = self._readings.views
+        self._pooled = pool(self._features, self._valid, self._weights, reading)
 
     def keep(self, which: Int64[Tensor, "k"]) -> None:
         """From now on speak of these of the points, in this order."""
         self._points, self._encoding = self._points[which], self._encoding[which]
         if not self._blind:
             self._features, self._valid = self._features[:, which], self._valid[:, which]
+            self._weights = self._weights[:, which]
             self._pool()
 
     def refresh(self, views: Int64[Tensor, "v"]) -> None:
         """Encode these views anew; the next `forward` can be differentiated in E."""
-        self._sums.remove(self._features[views], self._valid[views])
         fresh, valid = self._look(views)
-        self._sums.add(fresh, valid)
         self._features[views] = fresh.detach()
-        self._pooled = self._sums.pooled()
+        self._pool()
+        weights, reading = self._weights[views], self._readings.views
+        self._pooled = felt(self._pooled, fresh, valid, weights, reading)
 
     def forward(self) -> Float32[Tensor, "m c"]:
         """The inputs of N; the graph of a refreshed view is there for one step only."""
@@ -89,6 +102,17 @@ class Sources(nn.Module):
             self._pooled = self._pooled.detach()
         return inputs
 
+    @torch.no_grad()
+    def colours(self) -> Float32[Tensor, "m 3"]:
+        """That the views see where the points are: pooled as features are; grey if N is not told.
+
+        N's colours start there.  From grey, a thin black veil before white is learned sooner
+        than an opaque surface of the right colour.
+        """
+        if self._blind or not self._ways.rgb_skip:
+            return torch.full_like(self._points, GREY)
+        return self._pooled[:, self._ways.features : self._ways.features + 3]
+
     def _look(
         self, views: Int64[Tensor, "v"]
     ) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
@@ -96,9 +120,12 @@ class Sources(nn.Module):
         eyes, rows, valid = self._scene.eyes, [], []
         for view in views.tolist():
             image = self._scene.images[view].permute(2, 0, 1)[None].float() / 255
+            behind = self._scene.background[view][:, None, None]
             uv, depth = project(self._points, eyes.K[view], eyes.c2w[view])
             seen = in_view(uv, depth, eyes.width, eyes.height)
             uv = uv.masked_fill(~seen[:, None], 0.0)
-            rows.append(sample_features(self.encoder(image)[0], uv, eyes.width, eyes.height))
+            rows.append(
+                sample_features(self.encoder(image, behind)[0], uv, eyes.width, eyes.height)
+            )
             valid.append(seen)
         return torch.stack(rows), torch.stack(valid)

@@ -9,7 +9,7 @@ from torch import Tensor
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import near_any, spacing_of
+from industnerf.methods.industnerf.levels import WARM_UP, Layer, near_any, spacing_of
 from industnerf.methods.industnerf.pixels import Pixels, footprint
 from industnerf.methods.industnerf.relief import Relief, beside_on_grid
 from industnerf.methods.industnerf.scene import Scene
@@ -17,10 +17,10 @@ from industnerf.methods.industnerf.witnesses import Testimony, testimony
 from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer, Seen
-from industnerf.schema import IndustnerfSettings
+from industnerf.schema import IndustnerfSettings, LevelSettings, WarmUpSettings
 
-DECAY = 0.1  # of every learning rate from a level's first step to its last
-SWEEP = 25  # steps from one look for empty points to the next
+DECAY = 0.1  # of every learning rate from the first step to the last
+SWEEP = 20  # steps from one look for empty points, and from one look of all views, to the next
 OUTLINE = 1.0  # spacings beyond the hull: no pixel that is farther can tell anything new
 CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
 
@@ -32,24 +32,23 @@ class Training:
         self,
         scene: Scene,
         field: Field,
-        points: Float32[Tensor, "m 3"],
-        spacing: float,
+        layer: Layer,
         level: int,
         settings: IndustnerfSettings,
         generator: torch.Generator,
-        start: tuple[Tensor, Tensor] | None,
         silhouettes: Silhouettes | None = None,
     ) -> None:
-        self.field, self.spacing, self.ways = field, spacing, settings
+        self.field, self.spacing, self.ways = field, layer.spacing, settings
         self._scene, self.level, self._generator = scene, level, generator
         self.taken = 0
+        points = layer.points
         hull = silhouettes.distance(points) / self._unit if settings.relief.use else None
         self._index(points, points if hull is None else points[hull < OUTLINE])
-        start = tuple(x[self.points.order] for x in start) if start else ()
+        layer = layer.only(self.points.order)
+        self._trust = layer.trust
         self.relief = None if hull is None else self._relief(hull[self.points.order])
-        if self.relief and not start:
-            start = (self.relief.hull,)
-        self.field.place(self.points.positions, *start)
+        start = layer.residuals or (self.relief.hull if self.relief else None, None)
+        self.field.place(layer.points, *start, layer.trust)
         self._harden()
         self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
         self._rates = [group["lr"] for group in self._adam.param_groups]
@@ -57,12 +56,16 @@ class Training:
     @property
     def steps(self) -> int:
         """How many this level takes."""
-        return self.ways.levels[self.level].steps
+        return self._level.steps
 
     @property
     def image_px(self) -> int:
         """The longer side of the images that this level looks at."""
-        return self.ways.levels[self.level].image_px
+        return self._level.image_px
+
+    @property
+    def _level(self) -> LevelSettings | WarmUpSettings:
+        return self.ways.warm_up if self.level == WARM_UP else self.ways.levels[self.level]
 
     def _index(self, points: Float32[Tensor, "m 3"], shown: Float32[Tensor, "n 3"]) -> None:
         """Sort the points and find the pixels that can show those of them that are `shown`."""
@@ -94,9 +97,21 @@ class Training:
 
     def _harden(self) -> None:
         """Bring the softness of the surface to where it is after the steps taken."""
-        if self.relief:
-            self.renderer.beta = self.relief.beta(self.taken / self.steps) * self._unit
-            self.fine.beta = self.ways.relief.shown * self._unit
+        if self.ways.readings.activation == "distance":
+            self.field.softness = self._softness()
+            self.renderer.beta = self.field.softness * self._unit
+            self.fine.beta = self.ways.softness.shown * self._unit
+
+    def _softness(self) -> float:
+        """Of the surface, in first spacings: falls geometrically from first to last step."""
+        ways = self.ways.softness
+        return ways.first * (ways.last / ways.first) ** self._share()
+
+    def _share(self) -> float:
+        """Of the steps of all levels, those that are taken."""
+        levels = [self.ways.warm_up, *self.ways.levels]
+        before = sum(level.steps for level in levels[: self.level + 1])
+        return (before + self.taken) / sum(level.steps for level in levels)
 
     def _sweep(self) -> None:
         """Skip space that is empty; points that have nothing near them leave the set.
@@ -128,7 +143,9 @@ class Training:
         """
         left = self.points.positions[needed]
         self._index(left, left)
+        self._harden()
         kept = needed.nonzero()[:, 0][self.points.order]
+        self._trust = None if self._trust is None else self._trust[:, kept]
         before = self.field.own()
         self.field.keep(kept)
         for old, new in zip(before, self.field.own(), strict=True):
@@ -160,22 +177,24 @@ class Training:
             self.relief.settle(self.field.raw, self.taken, self.steps)
         if self.taken % SWEEP == 0:
             self._sweep()
+            self.field.encode_anew()
         return loss.item()
 
     def _set_rates(self) -> None:
-        share = self.taken / self.steps
+        share = self._share()
         for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
             group["lr"] = rate * DECAY**share
             if self.relief and group["params"][0] is self.field.raw:
-                group["lr"] = self.relief.rate(self.taken, share)
+                group["lr"] = self.relief.rate(self.taken, self._softness())
 
     def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
-        """Of fields that re-render alike, rather the emptier one and the one that is less spread.
+        """Of fields that re-render alike, rather the emptier one, and the one without veils.
 
-        Without it, matter of the background's colour anywhere outside the part is as good as none.
+        Matter of the background's colour anywhere outside the part is as good as none; a thin
+        veil of black before a white background is as good as grey.
         """
         matter = self.ways.emptiness * (1 - seen.through).mean()
-        return matter + self.ways.spread * seen.spread.mean() / self.spacing
+        return matter + self.ways.veil * (seen.through * (1 - seen.through)).mean()
 
     def _encodes(self) -> bool:
         sources = self.field.sources
@@ -196,21 +215,25 @@ class Training:
         return density(self.field()[0], self.renderer.beta)
 
     def testimony(self) -> Testimony:
-        """What the source views say of the points."""
+        """What the source views say of the points: the last level's finely, others' as trained."""
+        last = self.level == len(self.ways.levels) - 1
+        renderer = self.fine if last else self.renderer
+        longest = self.ways.surface_px if last else self.image_px // 2
         values, rgb = self.values()
         sigma = self.density()
         self._fill(sigma > 0)
         reach, eyes = self.points.reach, self._scene.eyes
-        longest = self.ways.surface_px
         shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
         pixels = Pixels(self._scene, longest, shown)
-        return testimony(self._scene, pixels, self.fine, values, rgb, self.ways.readings)
+        return testimony(self._scene, pixels, renderer, values, rgb, self.ways.readings)
 
     def state(self) -> dict[str, Any]:
         """All that a later step depends on."""
         return {
             "taken": self.taken,
             "points": self.points.positions,
+            "spacing": self.spacing,
+            "trust": self._trust,
             "filled": self._filled,
             "field": self.field.state_dict(),
             "adam": self._adam.state_dict(),
@@ -224,7 +247,7 @@ class Training:
         self.taken = state["taken"]
         self.field.load_state_dict(state["field"])
         if self.field.sources:
-            self.field.sources.place(self.points.positions)
+            self.field.sources.encode_anew()
         self._adam.load_state_dict(state["adam"])
         self._fill(state["filled"])
         self._harden()

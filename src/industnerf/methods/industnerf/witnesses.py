@@ -32,6 +32,7 @@ class Testimony:
     confidence: Float32[Tensor, "m"]
     view: Int64[Tensor, "m"]  # -1: none
     surface: Surface
+    of_views: Float32[Tensor, "v m"]  # (13), view by view
 
 
 @torch.no_grad()
@@ -48,6 +49,7 @@ def testimony(
     best = torch.zeros_like(values)
     who = torch.full_like(values, -1, dtype=torch.int64)
     met: list[Surface] = []
+    each = []
     for view in range(len(scene)):
         own = torch.zeros_like(values)
         for shown in pixels.shown[pixels.shown[:, 0] == view].split(CHUNK):
@@ -71,9 +73,10 @@ def testimony(
                     shown[hit, 0],
                 )
             )
+        each.append(own.clamp(max=1))
         best, which = over_views(torch.stack([best, own.clamp(max=1)]))
         who = torch.where(which == 1, view, who)
-    return Testimony(best, who, joined(met))
+    return Testimony(best, who, joined(met), torch.stack(each))
 
 
 def contrast_of(pixels: Pixels) -> float:

@@ -8,7 +8,7 @@ from jaxtyping import Float, Float32
 from torch import Tensor
 
 from industnerf.geometry.cameras import project
-from industnerf.methods.industnerf.levels import grid, on_grid
+from industnerf.methods.industnerf.levels import grid, on_grid, spacing_of
 from industnerf.report.method.making import Making
 from industnerf.report.plates import figure, picture
 
@@ -50,9 +50,9 @@ def mosaic(images: np.ndarray) -> np.ndarray:
 def cubes(making: Making) -> Any:
     """X = S(r), and the pixels that a slice of it is projected to."""
     drawn = figure(9, 4.4)
-    points = grid(making.settings.grid_res, torch.device("cpu"))
+    points = grid(spacing_of(making.settings.grid_res, 0), torch.device("cpu"))
     axis = drawn.add_subplot(1, 2, 1, projection="3d")
-    some = grid(making.settings.grid_res // COARSER, torch.device("cpu"))
+    some = grid(2 * COARSER / making.settings.grid_res, torch.device("cpu"))
     cut = some[(some[:, 0] < 0) | (some[:, 1] > 0)].numpy()
     axis.scatter(*cut.T, s=5, c=cut[:, 2], cmap="viridis", alpha=1, linewidths=0)
     title = f"X = S({making.settings.grid_res}): {len(points):,} points"

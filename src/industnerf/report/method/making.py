@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
-from industnerf.methods.industnerf.levels import spacing_of
+from industnerf.methods.industnerf.levels import WARM_UP
 from industnerf.methods.industnerf.pixels import Pixels, footprint
 from industnerf.methods.industnerf.run import Outcome, Watch, _Work, pictures
 from industnerf.methods.industnerf.scene import Posed, Scene
@@ -38,11 +38,13 @@ class Fine:
     """The last level when all is done."""
 
     points: Float32[Tensor, "m 3"]
+    values: Float32[Tensor, "m"]  # that the points hold: distances, or densities if beta is 0
     sigma: Float32[Tensor, "m"]
     rgb: Float32[Tensor, "m 3"]
     confidence: Float32[Tensor, "m"]
     witnesses: dict[int, Float32[Tensor, "m"]]  # view -> what it alone says
     spacing: float
+    beta: float  # softness of the surface
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,13 @@ def make(part_id: str, posed: Posed, settings: IndustnerfSettings, seed: int) ->
     work = _Work(posed, settings, seed, Watch())
     view = nicest_view(posed.cameras)
     work.train()
+    if work._training.level == WARM_UP:
+        work.listen()
+        work.train()
     first = work._training
     with torch.no_grad():
         inputs, features = _told(first, work._scene, view)
-    points, (sigma, rgb) = first.points.positions, first.values()
+    points, sigma, (_, rgb) = first.points.positions, first.density(), first.values()
     work.listen()
     told = points, sigma, rgb, work.told.confidence, inputs, features
     coarse = Coarse(*(x if x is None else x.cpu() for x in told))
@@ -98,7 +103,8 @@ def _told(
         return None, None
     if training.ways.readings.encoder == "none":
         return sources(), None
-    return sources(), sources.encoder(scene.images[view].permute(2, 0, 1)[None] / 255)[0]
+    image, behind = scene.images[view].permute(2, 0, 1)[None] / 255, scene.background[view]
+    return sources(), sources.encoder(image, behind[:, None, None])[0]
 
 
 def _is_new(points: Float32[Tensor, "n 3"], old: Float32[Tensor, "m 3"]) -> Tensor:
@@ -120,11 +126,10 @@ def _made(
     """All of it, from a run that has finished."""
     out: Outcome = work.outcome()
     last, behind = work._training, out.background[view : view + 1]
-    spacing = spacing_of(settings.grid_res, len(settings.levels) - 1)
-    (sigma, rgb), points = last.values(), last.points.positions
+    sigma, (values, rgb), points = last.density(), last.values(), last.points.positions
     some = {v: alone(last, work._scene, v).cpu() for v in witnesses_of(len(work._scene), view)}
-    all_of_them = points, sigma, rgb, work.told.confidence
-    fine = Fine(*(x.cpu() for x in all_of_them), some, spacing)
+    all_of_them = points, values, sigma, rgb, work.told.confidence
+    fine = Fine(*(x.cpu() for x in all_of_them), some, last.spacing, last.fine.beta)
     rendered = pictures(last, posed, posed.cameras[view : view + 1], behind)
     cloud = out.points, out.colours, out.confidence, out.view
     return Making(part_id, posed, settings, view, coarse, kept, drawn, fine, rendered, *cloud)
@@ -138,8 +143,9 @@ def witnesses_of(views: int, first: int) -> list[int]:
 
 def alone(training: Training, scene: Scene, view: int) -> Float32[Tensor, "m"]:
     """(13) as one view has it.  R8's `contrast` is then that of this view."""
-    one, (sigma, rgb) = scene[view : view + 1], training.values()
-    reach, points = training.points.radius, training.points.positions
-    shown = footprint(points[sigma > 0], reach, one.eyes, training.image_px)
-    pixels = Pixels(one, training.image_px, shown)
-    return testimony(one, pixels, training.renderer, sigma, rgb, training.ways.readings).confidence
+    one, (values, rgb) = scene[view : view + 1], training.values()
+    reach, points = training.points.reach, training.points.positions
+    longest, readings = training.ways.surface_px, training.ways.readings
+    shown = footprint(points[training.density() > 0], reach, one.eyes, longest)
+    pixels = Pixels(one, longest, shown)
+    return testimony(one, pixels, training.fine, values, rgb, readings).confidence

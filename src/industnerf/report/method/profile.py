@@ -8,6 +8,7 @@ from torch import Tensor
 
 from industnerf.methods.industnerf.scene import eyes
 from industnerf.rendering.compositing import opacities, stopped, transmittance
+from industnerf.rendering.distance import density
 from industnerf.rendering.samples import radiance_points
 from industnerf.report.method.making import Making
 
@@ -40,18 +41,20 @@ def profile(making: Making, row: int, column: int) -> Profile:
         -cube,
         cube,
         fine.points[close],
-        step=ways.step * fine.spacing,
+        step=ways.fine_step * fine.spacing,
         radius=radius,
         k=ways.neighbours,
         weights=ways.readings.weights,
     )
     met = (samples.ids[0] >= 0).any(dim=1)
-    field = samples.mean(torch.cat([fine.sigma[close, None], fine.rgb[close]], dim=1))[0, met]
-    sigma = stopped(field[None, :, 0], ways.step * fine.spacing, ways.stop)
-    left = transmittance(sigma, ways.step * fine.spacing)[0, :-1]
-    weights = left * opacities(sigma, ways.step * fine.spacing)[0]
+    field = samples.mean(torch.cat([fine.values[close, None], fine.rgb[close]], dim=1))[0, met]
+    step = ways.fine_step * fine.spacing
+    dense = density(field[:, 0], fine.beta)
+    sigma = stopped(dense[None], step, ways.stop)
+    left = transmittance(sigma, step)[0, :-1]
+    weights = left * opacities(sigma, step)[0]
     at = rays.origins[0], rays.directions[0], samples.t[0, met]
-    return Profile(*at, field[:, 0], field[:, 1:], left, weights)
+    return Profile(*at, dense, field[:, 1:], left, weights)
 
 
 def off_axis(

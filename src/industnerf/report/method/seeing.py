@@ -61,7 +61,7 @@ def _beside(axis: Any, making: Making, met: Profile) -> None:
 
 def _along(axis: Any, making: Making, met: Profile) -> None:
     """sigma, T and T alpha of the samples."""
-    width = making.settings.step * making.fine.spacing
+    width = making.settings.fine_step * making.fine.spacing
     t, left, adds, sigma = (x.numpy() for x in (met.t, met.transmittance, met.weights, met.sigma))
     colours = met.rgb.clamp(0, 1).numpy()  # means of colours, which round
     axis.bar(t, adds, width, color=colours, edgecolor="#333333")
