@@ -44,11 +44,11 @@ def told_of(confidence: torch.Tensor) -> witnesses.Testimony:
 
 
 def test_dense_cells_are_divided_if_they_or_a_neighbour_are_sure():
-    training = a_training("divided", **FREE, least_confidence=0.5)
+    training = a_training("divided", **FREE)
     dense = solid_inside(training, 0.6)
     old = training.points.positions
     sure = old[:, 0] > 0.25
-    layer = refined(training, told_of(sure * 0.5 + 0.1), torch.Generator())
+    layer = refined(training, told_of(sure * 0.5 + 0.05), torch.Generator())
     points = layer.points
     assert points.abs().max() < 1
     # a cell has six neighbours one spacing away; only x tells who is sure

@@ -10,6 +10,8 @@ from industnerf.methods.industnerf.levels import WARM_UP, Layer, divided, near_a
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import Testimony
 
+SEEN = 0.1  # confidence from which on a point counts as seen
+
 
 def refined(training: Training, told: Testimony, generator: torch.Generator) -> Layer:
     """The points that follow on those of `training`, of which the views said what was `told`.
@@ -20,7 +22,7 @@ def refined(training: Training, told: Testimony, generator: torch.Generator) -> 
     sigma = training.density()
     spacing = training.spacing / 2
     if ways.refine == "divided" or training.level == WARM_UP:
-        near = near_any(old, told.confidence >= ways.least_confidence, 1.01 * training.spacing)
+        near = near_any(old, told.confidence >= SEEN, 1.01 * training.spacing)
         points = divided(old[near & (sigma > 0)], training.spacing)
     else:
         points, spacing = _drawn(training, told, sigma, generator)
