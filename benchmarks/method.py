@@ -194,8 +194,11 @@ def varied(job: Job, what: str, value: int) -> Job:
         case "views":
             return replace(job, views=value)
         case "image_size":
-            levels = [replace(x, image_px=max(16, x.image_px * value // 512)) for x in levels]
-            return replace(job, settings=replace(ways, levels=levels), side=value)
+            warm_up, *levels = [
+                replace(x, image_px=max(16, x.image_px * value // 512))
+                for x in (ways.warm_up, *levels)
+            ]
+            return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels), side=value)
         case _:
             levels = [levels[0], *(replace(x, points=value) for x in levels[1:])]
             return replace(job, settings=replace(ways, levels=levels))
@@ -203,8 +206,10 @@ def varied(job: Job, what: str, value: int) -> Job:
 
 def stretched(job: Job, factor: float) -> Job:
     """`job` with `factor` times the steps."""
-    levels = [replace(x, steps=max(1, round(factor * x.steps))) for x in job.settings.levels]
-    return replace(job, settings=replace(job.settings, levels=levels))
+    ways = job.settings
+    levels = [replace(x, steps=max(1, round(factor * x.steps))) for x in ways.levels]
+    warm_up = replace(ways.warm_up, steps=round(factor * ways.warm_up.steps))
+    return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels))
 
 
 def cost(what: str, job: Job, first: int | None) -> Iterator[tuple[str, ...]]:
