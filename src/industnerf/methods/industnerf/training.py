@@ -216,6 +216,7 @@ class Training:
 
     def testimony(self) -> Testimony:
         """What the source views say of the points: the last level's finely, others' as trained."""
+        self._harden()  # as soft as after the last step, whether it was taken just now or not
         last = self.level == len(self.ways.levels) - 1
         renderer = self.fine if last else self.renderer
         longest = self.ways.surface_px if last else self.image_px // 2
