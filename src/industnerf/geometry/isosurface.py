@@ -1,0 +1,42 @@
+"""The surface where values on a lattice cross a level: marching cubes, and points on it."""
+
+import numpy as np
+from jaxtyping import Float, Int32
+
+from industnerf.geometry.sampling import sample_surface
+
+
+def isosurface(
+    values: Float[np.ndarray, "a b c"],
+    level: float,
+    lo: Float[np.ndarray, "3"],
+    spacing: float,
+) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
+    """Vertices and faces where `values` cross `level`, in the unit of `spacing`; maybe none.
+
+    `values[i, j, k]` is the value at `lo + spacing * (i, j, k)`; high is inside.  Outside of the
+    lattice all is far below the level, so that the surface is closed -- Lewiner et al. (2003).
+    """
+    from skimage.measure import marching_cubes
+
+    if not (values > level).any():
+        return np.zeros((0, 3)), np.zeros((0, 3), np.int32)
+    lowest = level - (values.max() - level)  # the surface of a full lattice is half a step outside
+    closed = np.pad(values, 1, constant_values=lowest)
+    vertices, faces, _, _ = marching_cubes(closed, level, gradient_direction="ascent")
+    return lo + spacing * (vertices.astype(np.float64) - 1), faces.astype(np.int32)
+
+
+def isosurface_points(
+    values: Float[np.ndarray, "a b c"],
+    level: float,
+    lo: Float[np.ndarray, "3"],
+    spacing: float,
+    count: int,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "_ 3"]:
+    """`count` area-uniform points of `isosurface`; none where there is no surface."""
+    vertices, faces = isosurface(values, level, lo, spacing)
+    if not len(faces):
+        return np.zeros((0, 3))
+    return sample_surface(vertices, faces, count, rng)[0]
