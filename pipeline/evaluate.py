@@ -3,6 +3,7 @@
 from functools import partial
 from pathlib import Path
 
+from industnerf.artifacts.cloud import files_of_cloud
 from industnerf.artifacts.scores import gather_scores
 from industnerf.cli import run_as_stage
 from industnerf.config import Masked
@@ -20,7 +21,7 @@ def main(
         inputs = (part / "mesh.npz", known)
         make = partial(score_failure, part, known, settings=cfg.evaluate, seed=cfg.seed)
         if part_id not in failed:
-            inputs = (*inputs, cloud / "cloud.npz", *files_beyond(taken, cloud))
+            inputs = (*inputs, *files_of_cloud(cloud), *files_beyond(taken, cloud))
             shown = (part, known, taken, cloud)
             make = partial(score_part, *shown, settings=cfg.evaluate, seed=cfg.seed)
         tasks.append(Task(part_id, make, [cfg.evaluate, cfg.seed, part_id in failed], inputs))

@@ -3,28 +3,32 @@
 from functools import partial
 from pathlib import Path
 
+from industnerf.artifacts.split import load_split
 from industnerf.cli import run_as_stage
 from industnerf.config import Masked
 from industnerf.methods import load_method
 from industnerf.methods.apply import files_of, reconstruct_part
+from industnerf.methods.base import Scope
 from industnerf.stage import Task, read_failures, read_index, run_stage
 
 
-def main(cfg: Masked, name: str, parts: str, views: str, out: str) -> None:
+def main(cfg: Masked, name: str, parts: str, views: str, split: str, states: str, out: str) -> None:
     method, settings = load_method(name), getattr(cfg.method, name)
-    tasks = []
+    places, unlearned = load_split(Path(split)), read_failures(Path(states))
+    failed, tasks = read_failures(Path(views)), []
     for part_id in read_index(Path(views)):
-        part, taken = Path(parts) / part_id, Path(views) / part_id
-        make = partial(reconstruct_part, method, part, taken, settings=settings, seed=cfg.seed)
-        inputs = files_of(method, part, taken)
+        part, taken, net = Path(parts) / part_id, Path(views) / part_id, places[part_id].net
+        state = Path(states) / net if method.scope == Scope.DATASET else None
+        if state is not None and net in unlearned:
+            failed[part_id] = f"its net, {net}, was not trained: {unlearned[net]}"
+            continue
+        how = {"settings": settings, "seed": cfg.seed}
+        make = partial(reconstruct_part, method, part, taken, state, **how)
+        inputs = (*files_of(method, part, taken), *([state / "state.npz"] if state else []))
         tasks.append(Task(part_id, make, [name, settings, cfg.seed], inputs, (method.module,)))
+    limit_s = cfg.reconstruct.time_limit_s
     run_stage(
-        "reconstruct",
-        tasks,
-        Path(out),
-        cfg.on_failure,
-        failed_before=read_failures(Path(views)),
-        limit_s=cfg.reconstruct.time_limit_s,
+        "reconstruct", tasks, Path(out), cfg.on_failure, failed_before=failed, limit_s=limit_s
     )
 
 

@@ -12,7 +12,8 @@ from industnerf.tracking import log_report
 
 def main(cfg: Masked, *paths: str) -> None:
     *folders, out = map(Path, paths)
-    study = gather(Folders(*folders), cfg.preset, cfg.seed, cfg.views.count, cfg.methods)
+    about = (cfg.preset, cfg.seed, cfg.views.count, cfg.split.hold_out, cfg.methods)
+    study = gather(Folders(*folders), *about)
     build_report(study, cfg.report, out)
 
 

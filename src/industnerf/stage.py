@@ -30,7 +30,8 @@ class Task:
     """What to do for one part: `make(target)` fills the folder `target`.
 
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
-    of the module in which `make` is defined, and of `modules`.
+    of the module in which `make` is defined, and of `modules`.  If the task is `resumable`, `make`
+    is also given the folder `scratch`, which it may fill to go on from after an interruption.
     """
 
     part_id: str
@@ -38,6 +39,7 @@ class Task:
     settings: Any
     inputs: tuple[Path, ...]
     modules: tuple[str, ...] = ()
+    resumable: bool = False
 
 
 def run_stage(
@@ -61,7 +63,7 @@ def run_stage(
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
     failures = dict(failed_before or {})
-    works = [partial(_make, store, step, keys[i], tasks[i].make) for i in todo]
+    works = [partial(_make, store, step, keys[i], tasks[i]) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
         for outcome in runner_from_environment().map(works, limit_s, memory_mb):
             at = todo[outcome.index]
@@ -92,8 +94,9 @@ def _key(step: str, task: Task) -> str:
     return key_of(step, task.settings, modules, task.inputs)
 
 
-def _make(store: Store, step: str, key: str, make: Callable[[Path], None]) -> None:
-    store.put(step, key, partial(measured, make))
+def _make(store: Store, step: str, key: str, task: Task) -> None:
+    scratch = {"scratch": store.scratch(step, key)} if task.resumable else {}
+    store.put(step, key, partial(measured, partial(task.make, **scratch)))
 
 
 def measured(make: Callable[[Path], None], target: Path) -> Cost:

@@ -68,6 +68,10 @@ class Store:
         """Whether the result is finished."""
         return self.out(step, key).is_dir()
 
+    def scratch(self, step: str, key: str) -> Path:
+        """A folder for what an interrupted result resumes from; gone once the result is there."""
+        return self.root / step / f".resume-{key}"
+
     def cost(self, step: str, key: str) -> Cost | None:
         """What the result cost, or None where that is not known here."""
         path = self.root / step / key / "cost.json"
@@ -93,6 +97,7 @@ class Store:
                 raise
         finally:
             shutil.rmtree(draft, ignore_errors=True)
+        shutil.rmtree(self.scratch(step, key), ignore_errors=True)
 
     def place(self, step: str, key: str, target: Path) -> None:
         """Put the result at `target` as read-only links, or as copies across file systems."""

@@ -21,13 +21,13 @@ ROW = ["part_id", "family", "split", "method"]  # what a row of the table is of
 COSTS = ["seconds", "peak_mb"]
 
 
-def loss_curve(clouds: Path) -> dict[int, float]:
-    """Step -> loss of the method whose clouds these are, meant over steps and then over parts.
+def loss_curve(runs: Path, below: str = "*") -> dict[int, float]:
+    """Step -> loss, meant over steps and then over the runs: folders in `runs`, or `below` it.
 
     Steps are gathered into at most POINTS stretches of equal length, each named by its first.
     Empty if the method keeps no history.  Raises BadArtifact if one is torn.
     """
-    histories = [History.load(path.parent) for path in sorted(clouds.glob(f"*/{FILE}"))]
+    histories = [History.load(path.parent) for path in sorted(runs.glob(f"{below}/{FILE}"))]
     whole = [history for history in histories if history is not None and len(history.steps)]
     length = max((int(history.steps[-1]) + 1 for history in whole), default=0)
     count = min(POINTS, length)

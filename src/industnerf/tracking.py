@@ -80,12 +80,20 @@ def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[s
 
 
 def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:
-    """The loss curve and the picture of every method that has them, by its name."""
+    """The loss curves and the picture of every method that has them, by its name."""
     now, client = int(1000 * time.time()), mlflow.MlflowClient()
     for clouds in sorted((data / "clouds").glob("*/")):
-        curve = loss_curve(clouds)
-        name = f"{clouds.name}.loss"
-        metrics = [mlflow.entities.Metric(name, loss, now, step) for step, loss in curve.items()]
+        states = data / "states" / clouds.name
+        curves = {
+            "loss": loss_curve(clouds),
+            "fit.loss": loss_curve(states),
+            "fit.validation": loss_curve(states, "*/validation"),
+        }
+        metrics = [
+            mlflow.entities.Metric(f"{clouds.name}.{name}", loss, now, step)
+            for name, curve in curves.items()
+            for step, loss in curve.items()
+        ]
         client.log_batch(run_id, metrics)  # one by one they would take seconds
         picture = preview(clouds, data / "views")
         if picture is not None:

@@ -2,18 +2,24 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import pytest
+from omegaconf import OmegaConf
 
 from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.state import State
+from industnerf.config import build
 from industnerf.errors import BadParams, ReconstructionFailed, UndeclaredInput
 from industnerf.methods import MODULES, load_method
 from industnerf.methods.apply import files_of
-from industnerf.methods.base import Given, Input, hand_over
+from industnerf.methods.base import Example, Given, Input, Scope, hand_over
 from industnerf.methods.checks import checked
 from industnerf.schema import Params
 from tests.methods.conftest import PLACE, SIZE, a_part, save_as_part
@@ -25,6 +31,7 @@ READ_AS = {
     Input.BACKGROUND: "background",
     Input.MASK: "mask",
     Input.DEPTH: "depth_mm",
+    Input.FRAME: "frame",
     Input.OWN_MESH: "own_mesh",
 }
 IMAGES = {Input.RGB, Input.MASK, Input.DEPTH}
@@ -38,6 +45,8 @@ def given_to(name: str, folder: Path) -> Given:
 
 def quick(name: str, params: Params) -> Any:
     """The settings of params.yaml, of methods that train with few points and steps."""
+    if load_method(name).scope == Scope.DATASET:
+        return getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
     if name not in ("industnerf", "industnerf_plus"):
         return getattr(params.method, name)
     level = {"image_px": 48, "steps": 100, "points": 2000}
@@ -54,22 +63,49 @@ def quick(name: str, params: Params) -> Any:
     )
 
 
-def cloud(name: str, given: Given, params: Params, seed: int = 1) -> np.ndarray:
-    settings = quick(name, params)
-    return checked(load_method(name).reconstruct(given, settings, None, seed), given).points_mm
+@pytest.fixture(scope="module")
+def learned(photographed: Path, params: Params) -> Callable[[str], State | None]:
+    """What a method learns from the photographed part alone."""
+
+    @cache
+    def learn(name: str) -> State | None:
+        method = load_method(name)
+        if method.scope == Scope.PART:
+            return None
+        part, views = photographed / "part", photographed / "views"
+        example = Example("part", part, views, method.inputs)
+        with TemporaryDirectory() as scratch:
+            return method.fit([example], quick(name, params), 1, Path(scratch))
+
+    return learn
+
+
+def merged(*files: str) -> Params:
+    return build(Params, OmegaConf.to_container(OmegaConf.merge(*map(OmegaConf.load, files))))
+
+
+@pytest.fixture
+def cloud(learned: Callable[[str], State | None], params: Params) -> Callable[..., np.ndarray]:
+    """`cloud(name, given, seed)`: what the method makes of `given`, checked."""
+
+    def cloud(name: str, given: Given, seed: int = 1) -> np.ndarray:
+        settings, method = quick(name, params), load_method(name)
+        return checked(method.reconstruct(given, settings, learned(name), seed), given).points_mm
+
+    return cloud
 
 
 @every_method
-def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, params):
+def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, cloud):
     given = given_to(name, photographed)
-    first, again, other = (cloud(name, given, params, seed) for seed in (1, 1, 2))
+    first, again, other = (cloud(name, given, seed) for seed in (1, 1, 2))
     assert first.tobytes() == again.tobytes()
     assert (first.tobytes() != other.tobytes()) == load_method(name).random
 
 
 @every_method
-def test_points_are_where_the_part_is_in_mm(name, photographed, params):
-    points = cloud(name, given_to(name, photographed), params)
+def test_points_are_where_the_part_is_in_mm(name, photographed, cloud):
+    points = cloud(name, given_to(name, photographed))
     # The part's box is 4 mm longer on one side, and the mean extent is 43 mm.  Even a ball of
     # that diameter covers each side to a factor of 2, in another unit or frame nothing fits.
     assert (np.abs(points - PLACE) < 0.8 * SIZE.max()).all()
@@ -79,12 +115,12 @@ def test_points_are_where_the_part_is_in_mm(name, photographed, params):
 
 @every_method
 def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
-    name, photographed, params, tmp_path
+    name, photographed, cloud, tmp_path
 ):
     scale, shift = 3.0, np.array([70.0, -1000.0, 40.0])
     move(photographed, tmp_path, scale, shift)
-    here = cloud(name, given_to(name, photographed), params)
-    there = cloud(name, given_to(name, tmp_path), params)
+    here = cloud(name, given_to(name, photographed))
+    there = cloud(name, given_to(name, tmp_path))
     # The images are the same, so is all that a method computes in a frame of its own; what
     # differs is the last digit of float32 there, 1e-7 of the size, here with a reserve of 100.
     np.testing.assert_allclose(there, scale * here + shift, rtol=0, atol=1e-5 * scale * SIZE.max())
@@ -122,15 +158,15 @@ def garble(path: Path) -> None:
 
 @pytest.mark.parametrize("spoil", [Path.unlink, garble])
 @every_method
-def test_only_declared_files_are_read(name, spoil, photographed, params, tmp_path):
+def test_only_declared_files_are_read(name, spoil, photographed, cloud, tmp_path):
     """Others may be missing, or hold anything."""
     shutil.copytree(photographed, tmp_path, dirs_exist_ok=True)
     declared = files_of(load_method(name), tmp_path / "part", tmp_path / "views")
     for path in sorted(tmp_path.rglob("*.*")):
         if path not in declared and path.parent not in declared:
             spoil(path)
-    alone = cloud(name, given_to(name, tmp_path), params)
-    assert alone.tobytes() == cloud(name, given_to(name, photographed), params).tobytes()
+    alone = cloud(name, given_to(name, tmp_path))
+    assert alone.tobytes() == cloud(name, given_to(name, photographed)).tobytes()
 
 
 @every_method
@@ -152,19 +188,23 @@ def looking_at_nothing(given: Given) -> Given:
     return replace(given, handed=keep | emptied)
 
 
-@pytest.mark.parametrize("name", [n for n in MODULES if load_method(n).inputs & IMAGES])
-def test_photographs_of_nothing_fail_with_a_reason(name, photographed, params):
+def of_part(name: str) -> bool:
+    return load_method(name).scope == Scope.PART and bool(load_method(name).inputs & IMAGES)
+
+
+@pytest.mark.parametrize("name", list(filter(of_part, MODULES)))  # others know parts, and name one
+def test_photographs_of_nothing_fail_with_a_reason(name, photographed, cloud):
     with pytest.raises(ReconstructionFailed, match=r"\w+ \w+ \w+"):
-        cloud(name, looking_at_nothing(given_to(name, photographed)), params)
+        cloud(name, looking_at_nothing(given_to(name, photographed)))
 
 
 @every_method
-def test_all_that_is_declared_is_used(name, photographed, params):
+def test_all_that_is_declared_is_used(name, photographed, cloud):
     given = given_to(name, photographed)
     for kind in given.handed:
         rest = {other: value for other, value in given.handed.items() if other != kind}
         with pytest.raises(UndeclaredInput, match=kind.value):
-            cloud(name, replace(given, handed=rest), params)
+            cloud(name, replace(given, handed=rest))
 
 
 @every_method

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.cloud import Cloud, save_others
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.scores import load_scores
 from industnerf.artifacts.truth import Truth
@@ -146,3 +146,26 @@ def test_too_few_visible_samples_name_the_knob(part, tmp_path):
     wanted = replace(SETTINGS, points=4000)
     with pytest.raises(MetricError, match=r"raise evaluate\.dense"):
         measure_truth(part.part, tmp_path, settings=wanted, seed=0)
+
+
+def test_of_several_answers_the_mean_counts(part):
+    good, poor = samples(part.mesh, 3000, seed=3), samples(part.mesh, 3000, seed=4) * 1.3
+    alone = [part.scores(points) for points in (good, poor)]
+    save_others(part.folder / "cloud", [poor.astype(np.float32), good.astype(np.float32)])
+    both = part.scores(good)
+    visible = [("emd", "P1-even"), ("chamfer", "P1-dense"), ("fscore", "P1-dense")]
+    for kind in visible:
+        expected = (2 * alone[0][kind] + alone[1][kind]) / 3
+        assert both[kind] == pytest.approx(expected, rel=1e-6), kind
+    assert both["emd", "P1-full"] == alone[0]["emd", "P1-full"]
+
+
+def test_an_answer_without_a_point_counts_as_a_failure(part):
+    points, failed = samples(part.mesh, 3000, seed=3), part.failure()
+    alone = part.scores(points)
+    save_others(part.folder / "cloud", [np.zeros((0, 3), np.float32)])
+    both = part.scores(points)
+    for kind in (("emd", "P1-even"), ("fscore", "P1-dense")):
+        assert both[kind] == pytest.approx((alone[kind] + failed[kind]) / 2, rel=1e-6)
+    assert both["emd", "P1-iid"] == alone["emd", "P1-iid"]
+    assert {row.status for row in part.rows} == {"ok"}

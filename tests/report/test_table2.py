@@ -61,7 +61,8 @@ def study_of(rendering: bool) -> Study:
         {},
         {"hull": (0, 0), "oracle": (0, 0)},
         {},
-        Folders(*[Path("nowhere")] * 6),
+        {},
+        Folders(*[Path("nowhere")] * 7),
     )
 
 

@@ -60,7 +60,8 @@ def study():
         {},
         {"hull": (0, 0), "oracle": (0, 0)},
         {},
-        Folders(*[nowhere] * 6),
+        {},
+        Folders(*[nowhere] * 7),
     )
 
 

@@ -1,16 +1,18 @@
 """A reconstructed point cloud in the part's frame."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32, Int16, UInt8
+from jaxtyping import Float, Float32, Int16, UInt8
 
 from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
 SCHEMA = 2
+OTHERS = "others.npz"
 
 
 @dataclass(frozen=True)
@@ -53,3 +55,24 @@ class Cloud:
         """`parameters` and `steps` of the cloud in `folder`, without reading its points."""
         parameters, steps = read_npz(folder / "cloud.npz", ("parameters", "steps"), "reconstruct")
         return int(parameters), int(steps)
+
+
+def save_others(folder: Path, clouds: Sequence[Float[np.ndarray, "_ 3"]]) -> None:
+    """Write further answers (mm) beside the cloud in `folder`; one may be empty."""
+    ends = np.cumsum([len(points) for points in clouds])
+    points = np.concatenate(clouds).astype(np.float32)
+    np.savez_compressed(folder / OTHERS, points_mm=points, ends=ends)
+
+
+def load_others(folder: Path) -> list[Float32[np.ndarray, "_ 3"]]:
+    """What `save_others` wrote, none if there are none; raises BadArtifact if the file is torn."""
+    if not (folder / OTHERS).exists():
+        return []
+    points, ends = read_npz(folder / OTHERS, ("points_mm", "ends"), "reconstruct")
+    return np.split(points, ends[:-1])
+
+
+def files_of_cloud(folder: Path) -> tuple[Path, ...]:
+    """What a score of the cloud in `folder` depends on."""
+    others = folder / OTHERS
+    return (folder / "cloud.npz", *([others] if others.exists() else []))

@@ -1,11 +1,11 @@
-"""Which parts are tuned on, which are reported, and which are held out together."""
+"""Which parts are tuned on, which are reported, and which net is asked about which part."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from industnerf.artifacts.files import read_json, write_json
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -13,7 +13,17 @@ class Place:
     """Where one part stands."""
 
     split: str  # "dev": tuned on, in no headline mean; "test": reported
-    fold: int | None  # of the test parts: which nets must not have seen it; None for dev
+    fold: int | None  # the part is reconstructed by a net that saw no part of this fold; None: any
+
+    @property
+    def net(self) -> str:
+        """The name of the net that is asked about the part."""
+        return "all" if self.fold is None else f"fold-{self.fold}"
+
+
+def taught(places: dict[str, Place], net: str) -> list[str]:
+    """The parts, by id, that the net `net` learns from."""
+    return sorted(part for part, place in places.items() if net == "all" or place.net != net)
 
 
 def save_split(path: Path, places: dict[str, Place]) -> None:

@@ -10,6 +10,8 @@ MODULES = {
     "industnerf_plus": "industnerf.methods.industnerf",
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",
+    "retrieval": "industnerf.methods.retrieval",
+    "mean_shape": "industnerf.methods.mean_shape",
     "ball": "industnerf.methods.nulls",
     "box": "industnerf.methods.nulls",
     "oracle": "industnerf.methods.oracle",

@@ -1,12 +1,15 @@
-"""Run a method on one part: hand over what it declares, check and keep what it returns."""
+"""Run a method: hand over what it declares, check and keep what it returns."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from industnerf.artifacts.cloud import Cloud
-from industnerf.methods.base import Input, Method, hand_over
+from industnerf.artifacts.cloud import Cloud, save_others
+from industnerf.artifacts.state import State
+from industnerf.errors import ReconstructionFailed
+from industnerf.methods.base import Example, Input, Method, hand_over
 from industnerf.methods.checks import checked
 from industnerf.seeds import seed_for
 
@@ -20,20 +23,58 @@ FILES = {
 def files_of(method: Method, part: Path, views: Path) -> tuple[Path, ...]:
     """The files that `method` may depend on: its cameras, and what it declares."""
     images = [views / FILES[name] for name in sorted(method.inputs) if name in FILES]
-    mesh = [part / "mesh.npz"] if Input.OWN_MESH in method.inputs else []
+    mesh = [part / "mesh.npz"] if method.inputs & {Input.OWN_MESH, Input.FRAME} else []
     return (views / "cameras.json", *images, *mesh)
 
 
+def files_to_learn_from(example: Example) -> tuple[Path, ...]:
+    """The files of `example` that what is learned from it may depend on."""
+    images = [example.views / "cameras.json", example.views / "rgb"]
+    mesh = [example.part / "mesh.npz"] if Input.OTHER_MESHES in example.inputs else []
+    return (*(images if Input.RGB in example.inputs else []), *mesh)
+
+
+def learn(
+    method: Method,
+    examples: Sequence[Example],
+    target: Path,
+    *,
+    settings: Any,
+    seed: int,
+    scratch: Path,
+) -> None:
+    """Write into `target` what `method` learns from `examples`; `scratch` is to resume from.
+
+    Raises ReconstructionFailed if there is nothing to learn from.
+    """
+    if not examples:
+        raise ReconstructionFailed(
+            "no part is left to learn from: all are held out together (split.hold_out, split.folds)"
+        )
+    own_seed = seed_for(seed, "fit", method.name)
+    method.fit(examples, settings, own_seed, scratch).save(target)
+
+
 def reconstruct_part(
-    method: Method, part: Path, views: Path, target: Path, *, settings: Any, seed: int
+    method: Method,
+    part: Path,
+    views: Path,
+    state: Path | None,
+    target: Path,
+    *,
+    settings: Any,
+    seed: int,
 ) -> None:
     """Write the cloud of one part into `target`, and whatever else the method returned.
+
+    `state` is the folder of what the method has learned from other parts.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
     """
     given = hand_over(method, part, views)
     own_seed = seed_for(seed, "reconstruct", method.name, part.name)
-    result = checked(method.reconstruct(given, settings, None, own_seed), given)
+    learned = None if state is None else State.load(state)
+    result = checked(method.reconstruct(given, settings, learned, own_seed), given)
     n = len(result.points_mm)
     grey, certain = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
     unknown = np.full(n, -1, np.int16)
@@ -46,6 +87,8 @@ def reconstruct_part(
         result.parameters,
         result.steps,
     ).save(target)
+    if result.others_mm:
+        save_others(target, result.others_mm)
     for more in (result.renderings, result.candidates, result.history):
         if more is not None:
             more.save(target)

@@ -1,28 +1,32 @@
 """What every method is: two functions, a scope, and the inputs that it declares.
 
-    fit(train parts, settings, seed) -> state            scope `dataset` only
+    fit(examples, settings, seed, scratch) -> State      scope `dataset` only
     reconstruct(given, settings, state, seed) -> Reconstruction
 
 A method is handed its cameras and what it declares, and nothing else.  It may return more than
 points: what it sees from the held-out cameras, which point it trusts how much, how its loss fell.
+What is learned from other parts is learned from `Example`s, and handed over as `State`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int, UInt8
+from jaxtyping import Bool, Float, Float32, Int, Int32, UInt8
 
 from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.history import History
 from industnerf.artifacts.part import Mesh, load_mesh
 from industnerf.artifacts.renderings import Renderings
+from industnerf.artifacts.state import State
 from industnerf.artifacts.views import load_views
 from industnerf.errors import UndeclaredInput
+from industnerf.geometry.boxes import Cube
 from industnerf.geometry.cameras import Cameras
+from industnerf.learning.pictures import evenly, scaled
 
 
 class Input(StrEnum):
@@ -32,6 +36,7 @@ class Input(StrEnum):
     BACKGROUND = "background"  # the colour behind the part
     MASK = "mask"
     DEPTH = "depth"
+    FRAME = "frame"  # axes, centre and longest edge of the part
     OTHER_MESHES = "other meshes"
     OWN_MESH = "own mesh"
 
@@ -49,6 +54,35 @@ class Role(StrEnum):
     METHOD = "method"
     NULL = "null"  # knows nothing but the part's size: what any method must beat
     BOUND = "bound"  # is given the answer: what no method can beat
+
+
+@dataclass(frozen=True)
+class Example:
+    """A part to learn from, with what the method declares; files are read when asked for."""
+
+    part_id: str
+    part: Path
+    views: Path
+    inputs: frozenset[Input]
+
+    @property
+    def mesh(self) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
+        """Vertices in the unit cube of the part's `Cube`, and faces."""
+        self._refuse_undeclared(Input.OTHER_MESHES)
+        mesh = load_mesh(self.part)
+        return Cube.of(mesh.vertices).to_unit(mesh.vertices), mesh.faces
+
+    def rgb(self, px: int, count: int) -> UInt8[np.ndarray, "views {px} {px} 3"]:
+        """At most `count` of the training views, evenly chosen, scaled to `px` a side."""
+        self._refuse_undeclared(Input.RGB)
+        taken = load_views(self.views)
+        return scaled(taken.rgb(taken.train[evenly(len(taken.train), count)]), px)
+
+    def _refuse_undeclared(self, name: Input) -> None:
+        if name not in self.inputs:
+            raise UndeclaredInput(
+                f"the method learns from {name.value!r}, but declares only {sorted(self.inputs)}"
+            )
 
 
 @dataclass(frozen=True)
@@ -78,6 +112,10 @@ class Given:
         return self._declared(Input.DEPTH)
 
     @property
+    def frame(self) -> Cube:
+        return self._declared(Input.FRAME)
+
+    @property
     def own_mesh(self) -> Mesh:
         return self._declared(Input.OWN_MESH)
 
@@ -103,6 +141,8 @@ class Reconstruction:
     renderings: Renderings | None = None  # from `Given.held_out`
     candidates: Candidates | None = None  # before any filter
     history: History | None = None
+    # Further answers of a method that sees one view at a time: its score is the mean over all.
+    others_mm: tuple[Float[np.ndarray, "_ 3"], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -113,7 +153,7 @@ class Method:
     scope: Scope
     inputs: frozenset[Input]
     reconstruct: Callable[[Given, Any, Any, int], Reconstruction]
-    fit: Callable[[Any, Any, int], Any] | None = None
+    fit: Callable[[Sequence[Example], Any, int, Path], State] | None = None
     role: Role = Role.METHOD
     random: bool = False  # another seed gives another cloud
 
@@ -131,8 +171,9 @@ def hand_over(method: Method, part: Path, views: Path) -> Given:
         Input.BACKGROUND: lambda: taken.background[taken.train],
         Input.MASK: lambda: taken.mask(taken.train),
         Input.DEPTH: lambda: taken.depth_mm(taken.train),
+        Input.FRAME: lambda: Cube.of(load_mesh(part).vertices),
         Input.OWN_MESH: lambda: load_mesh(part),
     }
-    handed = {name: readers[name]() for name in sorted(method.inputs)}
+    handed = {name: readers[name]() for name in sorted(method.inputs) if name in readers}
     cameras = taken.cameras
     return Given(method.name, cameras[taken.train], cameras[taken.held_out], handed)

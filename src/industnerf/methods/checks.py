@@ -13,6 +13,8 @@ def checked(result: Reconstruction, given: Given) -> Reconstruction:
     if not len(result.points_mm):
         raise ReconstructionFailed("empty: the method returned no point")
     _refuse_not_finite(result.points_mm, "points")
+    for points in result.others_mm:
+        _refuse_not_finite(points, "points of a further answer")
     if result.confidence is not None:
         _refuse_not_finite(result.confidence, "values of confidence")
     if result.view is not None:

@@ -45,19 +45,30 @@ def compare(
     Raises MetricError if a distance cannot be computed exactly.
     """
     n = settings.points
-    seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
-    even_truth, even_shown = farthest_points(seen, n), farthest_points(shown, n)
-    even = emd(even_truth, even_shown)
+    shown = predicted.points[predicted.kept]
+    visible = compare_visible(truth, predicted, settings)
+    even, even_truth = visible[0].value, farthest_points(truth.points[truth.kept], n)
     everything = truth.kept.all() and predicted.kept.all()
     full = (
         even
         if everything
         else emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
     )
+    iid = emd(even_truth, random_points(shown, n, rng))
+    return [
+        *visible,
+        Value("emd", "P1-iid", iid, "diagonal"),
+        Value("emd", "P1-full", full, "diagonal"),
+    ]
+
+
+def compare_visible(truth: Sampled, predicted: Sampled, settings: EvaluateParams) -> list[Value]:
+    """The metrics of the visible surface that no chance enters into: geometry alone."""
+    n = settings.points
+    seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
+    even = emd(farthest_points(seen, n), farthest_points(shown, n))
     return [
         Value("emd", "P1-even", even, "diagonal"),
-        Value("emd", "P1-iid", emd(even_truth, random_points(shown, n, rng)), "diagonal"),
-        Value("emd", "P1-full", full, "diagonal"),
         Value("chamfer", "P1-dense", chamfer(seen, shown), "diagonal"),
         Value("fscore", "P1-dense", fscore(seen, shown, settings.fscore), "share", False),
     ]

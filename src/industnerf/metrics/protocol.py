@@ -1,18 +1,19 @@
 """Protocol P1: from a cloud, or from its absence, to scores."""
 
+from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import fmean
 
 import numpy as np
 from jaxtyping import Float
 
-from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.cloud import Cloud, load_others
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
-from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.shapes import ball_surface, box_surface
 from industnerf.metrics.beyond import scores_beyond
-from industnerf.metrics.compare import Sampled, Value, compare
+from industnerf.metrics.compare import Sampled, Value, compare, compare_visible
 from industnerf.metrics.reduce import random_points
 from industnerf.metrics.visible import Frame, Rig, scored
 from industnerf.schema import EvaluateParams
@@ -31,54 +32,85 @@ def score_part(
 ) -> None:
     """Write the scores of the folder `cloud`; one with no point to score counts as failed.
 
+    Where there are several answers, their mean: one without a point to score counts as much as a
+    failure, and EMD `iid` and `full`, which cost most, are of the first answer alone.
     `views` are read only if the method returned more than a cloud.
     """
-    known = Truth.load(truth)
-    try:
-        values = _against(part, known, Cloud.load(cloud).points_mm, settings, seed)
-    except ReconstructionFailed:
+    judge = Judge(part, Truth.load(truth), settings, seed)
+    answers = [Cloud.load(cloud).points_mm, *load_others(cloud)]
+    found = [judge.judged(points, every=i == 0) for i, points in enumerate(answers)]
+    if not any(found):
         score_failure(part, truth, target, settings=settings, seed=seed)
-    else:
-        more = scores_beyond(Frame(load_mesh(part)), known, views, cloud)
-        save_scores(target, [*(_score(value, known, "ok") for value in values), *more])
+        return
+    mean = _mean([some or judge.nothing(every=i == 0) for i, some in enumerate(found)])
+    more = scores_beyond(Frame(load_mesh(part)), judge.known, views, cloud)
+    save_scores(target, [*(judge.score(value, "ok") for value in mean), *more])
 
 
 def score_failure(
     part: Path, truth: Path, target: Path, *, settings: EvaluateParams, seed: int
 ) -> None:
     """Write what a part without a cloud scores: the worse of its ball and its box."""
-    known, frame = Truth.load(truth), Frame(load_mesh(part))
-    extents, rng = np.ptp(frame.mesh.vertices, axis=0), generator(seed, "failure", part.name)
-    ball, box = (
-        _against(part, known, surface(extents, frame.centre, settings.cap, rng), settings, seed)
-        for surface in (ball_surface, box_surface)
-    )
-    worse = [_worse(*pair) for pair in zip(ball, box, strict=True)]
-    save_scores(target, [_score(value, known, "failed") for value in worse])
+    judge = Judge(part, Truth.load(truth), settings, seed)
+    save_scores(target, [judge.score(value, "failed") for value in judge.nothing()])
 
 
-def _against(
-    part: Path,
-    known: Truth,
-    points_mm: Float[np.ndarray, "n 3"],
-    settings: EvaluateParams,
-    seed: int,
-) -> list[Value]:
-    frame = Frame(load_mesh(part))
-    rng = generator(seed, "evaluate", part.name)
-    points_mm = random_points(points_mm.astype(np.float64), settings.cap, rng)
-    truth_mm = known.points_mm.astype(np.float64)
-    kept = scored(Rig(frame, settings), points_mm, truth_mm, known.visible, settings.hidden)
-    if not kept.any():
-        raise ReconstructionFailed("every point lies deep inside, nearest to hidden surface")
-    truth = Sampled(frame.unit(truth_mm), known.visible)
-    return compare(truth, Sampled(frame.unit(points_mm), kept), settings, rng)
+@dataclass(frozen=True)
+class Judge:
+    """Measures clouds of one part."""
+
+    part: Path
+    known: Truth
+    settings: EvaluateParams
+    seed: int
+
+    def judged(self, points_mm: Float[np.ndarray, "n 3"], *, every: bool = True) -> list[Value]:
+        """The values of a cloud; none if no point of it can be scored.
+
+        If not `every` metric, those of the visible surface that no chance enters into.
+        """
+        frame, cap = Frame(load_mesh(self.part)), self.settings.cap
+        rng = generator(self.seed, "evaluate", self.part.name)
+        points_mm = random_points(points_mm.astype(np.float64), cap, rng)
+        truth_mm, visible = self.known.points_mm.astype(np.float64), self.known.visible
+        hidden = self.settings.hidden
+        if not len(points_mm):
+            return []
+        kept = scored(Rig(frame, self.settings), points_mm, truth_mm, visible, hidden)
+        if not kept.any():  # every point lies deep inside, nearest to hidden surface
+            return []
+        truth = Sampled(frame.unit(truth_mm), visible)
+        shown = Sampled(frame.unit(points_mm), kept)
+        if every:
+            return compare(truth, shown, self.settings, rng)
+        return compare_visible(truth, shown, self.settings)
+
+    def nothing(self, *, every: bool = True) -> list[Value]:
+        """What an absent cloud scores: the worse of the ball and the box, metric by metric."""
+        frame = Frame(load_mesh(self.part))
+        extents = np.ptp(frame.mesh.vertices, axis=0)
+        rng = generator(self.seed, "failure", self.part.name)
+        ball, box = (
+            self.judged(surface(extents, frame.centre, self.settings.cap, rng), every=every)
+            for surface in (ball_surface, box_surface)
+        )
+        return [_worse(*pair) for pair in zip(ball, box, strict=True)]
+
+    def score(self, value: Value, status: str) -> Score:
+        """`value` with its floor."""
+        floor = self.known.floors[f"{value.metric} {value.protocol}"]
+        return Score(value.metric, value.protocol, value.value, floor, value.unit, status)
+
+
+def _mean(answers: list[list[Value]]) -> list[Value]:
+    """Value by value of the first answer, the mean over all that have it."""
+    named = [{(v.metric, v.protocol): v.value for v in values} for values in answers]
+    return [
+        replace(first, value=fmean(values[key] for values in named if key in values))
+        for first in answers[0]
+        for key in [(first.metric, first.protocol)]
+    ]
 
 
 def _worse(a: Value, b: Value) -> Value:
     return max(a, b, key=lambda value: value.value if value.smaller_is_better else -value.value)
-
-
-def _score(value: Value, known: Truth, status: str) -> Score:
-    floor = known.floors[f"{value.metric} {value.protocol}"]
-    return Score(value.metric, value.protocol, value.value, floor, value.unit, status)

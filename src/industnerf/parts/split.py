@@ -1,6 +1,7 @@
 """The split, by hash: adding parts moves no other part."""
 
 import hashlib
+from typing import assert_never
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.split import Place
@@ -11,16 +12,26 @@ def assign(parts: list[Part], settings: SplitParams) -> dict[str, Place]:
     """Place every part.
 
     A share of the embedded parts is `dev`; a file that the user brought never is, for nothing
-    was tuned on it.  The others are `test`, their whole family in one of `folds` folds.
+    was tuned on it.  What is held out together is in one of `folds` folds together.
     """
-    places = {}
-    for part in parts:
-        if part.origin == "embedded" and _share("dev", part.part_id) < settings.dev_share:
-            places[part.part_id] = Place("dev", None)
-        else:
-            fold = int(_share("fold", part.family) * settings.folds)
-            places[part.part_id] = Place("test", fold)
-    return places
+    return {part.part_id: Place(_split(part, settings), _fold(part, settings)) for part in parts}
+
+
+def _split(part: Part, settings: SplitParams) -> str:
+    embedded = part.origin == "embedded"
+    return "dev" if embedded and _share("dev", part.part_id) < settings.dev_share else "test"
+
+
+def _fold(part: Part, settings: SplitParams) -> int | None:
+    match settings.hold_out:
+        case "family":
+            return int(_share("fold", part.family) * settings.folds)
+        case "part":
+            return int(_share("fold", part.part_id) * settings.folds)
+        case "none":
+            return None
+        case _:
+            assert_never(settings.hold_out)
 
 
 def _share(purpose: str, name: str) -> float:

@@ -27,6 +27,7 @@ def read_costs(folders: Folders, methods: list[str]) -> list[CostRow]:
     rows = [*_rows("parts", "", folders.parts), *_rows("views", "", folders.views)]
     rows += _rows("truth", "", folders.truth)
     for method in methods:
+        rows += _rows("train", method, folders.states / method)
         rows += _rows("reconstruct", method, folders.clouds / method)
         rows += _rows("evaluate", method, folders.scores / method)
     return rows

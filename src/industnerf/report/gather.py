@@ -7,6 +7,7 @@ from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.part import Part, load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import Place, load_split
+from industnerf.artifacts.state import State
 from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
 from industnerf.methods.base import Method
@@ -21,8 +22,19 @@ class Folders:
     views: Path
     split: Path
     truth: Path
+    states: Path
     clouds: Path
     scores: Path
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """How a method learned from other parts."""
+
+    size: str  # of its net; empty where it has none
+    parts: int  # the fewest that any of its nets learned from
+    hold_out: str  # see split.hold_out
+    settled: bool  # every net's validation loss had stopped falling
 
 
 @dataclass(frozen=True)
@@ -37,12 +49,15 @@ class Study:
     places: dict[str, Place]
     scores: list[PartScore]
     failures: dict[str, dict[str, str]]  # stage or method -> part id -> why
-    training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part
+    training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part or net
+    lessons: dict[str, Lesson]  # method that learns from other parts -> what of
     seen_by_training: dict[str, float]  # part id -> share of its area
     folders: Folders
 
 
-def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[str]) -> Study:
+def gather(
+    folders: Folders, preset: str, seed: int, views: int, hold_out: str, methods: list[str]
+) -> Study:
     """Read every artefact; raises BadArtifact that names the first one missing or torn."""
     known = {name: load_method(name) for name in methods}
     photographed = read_index(folders.views)
@@ -57,6 +72,11 @@ def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[s
         {"parts": read_failures(folders.parts)}
         | {name: read_failures(folders.clouds / name) for name in methods},
         {name: _training(folders.clouds / name) for name in methods},
+        {
+            name: lesson
+            for name in methods
+            if (lesson := _lesson(folders.states / name, hold_out)) is not None
+        },
         {name: load_views(folders.views / name).seen_by_training for name in photographed},
         folders,
     )
@@ -65,3 +85,12 @@ def gather(folders: Folders, preset: str, seed: int, views: int, methods: list[s
 def _training(clouds: Path) -> tuple[int, int]:
     made = list(read_index(clouds))
     return Cloud.training(clouds / made[0]) if made else (0, 0)
+
+
+def _lesson(states: Path, hold_out: str) -> Lesson | None:
+    """None if the method learned from no other part."""
+    found = [State.summary(states / net) for net in read_index(states)]
+    if not found:
+        return None
+    fewest, settled = min(one["parts"] for one in found), all(one["settled"] for one in found)
+    return Lesson(found[0]["size"], fewest, hold_out, settled)

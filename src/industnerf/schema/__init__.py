@@ -7,7 +7,15 @@ from industnerf.schema.industnerf import (
     SoftnessSettings,
     WarmUpSettings,
 )
-from industnerf.schema.methods import HullRgbSettings, HullSettings, MethodSettings, SampleSettings
+from industnerf.schema.learning import AugmentSettings, TrainingSettings
+from industnerf.schema.methods import (
+    HullRgbSettings,
+    HullSettings,
+    MeanShapeSettings,
+    MethodSettings,
+    RetrievalSettings,
+    SampleSettings,
+)
 from industnerf.schema.parts import CleanParams, PartsParams
 from industnerf.schema.rules import require
 from industnerf.schema.study import (
@@ -16,6 +24,7 @@ from industnerf.schema.study import (
     ReconstructParams,
     ReportParams,
     SplitParams,
+    TrainParams,
 )
 from industnerf.schema.views import (
     CalibrationParams,
@@ -27,6 +36,7 @@ from industnerf.schema.views import (
 )
 
 __all__ = [
+    "AugmentSettings",
     "CalibrationParams",
     "CleanParams",
     "EvaluateParams",
@@ -36,6 +46,7 @@ __all__ = [
     "JitterParams",
     "LevelSettings",
     "LightParams",
+    "MeanShapeSettings",
     "MethodSettings",
     "Params",
     "PartsParams",
@@ -43,10 +54,13 @@ __all__ = [
     "ReconstructParams",
     "ReliefSettings",
     "ReportParams",
+    "RetrievalSettings",
     "SampleSettings",
     "SensorParams",
     "SoftnessSettings",
     "SplitParams",
+    "TrainParams",
+    "TrainingSettings",
     "ViewsParams",
     "WarmUpSettings",
     "require",

@@ -34,11 +34,36 @@ class SampleSettings:
 
 
 @dataclass(frozen=True)
+class RetrievalSettings:
+    views: int
+    image_px: int
+    points: int
+
+    def __post_init__(self) -> None:
+        at = "method.retrieval"
+        require(self.views >= 1, f"{at}.views", self.views, "at least 1")
+        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
+        require(self.points >= 1, f"{at}.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
+class MeanShapeSettings:
+    grid_res: int
+    points: int
+
+    def __post_init__(self) -> None:
+        require(self.grid_res >= 2, "method.mean_shape.grid_res", self.grid_res, "at least 2")
+        require(self.points >= 1, "method.mean_shape.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
     hull: HullSettings
     hull_rgb: HullRgbSettings
+    retrieval: RetrievalSettings
+    mean_shape: MeanShapeSettings
     ball: SampleSettings
     box: SampleSettings
     oracle: SampleSettings

@@ -13,10 +13,19 @@ from industnerf.schema.views import ViewsParams
 class SplitParams:
     dev_share: float
     folds: int
+    hold_out: Literal["family", "part", "none"]
 
     def __post_init__(self) -> None:
         require(0 <= self.dev_share < 1, "split.dev_share", self.dev_share, "in [0, 1)")
         require(self.folds >= 2, "split.folds", self.folds, "at least 2")
+
+
+@dataclass(frozen=True)
+class TrainParams:
+    time_limit_s: float
+
+    def __post_init__(self) -> None:
+        require(self.time_limit_s > 0, "train.time_limit_s", self.time_limit_s, "more than 0")
 
 
 @dataclass(frozen=True)
@@ -69,6 +78,7 @@ class Params:
     split: SplitParams
     methods: list[str]
     method: MethodSettings
+    train: TrainParams
     reconstruct: ReconstructParams
     evaluate: EvaluateParams
     report: ReportParams

@@ -1,6 +1,5 @@
 """The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -12,6 +11,7 @@ from jaxtyping import Float, Float32, Int16, UInt8
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
+from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
 from industnerf.methods.industnerf.carving import Silhouettes
@@ -211,12 +211,6 @@ class _Work:
         )
         self._training.restore(state["training"])
         self._generator.set_state(state["generator"])
-
-
-def device() -> torch.device:
-    """INDUSTNERF_DEVICE, or a GPU where there is one."""
-    name = os.environ.get("INDUSTNERF_DEVICE")
-    return torch.device(name or ("cuda" if torch.cuda.is_available() else "cpu"))
 
 
 def pictures(

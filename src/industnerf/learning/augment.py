@@ -1,0 +1,42 @@
+"""Pictures that differ a little every time they are looked at, as those of another camera would.
+
+No mirror images, which the published nets learned from: a mirrored screw is another screw.
+"""
+
+import numpy as np
+import torch
+from jaxtyping import Float, UInt8
+from torch import Tensor
+from torch.nn import functional as F
+
+from industnerf.schema import AugmentSettings
+
+
+def as_tensor(images: UInt8[np.ndarray, "n h w 3"]) -> Float[Tensor, "n 3 h w"]:
+    """Values in [0, 1]."""
+    return torch.from_numpy(np.ascontiguousarray(images.transpose(0, 3, 1, 2))).float() / 255
+
+
+def augmented(
+    images: Float[Tensor, "n 3 h w"], settings: AugmentSettings, rng: np.random.Generator
+) -> Float[Tensor, "n 3 h w"]:
+    """Every image rolled, zoomed and shifted in brightness and contrast by a draw of its own.
+
+    A roll of the camera about its axis by up to `roll_deg`, a zoom by a factor of up to
+    1 +- `zoom`, and colours c -> a c + b with a in 1 +- `colour` and b in +- `colour` / 2.
+    """
+    n = len(images)
+    angle = np.deg2rad(rng.uniform(-settings.roll_deg, settings.roll_deg, n))
+    zoom = rng.uniform(1 - settings.zoom, 1 + settings.zoom, n)
+    matrices = np.zeros((n, 2, 3))
+    matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(angle) / zoom
+    matrices[:, 0, 1], matrices[:, 1, 0] = -np.sin(angle) / zoom, np.sin(angle) / zoom
+    grid = F.affine_grid(
+        torch.from_numpy(matrices).to(images), list(images.shape), align_corners=False
+    )
+    # beyond the border the picture goes on as it is there: background
+    turned = F.grid_sample(images, grid, padding_mode="border", align_corners=False)
+    gain = rng.uniform(1 - settings.colour, 1 + settings.colour, n)
+    shift = rng.uniform(-settings.colour / 2, settings.colour / 2, n)
+    factors = [torch.from_numpy(x).to(images).view(n, 1, 1, 1) for x in (gain, shift)]
+    return (turned * factors[0] + factors[1]).clamp(0, 1)

@@ -1,0 +1,18 @@
+"""Photographs as nets take them: fewer, smaller, and a little different every time."""
+
+import numpy as np
+from jaxtyping import Int, UInt8
+
+
+def evenly(total: int, count: int) -> Int[np.ndarray, "_"]:
+    """At most `count` of the indices below `total`, evenly spread, the first among them."""
+    count = min(count, total)
+    return np.arange(count) * total // count
+
+
+def scaled(images: UInt8[np.ndarray, "n h w 3"], px: int) -> UInt8[np.ndarray, "n {px} {px} 3"]:
+    """`images` at `px` a side, every pixel the mean of what it covers."""
+    from PIL import Image
+
+    small = [Image.fromarray(one).resize((px, px), Image.Resampling.BOX) for one in images]
+    return np.stack([np.asarray(one) for one in small])
