@@ -91,3 +91,26 @@ def test_costs_stay_out_of_what_is_hashed(place):
         "step",
         "keys",
     }
+
+
+def half(target, *, scratch, stop):
+    """Leave a note; stop there, or go on from the note of an earlier call."""
+    scratch.mkdir(parents=True, exist_ok=True)
+    before = (scratch / "note").exists()
+    (scratch / "note").write_text("half")
+    if stop.exists():
+        raise BadPart("stopped")
+    (target / "resumed").write_text(str(before))
+
+
+def test_what_is_resumable_goes_on_from_its_notes_and_leaves_none(place):
+    stop = place / "stop"
+    stop.touch()
+    task = Task("p", partial(half, stop=stop), 0, (), resumable=True)
+    with pytest.raises(PartsFailed):
+        run_stage("s", [task], place / "out", "strict")
+    assert list((place / "store").glob("s/.resume-*/note"))
+    stop.unlink()
+    run_stage("s", [task], place / "out", "strict")
+    assert (place / "out" / "p" / "resumed").read_text() == "True"
+    assert not list((place / "store").glob("s/.resume-*"))

@@ -1,14 +1,20 @@
 """What stands in a cloud's folder once a method has run on a part."""
 
 import numpy as np
+import pytest
 
 from industnerf.artifacts.candidates import Candidates
-from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.cloud import Cloud, load_others
 from industnerf.artifacts.history import History
+from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.renderings import Renderings
+from industnerf.artifacts.state import State
 from industnerf.artifacts.views import load_views
+from industnerf.errors import ReconstructionFailed, UndeclaredInput
 from industnerf.methods import load_method
-from industnerf.methods.apply import reconstruct_part
+from industnerf.methods.answers import answered
+from industnerf.methods.apply import files_to_learn_from, learn, reconstruct_part
+from industnerf.methods.base import Example, Input, Method, Scope
 from industnerf.schema import SampleSettings
 from tests.methods.caster import CASTER
 
@@ -16,8 +22,8 @@ SETTINGS = SampleSettings(500)
 
 
 def run(method, photographed, target):
-    places = (photographed / "part", photographed / "views", target)
-    reconstruct_part(method, *places, settings=SETTINGS, seed=0)
+    part, views = photographed / "part", photographed / "views"
+    reconstruct_part(method, part, views, None, target, settings=SETTINGS, seed=0)
 
 
 def test_all_that_a_method_returns_is_kept(photographed, tmp_path):
@@ -44,3 +50,73 @@ def test_a_method_that_returns_points_alone_leaves_a_cloud_alone(photographed, t
     run(load_method("oracle"), photographed, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["cloud.npz", "cloud.ply"]
     assert (Cloud.load(tmp_path).view == -1).all()
+
+
+INPUTS = frozenset({Input.FRAME, Input.OTHER_MESHES})
+
+
+def fit(examples, settings, seed, scratch):
+    """Keeps the first example's corners; leaves a note in `scratch`."""
+    (scratch / "note").write_text("half done")
+    return State({"corners": examples[0].mesh[0]}, parts=len(examples), steps=7)
+
+
+def remember(given, settings, state, seed):
+    corners = state.arrays["corners"]
+    return answered([np.zeros((0, 3)), corners, corners[:2]], given.frame, state)
+
+
+LEARNER = Method("learner", Scope.DATASET, INPUTS, remember, fit)
+
+
+@pytest.fixture
+def learned(photographed, tmp_path):
+    """The folder of what LEARNER has learned of the photographed part."""
+    example = Example("p", photographed / "part", photographed / "views", INPUTS)
+    state = tmp_path / "state"
+    state.mkdir()
+    learn(LEARNER, [example], state, settings=SETTINGS, seed=0, scratch=tmp_path)
+    return state
+
+
+def test_what_is_learned_reaches_the_reconstruction(photographed, learned, tmp_path):
+    part, views = photographed / "part", photographed / "views"
+    reconstruct_part(LEARNER, part, views, learned, tmp_path, settings=SETTINGS, seed=0)
+    cloud, corners = Cloud.load(tmp_path), load_mesh(part).vertices
+    assert cloud.steps == 7
+    # float32 at 300 mm is exact to 3e-5
+    np.testing.assert_allclose(cloud.points_mm, corners, rtol=0, atol=1e-4)
+    others = load_others(tmp_path)
+    assert [len(points) for points in others] == [2, 0]  # an empty answer stays one
+    np.testing.assert_allclose(others[0], corners[:2], rtol=0, atol=1e-4)
+
+
+def test_nothing_to_learn_from_names_the_knob(tmp_path):
+    with pytest.raises(ReconstructionFailed, match=r"split\.hold_out"):
+        learn(LEARNER, [], tmp_path, settings=SETTINGS, seed=0, scratch=tmp_path)
+
+
+def test_an_example_gives_only_what_is_declared(photographed):
+    part, views = photographed / "part", photographed / "views"
+    with pytest.raises(UndeclaredInput, match="'rgb'"):
+        Example("p", part, views, INPUTS).rgb(32, 4)
+    with pytest.raises(UndeclaredInput, match="'other meshes'"):
+        _ = Example("p", part, views, frozenset({Input.RGB})).mesh
+
+
+def test_an_example_is_the_training_views_and_the_part_in_the_unit_cube(photographed):
+    part, views = photographed / "part", photographed / "views"
+    example = Example("p", part, views, frozenset({Input.RGB, Input.OTHER_MESHES}))
+    assert example.rgb(32, 4).shape == (4, 32, 32, 3)
+    assert example.rgb(32, 99).shape == (12, 32, 32, 3)  # none of the two held out
+    vertices, _ = example.mesh
+    assert np.ptp(vertices, axis=0).max() == pytest.approx(1)
+    np.testing.assert_allclose(vertices.max(axis=0), -vertices.min(axis=0))
+
+
+def test_a_net_depends_on_what_is_declared_of_its_parts(photographed):
+    part, views = photographed / "part", photographed / "views"
+    mesh = part / "mesh.npz"
+    assert files_to_learn_from(Example("p", part, views, INPUTS)) == (mesh,)
+    with_rgb = Example("p", part, views, INPUTS | {Input.RGB})
+    assert files_to_learn_from(with_rgb) == (views / "cameras.json", views / "rgb", mesh)

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
-from industnerf.report.gather import Folders, Study
+from industnerf.report.gather import Folders, Lesson, Study
 from industnerf.report.tables import (
     Extra,
     scores_csv,
@@ -98,3 +99,44 @@ def test_the_files_hold_what_the_rows_do(study):
     assert "90 %" in text.splitlines()[0]
     assert "| 1.50 |" in text
     assert len(scores_csv(study).splitlines()) == 1 + 2 * 4 * 3
+
+
+def with_nets(study, settled=True):
+    """The study with two nets, worse and better than retrieval (0.03), and retrieval itself."""
+    names = ("occupancy", "r2n2", "retrieval")
+    values = ([0.02] * 4, [0.05] * 4, [0.03] * 4)
+    lessons = {name: Lesson("cpu", 78, "family", settled) for name in names[:2]}
+    lessons["retrieval"] = Lesson("", 78, "family", True)
+    return replace(
+        study,
+        methods={name: fake(name) for name in names},
+        scores=[s for name, v in zip(names, values, strict=True) for s in scores(name, v)],
+        training=dict.fromkeys(names, (1_200_000, 4000)),
+        lessons=lessons,
+    )
+
+
+def fake(name):
+    return replace(load_method("retrieval"), name=name)
+
+
+def test_a_net_no_better_than_retrieval_is_marked(study):
+    rows = {row.method: row for row in table1(with_nets(study), SETTINGS) if row.split == "test"}
+    assert rows["r2n2"].undertrained == "no better than retrieval"
+    assert rows["occupancy"].undertrained == ""
+    assert rows["retrieval"].undertrained == ""
+
+
+def test_a_net_that_was_still_learning_is_marked(study):
+    rows = table1(with_nets(study, settled=False), SETTINGS)
+    found = {row.method: row.undertrained for row in rows}
+    assert found["occupancy"] == "still learning"
+    assert found["r2n2"] == "still learning, no better than retrieval"
+
+
+def test_the_table_says_what_a_method_learned_from(study):
+    rows = table1(with_nets(study), SETTINGS)
+    text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
+    assert "| 78 parts of other families; cpu, 1.2 M numbers, 4000 steps |" in text
+    assert "| 78 parts of other families |" in text
+    assert "**undertrained**: no better than retrieval" in text
