@@ -20,6 +20,7 @@ CORRIDORS = {
         "stage",
         "store",
         "code",
+        "device",
         "runner",
         "progress",
         "tracked",
@@ -33,7 +34,7 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
     deps = config.stage(name, "hull", root / "dvc.yaml").deps
     covered = [root / dep for dep in deps]
     needed = code.closure(f"pipeline.{name}") - CORRIDORS
-    if name == "reconstruct":
+    if name in ("train", "reconstruct"):
         needed |= set().union(*(code.closure(module) for module in MODULES.values())) - CORRIDORS
     for module in sorted(needed):
         source = code.source_of(module)
@@ -98,7 +99,9 @@ def outdated(here):
         ("parts.units", "cm", {"solids"}),
         ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
-        ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
+        ("split.hold_out", "part", {"split", "report"}),
+        ("train.time_limit_s", 5.0, {"train@hull", "train@oracle"}),
+        ("method.hull.cell_px", 1.0, {"train@hull", "reconstruct@hull"}),
         ("method.box.points", 5, set()),
         ("reconstruct.time_limit_s", 5.0, {"reconstruct@hull", "reconstruct@oracle"}),
         ("evaluate.fscore", 0.02, {"truth", "evaluate@hull", "evaluate@oracle", "report"}),

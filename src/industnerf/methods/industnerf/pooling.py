@@ -52,14 +52,18 @@ def pool(
     """
     mean, squares = torch.zeros_like(features[0]), torch.zeros_like(features[0])
     least, greatest = torch.full_like(mean, torch.inf), torch.full_like(mean, -torch.inf)
-    for view, seen, weight in zip(features, valid[..., None], weights, strict=True):  # for memory
-        # not multiplied by 0: outside its view a point may have any value, or none
-        known = view.masked_fill(~seen, 0)
-        weighted = weight * known
+    weighted, whole = torch.empty_like(mean), valid.all(dim=1).tolist()
+    for number, (view, weight) in enumerate(zip(features, weights, strict=True)):  # for memory
+        known, low, high = view, view, view
+        if not whole[number]:
+            # not multiplied by 0: outside its view a point may have any value, or none
+            missed = ~valid[number][:, None]
+            known, low, high = (view.masked_fill(missed, x) for x in (0, torch.inf, -torch.inf))
+        torch.mul(weight, known, out=weighted)
         mean += weighted
         squares.addcmul_(weighted, known)
-        torch.minimum(least, view.masked_fill(~seen, torch.inf), out=least)
-        torch.maximum(greatest, view.masked_fill(~seen, -torch.inf), out=greatest)
+        torch.minimum(least, low, out=least)
+        torch.maximum(greatest, high, out=greatest)
     every = {
         "mean": mean,
         "variance": (squares - mean**2).clamp(min=0),  # below 0 by rounding only
