@@ -24,6 +24,8 @@ files = mlflow.MlflowClient().list_artifacts(run.info.run_id, "report")
 print(run.data.params, run.data.metrics, sorted(run.data.tags), [f.path for f in files])
 curve = mlflow.MlflowClient().get_metric_history(run.info.run_id, "net.loss")
 print([(point.step, point.value) for point in curve])
+curve = mlflow.MlflowClient().get_metric_history(run.info.run_id, "net.fit.validation")
+print([point.value for point in curve])
 print(sorted(f.path for f in mlflow.MlflowClient().list_artifacts(run.info.run_id)))
 print(mlflow.artifacts.load_dict(f"{run.info.artifact_uri}/per_part.json"))
 """
@@ -45,6 +47,9 @@ def report(tmp_path, monkeypatch):
     cloud = tmp_path / "data" / "clouds" / "net" / "p1"
     cloud.mkdir(parents=True)
     History(np.array([0, 5]), np.array([0.5, 0.25]), {"level 0": 0}).save(cloud)
+    validation = tmp_path / "data" / "states" / "net" / "fold-0" / "validation"
+    validation.mkdir(parents=True)
+    History(np.array([4]), np.array([0.75]), {}).save(validation)
     (folder / "report.html").write_text("<html>")
     monkeypatch.setenv("INDUSTNERF_MLFLOW", str(tmp_path / "mlflow"))
     return folder
@@ -74,6 +79,7 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
     assert "'net.seconds': 3.0" in output
     assert "'net.peak_mb': 70.0" in output
     assert "[(0, 0.5), (5, 0.25)]" in output
+    assert "[0.75]" in output
     assert "['per_part.json', 'report']" in output
     assert "[['p1', 'gears', 'test', 'net', 0.1, 'ok', 3, 70]]" in output
     assert "'git.commit', 'git.dirty', 'inputs'" in output
