@@ -55,7 +55,7 @@ def test_params_yaml_is_a_whole_set_of_values(values):
         ("on_failure", True, "on_failure is True, must be one of strict, report"),
         ("evaluate.dense", 1, "evaluate.dense is 1, must be at least 4096"),
         ("method.hull.cell_px", 0, "method.hull.cell_px is 0.0, must be in (0, 8] px"),
-        ("method.nerf", {}, "method.nerf is unknown"),
+        ("method.mlp", {}, "method.mlp is unknown"),
     ],
 )
 def test_a_wrong_value_is_named(values, path, value, said):

@@ -1,4 +1,4 @@
-"""`method.industnerf` and `method.industnerf_plus`: the same settings with other values."""
+"""`method.industnerf`, `industnerf_plus` and `nerf`: the same settings with other values."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -60,6 +60,7 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
+    nerf: IndustnerfSettings
     hull: HullSettings
     hull_rgb: HullRgbSettings
     retrieval: RetrievalSettings

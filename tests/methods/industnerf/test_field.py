@@ -146,6 +146,18 @@ def test_free_points_are_brought_back_to_where_they_have_a_gradient():
     assert (field.rgb.min(), field.rgb.max()) == (0, 1)
 
 
+def test_free_points_that_relu_cuts_off_learn_again():
+    """A density can grow from 0, but from a raw value below it no gradient leads back."""
+    field = placed(settings_of("free", initial=1.0, readings={"activation": "relu"}))
+    with torch.no_grad():
+        field.raw.fill_(-50)
+    field.settle()
+    sigma, _ = field()
+    sigma.sum().backward()
+    assert (sigma == 0).all()
+    assert (field.raw.grad > 0).all()
+
+
 def test_residuals_beside_a_network_are_left_alone():
     field = placed(settings_of("both"))
     with torch.no_grad():

@@ -1,4 +1,4 @@
-"""Both methods as the suite calls them: what they are given, and what they give."""
+"""The methods as the suite calls them: what they are given, and what they give."""
 
 import json
 import shutil
@@ -12,7 +12,7 @@ from industnerf.methods import load_method
 from industnerf.methods.base import Input, Reconstruction, hand_over
 from tests.methods.industnerf.scenes import settings
 
-NAMES = ("industnerf", "industnerf_plus")
+NAMES = ("industnerf", "industnerf_plus", "nerf")
 every_name = pytest.mark.parametrize("name", NAMES)
 QUICK = {"grid_res": 16, "rays": 512, "spacing": 0.05, "least_confidence": 0.02}
 
@@ -43,9 +43,10 @@ def with_background(source: Path, target: Path, colour: list[float]) -> Path:
     return target
 
 
-def test_the_papers_method_does_not_know_the_background(photographed, tmp_path):
+@pytest.mark.parametrize("name", ["industnerf", "nerf"])
+def test_who_is_not_told_of_the_background_does_not_know_it(name, photographed, tmp_path):
     told_lies = with_background(photographed, tmp_path / "grey", [0.5, 0.5, 0.5])
-    here, there = (reconstructed("industnerf", folder) for folder in (photographed, told_lies))
+    here, there = (reconstructed(name, folder) for folder in (photographed, told_lies))
     assert here.points_mm.tobytes() == there.points_mm.tobytes()
     np.testing.assert_array_equal(here.renderings.rgb, there.renderings.rgb)
 
@@ -87,4 +88,6 @@ def test_confident_points_are_of_the_candidates(name, cloud, photographed):
     result = reconstructed(name, photographed, cloud)
     known = {tuple(point) for point in result.candidates.points_mm.tolist()}
     same = [tuple(p) in known for p in result.points_mm.astype(np.float32).tolist()]
-    assert np.mean(same) > 0.95 if cloud == "confident" else not any(same)
+    # the densities of nerf end without a slope: more of its points stand beside matter
+    least = 0.5 if name == "nerf" else 0.95
+    assert np.mean(same) > least if cloud == "confident" else not any(same)

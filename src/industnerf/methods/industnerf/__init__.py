@@ -1,7 +1,8 @@
 """IndustNeRF, the paper's method: a point cloud whose radiance re-renders the source views.
 
 `industnerf` is the paper; `industnerf_plus` the same code with other settings, which also takes
-the background's colour.  The flow of figure 2, a file a step: levels (3.1, 3.2), sources and
+the background's colour; `nerf` a baseline, again with other settings: free densities and colours
+at the nodes of a grid.  The flow of figure 2, a file a step: levels (3.1, 3.2), sources and
 field (4), training (3.3), witnesses and extraction (3.4); `run` strings them together.
 """
 
@@ -20,7 +21,7 @@ from industnerf.schema import IndustnerfSettings
 def reconstruct(
     given: Given, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
-    """The paper's method: images and cameras, nothing else."""
+    """The paper's method, or the plain baseline: images and cameras, nothing else."""
     return _reconstruct(given, None, settings, seed)
 
 
@@ -74,4 +75,5 @@ METHODS = {
         reconstruct_plus,
         random=True,
     ),
+    "nerf": Method("nerf", Scope.PART, frozenset({Input.RGB}), reconstruct, random=True),
 }

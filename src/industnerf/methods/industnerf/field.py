@@ -128,8 +128,10 @@ class Field(nn.Module):
         """After a step, bring what points learn by themselves back to where it has a gradient."""
         if self._settings.residual.use and self.network is None:
             self.rgb.clamp_(0, 1)
-            if self._settings.readings.activation != "distance":
-                self.raw.clamp_(EMPTY, self._settings.ceiling)
+            activation = self._settings.readings.activation
+            if activation != "distance":
+                # at 0 a density that is cut off below still has its gradient, below it has none
+                self.raw.clamp_(0 if activation == "relu" else EMPTY, self._settings.ceiling)
 
     def own(self) -> list[nn.Parameter]:
         """What points learn by themselves, a row a point."""
