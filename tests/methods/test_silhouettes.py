@@ -7,13 +7,8 @@ from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
 from industnerf.geometry.cameras import project
-from industnerf.methods.hull.silhouettes import (
-    NEAR,
-    bilinear,
-    distance_images,
-    signed_distance,
-    to_nearest,
-)
+from industnerf.geometry.silhouettes import NEAR, signed_distance, to_nearest
+from industnerf.methods.hull.silhouettes import bilinear, distance_images
 from tests.methods.solids import cameras_around, masks_of_ball
 
 SEEDS = st.integers(0, 2**32 - 1)

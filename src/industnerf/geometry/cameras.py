@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 
 
 @dataclass(frozen=True)
@@ -118,3 +118,15 @@ def framed_ball(cameras: Cameras) -> tuple[Float[np.ndarray, "3"], float]:
         cameras.width / 2 / cameras.K[:, 0, 0], cameras.height / 2 / cameras.K[:, 1, 1]
     )
     return centre, float((distance * np.sin(np.arctan(half_width))).min())
+
+
+def projections_from_ball(
+    cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float
+) -> Float32[np.ndarray, "n 3 4"]:
+    """Matrices from (x, y, z, 1) to (u d, v d, d), d the depth, in units of a ball's radius.
+
+    (x, y, z) and d are in that unit, the ball is about the origin, u and v are in px.
+    """
+    to_mm = np.diag([radius_mm, radius_mm, radius_mm, 1.0])
+    to_mm[:3, 3] = centre
+    return (cameras.K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm).astype(np.float32)

@@ -6,17 +6,16 @@ border of its image nothing is known beyond, and that view excludes nothing ther
 """
 
 import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from jaxtyping import Bool, Float
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
+from industnerf.geometry.silhouettes import TOUCHED, differs
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
 from industnerf.methods.hull.octree import refine
 from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT, draw
 from industnerf.schema import HullRgbSettings, HullSettings
-
-TOUCHED = 0.5  # px; a pixel that shows any of the part lies on average half outside it
 
 
 def reconstruct_from_masks(
@@ -35,19 +34,6 @@ def reconstruct_from_colour(
     """
     mask = differs(given.rgb, given.background, settings.tolerance)
     return Reconstruction(hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED))
-
-
-def differs(
-    rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "n 3"], tolerance: float
-) -> Bool[np.ndarray, "n h w"]:
-    """Whether any channel is farther than `tolerance` from its view's background, in [0, 1]."""
-    level = np.arange(256)[:, None] / 255
-    masks = np.zeros(rgb.shape[:3], bool)
-    for mask, picture, colour in zip(masks, rgb, background, strict=True):
-        table = np.abs(level - colour) > tolerance
-        for channel in range(3):
-            mask |= table[picture[..., channel], channel]
-    return masks
 
 
 def hull(

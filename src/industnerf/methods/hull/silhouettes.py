@@ -9,14 +9,13 @@ to 1e-7, where the smallest cell in use is some 1e-4.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32
 
 from industnerf.geometry.cameras import Cameras, framed_ball
+from industnerf.geometry.silhouettes import signed_distance
 
-NEAR = 11  # px; distances are exact up to here, and NEAR^2 + (NEAR - 1)^2 fits 8 bits
 REACH = 1.2  # no cell in use has its centre farther than this from the origin
 
 
@@ -54,31 +53,6 @@ def distance_images(
         centre,
         radius_mm,
     )
-
-
-def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-    """Distance (px) to the outline, which runs half-way between unlike pixels."""
-    half = np.float32(0.5)
-    return np.where(mask, to_nearest(~mask) - half, half - to_nearest(mask))
-
-
-def to_nearest(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-    """Distance (px) from every pixel's centre to that of the nearest `target`, at most NEAR.
-
-    Euclidean and exact, along the columns and then along the rows: squared distance separates
-    -- Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions" (2012).
-    """
-    column = np.where(target, np.uint8(0), np.uint8(NEAR))
-    for downwards in (column, column[::-1]):
-        for above, here in pairwise(downwards):
-            np.minimum(here, above + np.uint8(1), out=here)
-    square = column * column
-    best = square.copy()
-    for step in range(1, NEAR):
-        aside = square + np.uint8(step * step)
-        np.minimum(best[:, step:], aside[:, :-step], out=best[:, step:])
-        np.minimum(best[:, :-step], aside[:, step:], out=best[:, :-step])
-    return np.sqrt(np.arange(256, dtype=np.float32))[best]
 
 
 def bilinear(
