@@ -1,5 +1,7 @@
 """Solids whose hull is known, cameras around them, and the silhouettes that these see."""
 
+from collections.abc import Callable
+
 import numpy as np
 import trimesh
 
@@ -67,3 +69,37 @@ def hull_of_ball(directions: np.ndarray, radius: float, cameras: Cameras) -> np.
     angle = np.arccos(np.clip(directions @ (cameras.eyes / away[:, None]).T, -1, 1))
     cosine = np.cos(angle - np.arccos(radius / away))
     return radius / np.where(cosine > 0, cosine, 0.01).max(axis=1)
+
+
+def painted(
+    mesh: trimesh.Trimesh, cameras: Cameras, paint: Callable[[np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Depth (mm, 0: background), and colour (white behind) of every pixel's centre.
+
+    `paint` takes points (n, 3) in mm to colours (n, 3) in [0, 255].
+    """
+    scene = Scene(np.array(mesh.vertices, float), np.array(mesh.faces, np.int32))
+    depth = np.zeros((len(cameras), cameras.height * cameras.width), np.float32)
+    rgb = np.full((*depth.shape, 3), 255, np.uint8)
+    for i, eye in enumerate(cameras.eyes):
+        towards = rays(cameras, i)
+        t = scene.distance(eye[None], towards)
+        hit = np.isfinite(t)
+        points = eye + t[hit, None] * towards[hit]
+        depth[i, hit] = (points - eye) @ cameras.c2w[i, :3, 2]
+        rgb[i, hit] = paint(points)
+    shape = len(cameras), cameras.height, cameras.width
+    return depth.reshape(shape), rgb.reshape(*shape, 3)
+
+
+def cup(outer: float, inner: float, height: float, floor: float) -> trimesh.Trimesh:
+    """A round cup about the origin, open towards +z, with a floor of the thickness `floor`."""
+    profile = [
+        [0, -height / 2],
+        [outer, -height / 2],
+        [outer, height / 2],
+        [inner, height / 2],
+        [inner, floor - height / 2],
+        [0, floor - height / 2],
+    ]
+    return trimesh.creation.revolve(np.array(profile), sections=96)

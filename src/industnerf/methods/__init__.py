@@ -11,6 +11,7 @@ MODULES = {
     "nerf": "industnerf.methods.industnerf",
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",
+    "carve": "industnerf.methods.carve",
     "retrieval": "industnerf.methods.retrieval",
     "mean_shape": "industnerf.methods.mean_shape",
     "ball": "industnerf.methods.nulls",

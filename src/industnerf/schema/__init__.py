@@ -9,6 +9,7 @@ from industnerf.schema.industnerf import (
 )
 from industnerf.schema.learning import AugmentSettings, TrainingSettings
 from industnerf.schema.methods import (
+    CarveSettings,
     HullRgbSettings,
     HullSettings,
     MeanShapeSettings,
@@ -38,6 +39,7 @@ from industnerf.schema.views import (
 __all__ = [
     "AugmentSettings",
     "CalibrationParams",
+    "CarveSettings",
     "CleanParams",
     "EvaluateParams",
     "HullRgbSettings",

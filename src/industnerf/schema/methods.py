@@ -26,6 +26,32 @@ class HullRgbSettings:
 
 
 @dataclass(frozen=True)
+class CarveSettings:
+    grid_res: int
+    tolerance: float
+    threshold: float
+    footprint: float
+    facing: float
+    outliers: float
+    views: int
+    sweeps: int
+    points: int
+
+    def __post_init__(self) -> None:
+        of = "method.carve"
+        whole = 32 <= self.grid_res <= 512 and self.grid_res % 8 == 0
+        require(whole, f"{of}.grid_res", self.grid_res, "a multiple of 8 in [32, 512]")
+        require(0 <= self.tolerance < 1, f"{of}.tolerance", self.tolerance, "in [0, 1)")
+        require(0 <= self.threshold < 1, f"{of}.threshold", self.threshold, "in [0, 1)")
+        require(0 < self.footprint <= 8, f"{of}.footprint", self.footprint, "in (0, 8] cells")
+        require(-1 <= self.facing < 1, f"{of}.facing", self.facing, "in [-1, 1)")
+        require(0 <= self.outliers < 0.5, f"{of}.outliers", self.outliers, "in [0, 0.5)")
+        require(self.views >= 2, f"{of}.views", self.views, "at least 2")
+        require(self.sweeps >= 0, f"{of}.sweeps", self.sweeps, "at least 0")
+        require(self.points >= 1, f"{of}.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
 class SampleSettings:
     points: int
 
@@ -63,6 +89,7 @@ class MethodSettings:
     nerf: IndustnerfSettings
     hull: HullSettings
     hull_rgb: HullRgbSettings
+    carve: CarveSettings
     retrieval: RetrievalSettings
     mean_shape: MeanShapeSettings
     ball: SampleSettings

@@ -1,0 +1,94 @@
+"""Space carving: from the visual hull all is taken off that the photographs contradict.
+
+"A Theory of Shape by Space Carving" -- Kutulakos and Seitz (2000).  A point of the surface has
+one colour in all photographs that show it; where a pocket is closed by the hull, they show what
+lies behind, each something else.  What remains is the photo hull: flat pockets whose floor is
+as bright as their rim stay as filled as in the visual hull.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Float32
+from scipy.ndimage import gaussian_filter
+
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.isosurface import isosurface_points
+from industnerf.geometry.silhouettes import differs
+from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
+from industnerf.methods.carve.lattice import depth_in_hull, rig_of
+from industnerf.methods.carve.sweeps import Sweeper
+from industnerf.schema import CarveSettings
+
+ANY = -0.5  # cells; a cell whose centre is so far outside holds some of the hull
+BLUR = 1.0  # cells; standard deviation that smooths the stairs of what was carved
+SHOWN = 0.3  # cells that the last consistent cell stands out, like a pixel that is touched
+RIM = 4  # cells kept about the hull; the blur's kernel ends there
+
+
+def reconstruct(given: Given, settings: CarveSettings, state: None, seed: int) -> Reconstruction:
+    """Area-uniform points on the surface of the photo hull.
+
+    Raises ReconstructionFailed if silhouettes or photographs leave nothing.
+    """
+    rig = rig_of(given.cameras)
+    mask = differs(given.rgb, given.background, settings.tolerance)
+    depth = depth_in_hull(mask, rig, settings.grid_res)
+    hull = depth > ANY
+    if not hull.any():
+        raise ReconstructionFailed(
+            f"no volume: the silhouettes of {len(mask)} views have none in common, not one of "
+            f"{settings.grid_res}^3 cells; a pixel is of the part where it differs from the "
+            "background by more than method.carve.tolerance"
+        )
+    left = Sweeper(hull, given.rgb, rig, settings).carved(settings.sweeps)
+    points = surface_points(depth, hull, left, settings.points, np.random.default_rng(seed))
+    if not len(points):
+        raise ReconstructionFailed(
+            f"no surface: of {hull.sum()} cells {left.sum()} are left; a larger "
+            "method.carve.threshold takes less off"
+        )
+    return Reconstruction(rig.centre + rig.radius_mm * points)
+
+
+def surface_points(
+    depth: Float32[np.ndarray, "r r r"],
+    hull: Bool[np.ndarray, "r r r"],
+    left: Bool[np.ndarray, "r r r"],
+    count: int,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "_ 3"]:
+    """Points in the unit frame: on the hull where nothing was carved, else on a smooth surface."""
+    occupied = [np.flatnonzero(hull.any(axis=a)) for a in ((1, 2), (0, 2), (0, 1))]
+    first = np.array([max(0, at[0] - RIM) for at in occupied])
+    box = tuple(slice(a, at[-1] + 1 + RIM) for a, at in zip(first, occupied, strict=True))
+    values = np.minimum(depth[box], depth_in_rest(hull[box], left[box]))
+    spacing = 2 / len(depth)
+    return isosurface_points(values, 0.0, (first + 0.5) * spacing - 1, spacing, count, rng)
+
+
+def depth_in_rest(
+    hull: Bool[np.ndarray, "a b c"], left: Bool[np.ndarray, "a b c"]
+) -> Float32[np.ndarray, "a b c"]:
+    """Signed distance (cells) from what was carved, about right near its surface.
+
+    The share of the hull about a cell that was carved; across a flat surface it falls as the
+    normal distribution does, with the slope 1 / (BLUR sqrt(2 pi)).  As a share of the hull
+    alone, it does not end where the hull does, and leaves no skin there.
+    """
+    carved, all_ = (
+        gaussian_filter(some.astype(np.float32), BLUR, truncate=RIM)
+        for some in (hull & ~left, hull)
+    )
+    share = carved / np.maximum(all_, np.float32(1e-6))
+    depth = (0.5 - share) * np.float32(BLUR * np.sqrt(2 * np.pi)) - np.float32(SHOWN)
+    return np.where(carved > 1e-3, depth, np.float32(RIM))
+
+
+METHODS = {
+    "carve": Method(
+        "carve",
+        Scope.PART,
+        frozenset({Input.RGB, Input.BACKGROUND}),
+        reconstruct,
+        random=True,
+    )
+}

@@ -1,0 +1,237 @@
+"""The inner loops, compiled (NVIDIA Warp): how deep a cell is in the hull, and how it looks.
+
+Unit frame: the region of interest is the ball of radius 1 about the origin, and n^3 cells tile
+the cube around it.  Cells are given by their flat index.
+"""
+
+from typing import no_type_check  # compiled, not called: there is nothing to check
+
+import warp as wp
+
+from industnerf.rendering.nearest import start
+
+start()
+wp.set_module_options({"enable_backward": False})
+mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)
+
+BEGIN = wp.constant(2.0)  # cells; what is nearer to a cell does not hide it
+UNKNOWN = wp.constant(-1.0e6)  # too few views see the cell
+OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
+MOST = wp.constant(0.12)  # that a cell's gap may say to its neighbours
+AROUND = wp.constant(2)  # cells on either side that a normal is taken from
+
+
+@wp.func
+@no_type_check
+def place_of(cell: int, n: int):
+    return wp.vec3i(cell // (n * n), (cell // n) % n, cell % n)
+
+
+@wp.func
+@no_type_check
+def centre_of(at: wp.vec3i, spacing: float):
+    place = wp.vec3(float(at[0]), float(at[1]), float(at[2]))
+    return (place + wp.vec3(0.5, 0.5, 0.5)) * spacing - wp.vec3(1.0, 1.0, 1.0)
+
+
+@wp.func
+@no_type_check
+def seen_at(matrix: mat34, x: wp.vec3):
+    """u, v (px) and depth."""
+    image = matrix * wp.vec4(x[0], x[1], x[2], 1.0)
+    return wp.vec3(image[0] / image[2], image[1] / image[2], image[2])
+
+
+@wp.func
+@no_type_check
+def bilinear(images: wp.array3d(dtype=wp.float32), view: int, u: float, v: float):
+    """Between the pixels' centres; outside its frame an image goes on as it ends."""
+    x = wp.clamp(u - 0.5, 0.0, float(images.shape[2]) - 1.001)
+    y = wp.clamp(v - 0.5, 0.0, float(images.shape[1]) - 1.001)
+    left = int(x)
+    top = int(y)
+    a = x - float(left)
+    b = y - float(top)
+    upper = wp.lerp(images[view, top, left], images[view, top, left + 1], a)
+    lower = wp.lerp(images[view, top + 1, left], images[view, top + 1, left + 1], a)
+    return wp.lerp(upper, lower, b)
+
+
+@wp.kernel
+@no_type_check
+def measure_depth(
+    cells: wp.array(dtype=wp.int32),
+    n: int,
+    distance: wp.array3d(dtype=wp.float32),
+    projection: wp.array(dtype=mat34),
+    focal: wp.array(dtype=wp.float32),
+    depth: wp.array(dtype=wp.float32),
+):
+    """How deep each cell's centre is in all silhouettes, in cells; beyond OUTSIDE its sign."""
+    i = wp.tid()
+    spacing = 2.0 / float(n)
+    x = centre_of(place_of(cells[i], n), spacing)
+    least = wp.float32(1.0e6)
+    for view in range(projection.shape[0]):
+        if least > -OUTSIDE:
+            at = seen_at(projection[view], x)
+            inside = bilinear(distance, view, at[0], at[1])
+            least = wp.min(least, inside * at[2] / (focal[view] * spacing))
+    depth[i] = least
+
+
+@wp.func
+@no_type_check
+def is_solid(solid: wp.array3d(dtype=wp.uint8), i: int, j: int, k: int):
+    n = solid.shape[0]
+    if i < 0 or j < 0 or k < 0 or i >= n or j >= n or k >= n:
+        return False
+    return solid[i, j, k] != wp.uint8(0)
+
+
+@wp.func
+@no_type_check
+def normal_at(solid: wp.array3d(dtype=wp.uint8), cell: wp.vec3i):
+    """Away from the middle of the solid about the cell."""
+    away = wp.vec3(0.0, 0.0, 0.0)
+    for di in range(-AROUND, AROUND + 1):
+        for dj in range(-AROUND, AROUND + 1):
+            for dk in range(-AROUND, AROUND + 1):
+                if is_solid(solid, cell[0] + di, cell[1] + dj, cell[2] + dk):
+                    away -= wp.vec3(float(di), float(dj), float(dk))
+    return wp.normalize(away)
+
+
+@wp.func
+@no_type_check
+def is_hidden(
+    solid: wp.array3d(dtype=wp.uint8),
+    start: wp.vec3,
+    towards: wp.vec3,
+    begin: float,
+    spacing: float,
+    lo: wp.vec3,
+    hi: wp.vec3,
+):
+    """Whether a ray meets a solid cell, from `begin` cells after its start to the box's end."""
+    t = begin * spacing
+    hidden = wp.bool(False)
+    x = start + t * towards
+    while (
+        not hidden
+        and x[0] > lo[0]
+        and x[1] > lo[1]
+        and x[2] > lo[2]
+        and x[0] < hi[0]
+        and x[1] < hi[1]
+        and x[2] < hi[2]
+    ):
+        hidden = is_solid(
+            solid,
+            int((x[0] + 1.0) / spacing),
+            int((x[1] + 1.0) / spacing),
+            int((x[2] + 1.0) / spacing),
+        )
+        t += spacing
+        x = start + t * towards
+    return hidden
+
+
+@wp.func
+@no_type_check
+def insert(largest: wp.vec4, x: float):
+    """The four largest, in descending order."""
+    a = wp.max(largest[0], x)
+    x = wp.min(largest[0], x)
+    b = wp.max(largest[1], x)
+    x = wp.min(largest[1], x)
+    c = wp.max(largest[2], x)
+    x = wp.min(largest[2], x)
+    return wp.vec4(a, b, c, wp.max(largest[3], x))
+
+
+@wp.struct
+@no_type_check
+class Rules:
+    lo: wp.vec3
+    hi: wp.vec3
+    facing: wp.float32
+    outliers: wp.float32
+    views: wp.int32
+
+
+@wp.kernel
+@no_type_check
+def measure_gap(
+    cells: wp.array(dtype=wp.int32),
+    solid: wp.array3d(dtype=wp.uint8),
+    darkest: wp.array4d(dtype=wp.uint8),
+    brightest: wp.array4d(dtype=wp.uint8),
+    projection: wp.array(dtype=mat34),
+    eyes: wp.array(dtype=wp.vec3),
+    rules: Rules,
+    gap: wp.array(dtype=wp.float32),
+):
+    i = wp.tid()
+    spacing = 2.0 / float(solid.shape[0])
+    place = place_of(cells[i], solid.shape[0])
+    x = centre_of(place, spacing)
+    normal = normal_at(solid, place)
+    none = wp.vec4(0.0, 0.0, 0.0, 0.0)
+    r0 = none
+    g0 = none
+    b0 = none
+    r1 = none
+    g1 = none
+    b1 = none
+    count = wp.int32(0)
+    for view in range(projection.shape[0]):
+        towards = wp.normalize(eyes[view] - x)
+        if wp.dot(towards, normal) > rules.facing:
+            at = seen_at(projection[view], x)
+            u = int(wp.floor(at[0]))
+            v = int(wp.floor(at[1]))
+            framed = u >= 0 and v >= 0 and u < darkest.shape[2] and v < darkest.shape[1]
+            hidden = is_hidden(solid, x, towards, BEGIN, spacing, rules.lo, rules.hi)
+            if framed and not hidden:
+                count += 1
+                r0 = insert(r0, float(darkest[view, v, u, 0]))
+                g0 = insert(g0, float(darkest[view, v, u, 1]))
+                b0 = insert(b0, float(darkest[view, v, u, 2]))
+                r1 = insert(r1, 255.0 - float(brightest[view, v, u, 0]))
+                g1 = insert(g1, 255.0 - float(brightest[view, v, u, 1]))
+                b1 = insert(b1, 255.0 - float(brightest[view, v, u, 2]))
+    drop = wp.min(int(rules.outliers * float(count)), 3)
+    if count < rules.views:
+        gap[i] = UNKNOWN
+    else:
+        worst = wp.max(r0[drop] + r1[drop], wp.max(g0[drop] + g1[drop], b0[drop] + b1[drop]))
+        gap[i] = worst / 255.0 - 1.0
+
+
+@wp.kernel
+@no_type_check
+def smooth_gap(
+    cells: wp.array(dtype=wp.int32),
+    solid: wp.array3d(dtype=wp.uint8),
+    gap: wp.array3d(dtype=wp.float32),
+    mean: wp.array(dtype=wp.float32),
+):
+    i = wp.tid()
+    c = place_of(cells[i], solid.shape[0])
+    total = wp.float32(0.0)
+    count = wp.float32(0.0)
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            for dk in range(-1, 2):
+                a = c[0] + di
+                b = c[1] + dj
+                d = c[2] + dk
+                if is_solid(solid, a, b, d):
+                    value = gap[a, b, d]
+                    if value > -2.0:
+                        total += wp.clamp(value, -MOST, MOST)
+                        count += 1.0
+    mean[i] = UNKNOWN
+    if gap[c[0], c[1], c[2]] > 0.0:
+        mean[i] = total / count

@@ -1,0 +1,83 @@
+"""The first solid: how deep every cell of the lattice is in the visual hull."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Float32, Int32
+
+from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
+from industnerf.geometry.silhouettes import TOUCHED, signed_distance
+
+HALVINGS = 3  # from the first lattice, whose cells are all measured, to the last
+# A child's centre is sqrt(3)/2 of its sides from its parent's, and a value counts within
+# 1 of the surface; the rest is for distances in images, which perspective stretches.
+NEAR = 2.5
+
+
+@dataclass(frozen=True)
+class Rig:
+    """The cameras in the unit frame."""
+
+    projection: Float32[np.ndarray, "n 3 4"]
+    eyes: Float32[np.ndarray, "n 3"]
+    focal: Float32[np.ndarray, "n"]  # px
+    centre: Float[np.ndarray, "3"]  # of the region of interest, mm
+    radius_mm: float
+
+
+def rig_of(cameras: Cameras) -> Rig:
+    """Cameras about the ball that all of them have in frame."""
+    centre, radius_mm = framed_ball(cameras)
+    return Rig(
+        projections_from_ball(cameras, centre, radius_mm),
+        ((cameras.eyes - centre) / radius_mm).astype(np.float32),
+        cameras.K[:, [0, 1], [0, 1]].max(axis=1).astype(np.float32),
+        centre,
+        radius_mm,
+    )
+
+
+def depth_in_hull(
+    mask: Bool[np.ndarray, "n h w"], rig: Rig, grid_res: int
+) -> Float32[np.ndarray, "r r r"]:
+    """Signed distance (cells, positive inside) from the hull of pixels that the part touches.
+
+    Exact near the surface alone; elsewhere of the right sign.
+    """
+    distance = np.stack([signed_distance(one) for one in mask]) - np.float32(TOUCHED)
+    side = grid_res >> HALVINGS
+    every = np.arange(side**3, dtype=np.int32)
+    depth = measured(every, side, distance, rig).reshape((side,) * 3)
+    while side < grid_res:
+        side *= 2
+        depth = 2 * depth.repeat(2, 0).repeat(2, 1).repeat(2, 2)
+        near = np.flatnonzero(np.abs(depth) < NEAR).astype(np.int32)
+        depth.ravel()[near] = measured(near, side, distance, rig)
+    return depth
+
+
+def measured(
+    cells: Int32[np.ndarray, "m"], side: int, distance: Float32[np.ndarray, "n h w"], rig: Rig
+) -> Float32[np.ndarray, "m"]:
+    """The depth of `cells` of a lattice of `side`^3."""
+    import warp as wp
+
+    from industnerf.methods.carve import kernels
+
+    depth = np.empty(len(cells), np.float32)
+    inputs = [
+        shared(cells, wp.int32),
+        side,
+        shared(distance, wp.float32),
+        shared(rig.projection, kernels.mat34),
+        shared(rig.focal, wp.float32),
+    ]
+    wp.launch(kernels.measure_depth, len(cells), inputs, [shared(depth, wp.float32)], device="cpu")
+    return depth
+
+
+def shared(values: np.ndarray, dtype: type) -> "object":
+    """The same memory as a Warp array."""
+    import warp as wp
+
+    return wp.array(values, dtype=dtype, device="cpu", copy=False)

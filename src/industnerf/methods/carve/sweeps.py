@@ -1,0 +1,144 @@
+"""Sweeps: what the photographs contradict is taken off, until they contradict nothing more.
+
+A surface cell is consistent if there is a colour that its views can agree on: one within the
+range that each of them shows across the cell's footprint (the r-consistency of Kutulakos, 2000).
+Only views count that look at the cell nearly straight and unhidden; a convex edge shows its two
+faces to different views, but both of them to those.  What is hidden now may be seen later, and
+a cell that is inconsistent in some views stays so in more: the order of removal does not matter.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Int32, UInt8
+
+from industnerf.methods.carve.lattice import Rig, shared
+from industnerf.schema import CarveSettings
+
+WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
+DONE = 1e-3  # share of the surface that a whole sweep may still take off
+STEPS = np.indices((3, 3, 3)).reshape(3, -1).T - 1
+UNKNOWN = np.float32(-1e6)
+
+Cells = Int32[np.ndarray, "_"]
+
+
+def ranges(
+    rgb: UInt8[np.ndarray, "n h w 3"], width: int
+) -> tuple[UInt8[np.ndarray, "n h w 3"], UInt8[np.ndarray, "n h w 3"]]:
+    """The least and the largest value of each channel in a square of `width` px about each pixel.
+
+    Of an even width, the pixel is the first behind the middle.
+    """
+    before = width // 2
+    rim = [(0, 0), (before, width - 1 - before), (before, width - 1 - before), (0, 0)]
+    both = []
+    for extreme in (np.minimum, np.maximum):
+        image = np.pad(rgb, rim, mode="edge")
+        for axis in (1, 2):
+            kept = rgb.shape[axis]
+            shifted = (image.take(range(s, s + kept), axis) for s in range(width))
+            best = next(shifted)
+            for other in shifted:
+                extreme(best, other, out=best)
+            image = best
+        both.append(image)
+    return both[0], both[1]
+
+
+class Sweeper:
+    """The solid, and what the photographs say of it."""
+
+    def __init__(
+        self,
+        solid: Bool[np.ndarray, "r r r"],
+        rgb: UInt8[np.ndarray, "n h w 3"],
+        rig: Rig,
+        settings: CarveSettings,
+    ) -> None:
+        import warp as wp
+
+        from industnerf.methods.carve import kernels
+
+        self._side, self._threshold = len(solid), settings.threshold
+        self._solid = solid.astype(np.uint8)
+        self._gap = np.full(solid.shape, UNKNOWN)
+        width = max(1, round(settings.footprint * rgb.shape[2] / self._side))
+        darkest, brightest = ranges(rgb, width)
+        self._inputs = [
+            shared(self._solid, wp.uint8),
+            shared(darkest, wp.uint8),
+            shared(brightest, wp.uint8),
+            shared(rig.projection, kernels.mat34),
+            shared(rig.eyes, wp.vec3),
+            self._rules(settings),
+        ]
+
+    def _rules(self, settings: CarveSettings) -> Any:
+        from industnerf.methods.carve import kernels
+
+        rules = kernels.Rules()
+        for name, end in (("lo", 0), ("hi", 1)):
+            corner = [
+                np.flatnonzero(self._solid.any(axis=a))[-end] for a in ((1, 2), (0, 2), (0, 1))
+            ]
+            setattr(rules, name, (np.array(corner) + end) * (2 / self._side) - 1)
+        rules.facing, rules.outliers = settings.facing, settings.outliers
+        rules.views = settings.views
+        return rules
+
+    def carved(self, sweeps: int) -> Bool[np.ndarray, "r r r"]:
+        """What is left of the solid after at most so many sweeps."""
+        whole = True
+        for sweep in range(sweeps):
+            cells = exposed(self._solid) if whole else self._beside(taken)
+            taken = self._sweep(cells)
+            if whole and len(taken) <= DONE * len(cells):
+                break
+            whole = (sweep + 1) % WHOLE_EVERY == 0 or not len(taken)
+        return self._solid > 0
+
+    def _sweep(self, cells: Cells) -> Cells:
+        """Take off those of `cells` that are inconsistent, and return them."""
+        import warp as wp
+
+        from industnerf.methods.carve import kernels
+
+        gap = np.empty(len(cells), np.float32)
+        some, out = shared(cells, wp.int32), [shared(gap, wp.float32)]
+        wp.launch(kernels.measure_gap, len(cells), [some, *self._inputs], out, device="cpu")
+        self._gap.ravel()[cells] = gap
+        about = [some, self._inputs[0], shared(self._gap, wp.float32)]
+        wp.launch(kernels.smooth_gap, len(cells), about, out, device="cpu")
+        taken = cells[gap > self._threshold]
+        self._solid.ravel()[taken] = 0
+        return taken
+
+    def _beside(self, taken: Cells) -> Cells:
+        """The surface cells among the 26 about each of `taken`."""
+        side = self._side
+        place = np.stack(np.unravel_index(taken, self._solid.shape), axis=1)
+        about = (place[:, None] + STEPS).reshape(-1, 3).clip(0, side - 1)
+        near = np.unique((about @ [side * side, side, 1]).astype(np.int32))
+        near = near[self._solid.ravel()[near] > 0]
+        at = np.stack(np.unravel_index(near, self._solid.shape))
+        bare = np.zeros(len(near), bool)
+        for axis in range(3):
+            for step in (-1, 1):
+                there = at.copy()
+                there[axis] = (there[axis] + step).clip(0, side - 1)
+                bare |= self._solid[tuple(there)] == 0
+        return near[bare]
+
+
+def exposed(solid: UInt8[np.ndarray, "r r r"]) -> Cells:
+    """Flat indices of the solid cells that share a face with one that is not; none at the rim."""
+    core = solid[1:-1, 1:-1, 1:-1]
+    buried = core.copy()
+    for axis in range(3):
+        for step in (0, 2):
+            beside = [slice(1, -1)] * 3
+            beside[axis] = slice(step, step + core.shape[axis])
+            buried &= solid[tuple(beside)]
+    place = np.argwhere(core > buried) + 1
+    return (place @ [solid.shape[1] * solid.shape[2], solid.shape[2], 1]).astype(np.int32)
