@@ -12,6 +12,7 @@ MODULES = {
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",
     "carve": "industnerf.methods.carve",
+    "tsdf": "industnerf.methods.tsdf",
     "retrieval": "industnerf.methods.retrieval",
     "mean_shape": "industnerf.methods.mean_shape",
     "ball": "industnerf.methods.nulls",

@@ -16,6 +16,7 @@ from industnerf.schema.methods import (
     MethodSettings,
     RetrievalSettings,
     SampleSettings,
+    TsdfSettings,
 )
 from industnerf.schema.parts import CleanParams, PartsParams
 from industnerf.schema.rules import require
@@ -63,6 +64,7 @@ __all__ = [
     "SplitParams",
     "TrainParams",
     "TrainingSettings",
+    "TsdfSettings",
     "ViewsParams",
     "WarmUpSettings",
     "require",

@@ -52,6 +52,18 @@ class CarveSettings:
 
 
 @dataclass(frozen=True)
+class TsdfSettings:
+    grid_res: int
+    truncation: float
+    points: int
+
+    def __post_init__(self) -> None:
+        require(8 <= self.grid_res <= 512, "method.tsdf.grid_res", self.grid_res, "in [8, 512]")
+        require(self.truncation >= 1, "method.tsdf.truncation", self.truncation, "at least 1 cell")
+        require(self.points >= 1, "method.tsdf.points", self.points, "at least 1")
+
+
+@dataclass(frozen=True)
 class SampleSettings:
     points: int
 
@@ -90,6 +102,7 @@ class MethodSettings:
     hull: HullSettings
     hull_rgb: HullRgbSettings
     carve: CarveSettings
+    tsdf: TsdfSettings
     retrieval: RetrievalSettings
     mean_shape: MeanShapeSettings
     ball: SampleSettings
