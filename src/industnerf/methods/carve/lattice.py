@@ -1,6 +1,7 @@
 """The first solid: how deep every cell of the lattice is in the visual hull."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int32
@@ -76,7 +77,7 @@ def measured(
     return depth
 
 
-def shared(values: np.ndarray, dtype: type) -> "object":
+def shared(values: np.ndarray, dtype: type) -> Any:
     """The same memory as a Warp array."""
     import warp as wp
 
