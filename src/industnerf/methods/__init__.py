@@ -8,6 +8,7 @@ from industnerf.methods.base import Method
 MODULES = {
     "industnerf": "industnerf.methods.industnerf",
     "industnerf_plus": "industnerf.methods.industnerf",
+    "atlasnet": "industnerf.methods.atlasnet",
     "nerf": "industnerf.methods.industnerf",
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",

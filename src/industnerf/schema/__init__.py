@@ -9,6 +9,7 @@ from industnerf.schema.industnerf import (
 )
 from industnerf.schema.learning import AugmentSettings, TrainingSettings
 from industnerf.schema.methods import (
+    AtlasNetSettings,
     CarveSettings,
     HullRgbSettings,
     HullSettings,
@@ -38,6 +39,7 @@ from industnerf.schema.views import (
 )
 
 __all__ = [
+    "AtlasNetSettings",
     "AugmentSettings",
     "CalibrationParams",
     "CarveSettings",

@@ -1,9 +1,40 @@
 """`method`: the settings of every method."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from industnerf.schema.industnerf import IndustnerfSettings
+from industnerf.schema.learning import AugmentSettings, TrainingSettings
 from industnerf.schema.rules import require
+
+
+@dataclass(frozen=True)
+class AtlasNetSettings:
+    size: Literal["full", "cpu", "tiny"]
+    image_px: int
+    views: int
+    width: int
+    latent: int
+    hidden: int
+    patches: int
+    patch_points: int
+    grid: int
+    answers: int
+    points: int
+    phases: list[float]
+    training: TrainingSettings
+    augment: AugmentSettings
+
+    def __post_init__(self) -> None:
+        at = "method.atlasnet"
+        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
+        for key in ("views", "width", "latent", "hidden", "patches", "patch_points"):
+            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
+        require(self.grid >= 2, f"{at}.grid", self.grid, "at least 2")
+        for key in ("answers", "points"):
+            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
+        good = len(self.phases) == 3 and min(self.phases) > 0
+        require(good, f"{at}.phases", self.phases, "three positive numbers")
 
 
 @dataclass(frozen=True)
@@ -98,6 +129,7 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
+    atlasnet: AtlasNetSettings
     nerf: IndustnerfSettings
     hull: HullSettings
     hull_rgb: HullRgbSettings

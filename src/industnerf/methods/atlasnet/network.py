@@ -1,0 +1,105 @@
+"""AtlasNet's decoder, and the encoder of points that teaches it.
+
+As in the authors' second code, which differs from the paper: all of a patch's layers but the first
+have one width, and nothing bounds where its points may be.
+"""
+
+import math
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from industnerf.learning.resnet import ResNet18
+from industnerf.schema import AtlasNetSettings
+
+POINT_WIDTHS = (64, 128)  # of the first layers of PointNet
+
+
+class PatchLinear(nn.Module):
+    """A linear layer for each patch, all at once, initialised as `nn.Linear` is."""
+
+    def __init__(self, patches: int, before: int, after: int) -> None:
+        super().__init__()
+        bound = 1 / math.sqrt(before)
+        self.weight = nn.Parameter(torch.empty(patches, after, before).uniform_(-bound, bound))
+        self.bias = nn.Parameter(torch.empty(patches * after).uniform_(-bound, bound))
+
+    def forward(self, x: Float[Tensor, "patches before n"]) -> Float[Tensor, "patches after n"]:
+        return torch.baddbmm(self.bias.view(*self.weight.shape[:2], 1), self.weight, x)
+
+
+class PatchNorm(nn.BatchNorm1d):
+    """Batch norm of every channel of every patch, then ReLU."""
+
+    def __init__(self, patches: int, channels: int) -> None:
+        super().__init__(patches * channels)
+
+    def forward(self, x: Float[Tensor, "patches c n"]) -> Float[Tensor, "patches c n"]:
+        return F.relu(super().forward(x.reshape(1, -1, x.shape[2])).view(x.shape))
+
+
+class Decoder(nn.Module):
+    """From a latent to points: each patch maps its unit square into space."""
+
+    def __init__(self, patches: int, latent: int, hidden: int) -> None:
+        super().__init__()
+        self.patches = patches
+        self.first = PatchLinear(patches, 2, latent)
+        layers: list[nn.Module] = [PatchNorm(patches, latent)]
+        for before in (latent, hidden, hidden):
+            layers += [PatchLinear(patches, before, hidden), PatchNorm(patches, hidden)]
+        self.rest = nn.Sequential(*layers, PatchLinear(patches, hidden, 3))
+
+    def forward(
+        self, latent: Float[Tensor, "b latent"], uv: Float[Tensor, "patches 2 b n"]
+    ) -> Float[Tensor, "b patches_n 3"]:
+        """The points at `uv`, patch by patch; the latent is one more bias of the first layer."""
+        batch, count = uv.shape[2:]
+        x = self.first(uv.flatten(2)).unflatten(2, (batch, count)) + latent.T[:, :, None]
+        points = self.rest(x.flatten(2)).unflatten(2, (batch, count))
+        return points.permute(2, 0, 3, 1).flatten(1, 2)
+
+
+class PointNet(nn.Module):
+    """Points (b, n, 3), in any order, to a latent (b, c) -- Qi et al. (2017)."""
+
+    def __init__(self, latent: int) -> None:
+        super().__init__()
+        one, two = POINT_WIDTHS
+        self.points = nn.Sequential(
+            *(nn.Conv1d(3, one, 1), nn.BatchNorm1d(one), nn.ReLU()),
+            *(nn.Conv1d(one, two, 1), nn.BatchNorm1d(two), nn.ReLU()),
+            *(nn.Conv1d(two, latent, 1), nn.BatchNorm1d(latent)),
+        )
+        self.cloud = nn.Sequential(
+            *(nn.Linear(latent, latent), nn.BatchNorm1d(latent), nn.ReLU()),
+            *(nn.Linear(latent, latent), nn.BatchNorm1d(latent), nn.ReLU()),
+        )
+
+    def forward(self, points: Float[Tensor, "b n 3"]) -> Float[Tensor, "b latent"]:
+        return self.cloud(self.points(points.transpose(1, 2)).amax(dim=2))
+
+
+class AtlasNet(nn.Module):
+    """An encoder, of points or of pictures, and the decoder that both share."""
+
+    def __init__(self, encoder: nn.Module, decoder: Decoder) -> None:
+        super().__init__()
+        self.encoder, self.decoder = encoder, decoder
+
+    def forward(
+        self, seen: Float[Tensor, "b ..."], uv: Float[Tensor, "patches 2 b n"]
+    ) -> Float[Tensor, "b patches_n 3"]:
+        return self.decoder(self.encoder(seen), uv)
+
+
+def decoder_of(settings: AtlasNetSettings) -> Decoder:
+    """A new decoder."""
+    return Decoder(settings.patches, settings.latent, settings.hidden)
+
+
+def image_encoder_of(settings: AtlasNetSettings) -> ResNet18:
+    """A new encoder of pictures."""
+    return ResNet18(settings.latent, settings.width)
