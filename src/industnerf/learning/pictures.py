@@ -11,7 +11,7 @@ def evenly(total: int, count: int) -> Int[np.ndarray, "_"]:
 
 
 def scaled(images: UInt8[np.ndarray, "n h w 3"], px: int) -> UInt8[np.ndarray, "n {px} {px} 3"]:
-    """`images` at `px` a side, every pixel the mean of what it covers."""
+    """`images` at `px` a side, every pixel the mean of those whose centres it covers."""
     from PIL import Image
 
     small = [Image.fromarray(one).resize((px, px), Image.Resampling.BOX) for one in images]

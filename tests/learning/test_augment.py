@@ -1,0 +1,126 @@
+"""Augmentations against what rolls, zooms and colours do to known pictures."""
+
+import numpy as np
+import pytest
+import torch
+
+from industnerf.learning.augment import as_tensor, augmented
+from industnerf.schema import AugmentSettings
+
+# A float32 sum of four corners with weights from a float32 grid: 1e-7 each, times the slope
+# between pixels (1 a pixel) and the size in pixels (16 at most).
+ROUNDING = {"rtol": 0, "atol": 1e-5}
+
+
+class Always(np.random.Generator):
+    """Draws the upper end of every range, or so much of the way there from the lower."""
+
+    def __init__(self, share: float = 1.0) -> None:
+        super().__init__(np.random.PCG64(0))
+        self.share = share
+
+    def uniform(self, low=0.0, high=1.0, size=None):
+        return np.full(size, low + self.share * (high - low))
+
+
+def pictures(n=2, size=8):
+    return torch.from_numpy(np.random.default_rng(0).random((n, 3, size, size), np.float32))
+
+
+def changed(images, roll_deg=0.0, zoom=0.0, colour=0.0, rng=None):
+    return augmented(images, AugmentSettings(roll_deg, zoom, colour), rng or Always())
+
+
+def ramp(size=16):
+    """As bright as its place across: -1 to 1 becomes 0.1 to 0.9."""
+    across = (2 * np.arange(size) + 1) / size - 1
+    row = torch.tensor(0.5 + 0.4 * across, dtype=torch.float32)
+    return row.expand(1, 3, size, size), across
+
+
+def test_no_augmentation_is_the_identity():
+    images = pictures()
+    found = changed(images, rng=np.random.default_rng(3))
+    np.testing.assert_allclose(found, images, **ROUNDING)
+
+
+@pytest.mark.parametrize(("share", "turns"), [(1.0, 1), (0.0, -1)])
+def test_a_roll_of_90_degrees_is_a_quarter_turn(share, turns):
+    """Up to +90: the picture turns anticlockwise, as `np.rot90` turns it; up to -90: back."""
+    images = pictures()
+    found = changed(images, roll_deg=90.0, rng=Always(share))
+    np.testing.assert_allclose(found, np.rot90(images, turns, axes=(2, 3)), **ROUNDING)
+
+
+def test_zoom_enlarges_about_the_centre():
+    image, across = ramp()
+    found = changed(image, zoom=0.5)
+    # 1.5 times as large: what was at x / 1.5 is now at x, and a ramp is read off exactly
+    expected = np.broadcast_to(0.5 + 0.4 * across / 1.5, found.shape)
+    np.testing.assert_allclose(found, expected, **ROUNDING)
+
+
+def test_beyond_its_border_a_picture_goes_on_as_it_is_there():
+    image, across = ramp()
+    found = changed(image, zoom=0.5, rng=Always(0.0))
+    # half as large: the ramp is twice as steep, up to the centres of the last pixels
+    expected = np.broadcast_to(0.5 + 0.4 * np.clip(2 * across, across[0], across[-1]), found.shape)
+    np.testing.assert_allclose(found, expected, **ROUNDING)
+
+
+def test_a_white_background_stays_white():
+    images = torch.ones(8, 3, 16, 16)
+    images[:, :, 5:10, 6:9] = 0.2
+    found = changed(images, roll_deg=180.0, zoom=0.2, rng=np.random.default_rng(0))
+    edge = torch.cat([found[:, :, [0, -1]].flatten(), found[..., [0, -1]].flatten()])
+    # the part is within 3.2 px of the middle, times 1.2 and a pixel of blur: 5 px, the edge is at 7
+    np.testing.assert_allclose(edge, 1.0, **ROUNDING)
+
+
+def test_colours_are_scaled_shifted_and_cut():
+    images = pictures()
+    brighter = changed(images, colour=0.4)
+    np.testing.assert_allclose(brighter, (1.4 * images + 0.2).clamp(0, 1), **ROUNDING)
+    darker = changed(images, colour=0.4, rng=Always(0.0))
+    np.testing.assert_allclose(darker, (0.6 * images - 0.2).clamp(0, 1), **ROUNDING)
+    assert brighter.max() == 1
+    assert darker.min() == 0
+
+
+def handedness(images):
+    """Sign of the area of the triangle red, green, blue, each channel's mass taken as a point."""
+    place = torch.arange(images.shape[-1], dtype=torch.float32)
+    mass = images.sum(dim=(2, 3))
+    x = (images.sum(dim=2) * place).sum(dim=2) / mass
+    y = (images.sum(dim=3) * place).sum(dim=2) / mass
+    a, b = (torch.stack([x[:, i] - x[:, 0], y[:, i] - y[:, 0]], dim=1) for i in (1, 2))
+    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sign()
+
+
+def test_no_picture_is_ever_mirrored():
+    image = torch.zeros(1, 3, 32, 32)
+    for channel, (row, column) in enumerate([(10, 10), (10, 20), (22, 10)]):
+        image[0, channel, row : row + 3, column : column + 3] = 1
+    found = changed(
+        image.expand(200, -1, -1, -1), roll_deg=180.0, zoom=0.2, rng=np.random.default_rng(0)
+    )
+    assert (handedness(found) == handedness(image)).all()
+    assert (handedness(found.flip(3)) != handedness(image)).all()
+
+
+def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them():
+    images = pictures(1).expand(3, -1, -1, -1)
+    some = {"roll_deg": 30.0, "zoom": 0.1, "colour": 0.2}
+    first, again = (changed(images, **some, rng=np.random.default_rng(5)) for _ in range(2))
+    assert torch.equal(first, again)
+    assert not torch.allclose(first[0], first[1])
+    assert not torch.allclose(first[1], first[2])
+
+
+def test_as_tensor_puts_channels_first_and_white_at_1():
+    images = np.zeros((1, 2, 3, 3), np.uint8)
+    images[0, 1, 2] = [255, 51, 0]
+    tensor = as_tensor(images)
+    assert tensor.shape == (1, 3, 2, 3)
+    np.testing.assert_allclose(tensor[0, :, 1, 2], [1.0, 0.2, 0.0], rtol=1e-6)
+    assert tensor.sum() == pytest.approx(1.2)

@@ -1,0 +1,128 @@
+"""The nets against the published ones, layer by layer."""
+
+import pytest
+import torch
+from torch import nn
+
+from industnerf.methods.atlasnet.network import (
+    Decoder,
+    PatchLinear,
+    PointNet,
+    decoder_of,
+    image_encoder_of,
+)
+from tests.methods.test_conformance import merged
+
+
+@pytest.fixture(scope="module")
+def full():
+    """The settings with the published sizes."""
+    return merged("params.yaml", "conf/experiment/gpu.yaml").method.atlasnet
+
+
+def count(net):
+    return sum(weights.numel() for weights in net.parameters())
+
+
+def test_full_is_as_published(full):
+    """github.com/ThibaultGROUEIX/AtlasNet, auxiliary/argument_parser.py."""
+    assert full.size == "full"
+    assert (full.image_px, full.width, full.latent, full.hidden) == (224, 64, 1024, 512)
+    assert (full.patches, full.patches * full.patch_points) == (25, 2500)
+    assert (full.training.batch, full.training.rate, full.phases) == (32, 1e-3, [150, 150, 50])
+
+
+def test_the_decoder_has_the_published_layers(full):
+    """Each patch: 2-1024-512-512-512-3, batch norm (scale and shift) on all but the last."""
+    layers = 2 * 1024 + 1024, 1024 * 512 + 512, 512 * 512 + 512, 512 * 512 + 512, 512 * 3 + 3
+    norms = 2 * (1024 + 512 + 512 + 512)
+    assert sum(layers) + norms == 1_059_843
+    with torch.device("meta"):
+        assert count(decoder_of(full)) == 25 * 1_059_843
+
+
+def test_the_image_encoder_has_the_published_layers(full):
+    """ResNet-18, whose last layer gives the latent instead of 1000 classes."""
+    stem = 3 * 64 * 49 + 2 * 64
+    stages = 4 * (64 * 64 * 9 + 2 * 64)
+    for before, after in ((64, 128), (128, 256), (256, 512)):
+        stages += before * after * 9 + 3 * after * after * 9 + before * after + 5 * 2 * after
+    assert stem + stages + 513_000 == 11_689_512  # as torchvision counts ResNet-18
+    with torch.device("meta"):
+        encoder = image_encoder_of(full)
+        assert count(encoder) == stem + stages + 512 * 1024 + 1024
+        x = torch.zeros(2, 3, full.image_px, full.image_px)
+        assert nn.Sequential(*list(encoder)[:-3])(x).shape == (2, 512, 7, 7)  # what is pooled
+        assert encoder(x).shape == (2, 1024)
+
+
+def test_the_point_encoder_has_the_published_layers(full):
+    """3-64-128-1024, the maximum, 1024-1024: all with batch norm, ReLU on all but the third."""
+    layers = 3 * 64 + 64, 64 * 128 + 128, 128 * 1024 + 1024, 2 * (1024 * 1024 + 1024)
+    norms = 2 * (64 + 128 + 3 * 1024)
+    with torch.device("meta"):
+        encoder = PointNet(full.latent)
+        assert count(encoder) == sum(layers) + norms == 2_246_400
+        assert encoder(torch.zeros(2, 2500, 3)).shape == (2, 1024)
+    kinds = [type(layer) for layer in (*encoder.points, *encoder.cloud)]
+    assert [i for i, kind in enumerate(kinds) if kind is nn.ReLU] == [2, 5, 10, 13]
+
+
+def test_full_gives_2500_points(full):
+    with torch.device("meta"):
+        uv = torch.zeros(25, 2, 2, 100)
+        assert decoder_of(full)(torch.zeros(2, 1024), uv).shape == (2, 2500, 3)
+
+
+def layer(linear, patch):
+    """The same layer as the authors have it, of one patch alone."""
+    _, after, before = linear.weight.shape
+    conv = nn.Conv1d(before, after, 1)
+    conv.weight.data = linear.weight[patch][:, :, None]
+    conv.bias.data = linear.bias.view(-1, after)[patch]
+    return conv
+
+
+def norm(patch_norm, patch, channels):
+    """The same, of batch norm and ReLU."""
+    batch_norm = nn.BatchNorm1d(channels)
+    batch_norm.weight.data = patch_norm.weight.view(-1, channels)[patch]
+    batch_norm.bias.data = patch_norm.bias.view(-1, channels)[patch]
+    return nn.Sequential(batch_norm, nn.ReLU())
+
+
+def one_patch(decoder, patch, latent, uv):
+    """The authors' Mapping2Dto3D with the weights of one patch."""
+    x = layer(decoder.first, patch)(uv[patch].permute(1, 0, 2)) + latent[:, :, None]
+    for step in decoder.rest:
+        ours = isinstance(step, PatchLinear)
+        x = (layer(step, patch) if ours else norm(step, patch, x.shape[1]))(x)
+    return x.transpose(1, 2)
+
+
+def test_patches_are_nets_of_their_own():
+    """All at once as one after the other, batch norm's statistics included."""
+    torch.manual_seed(0)
+    decoder = Decoder(3, 8, 6)
+    for weights in decoder.parameters():
+        nn.init.uniform_(weights, -1, 1)  # or all norms would be alike
+    latent, uv = torch.randn(4, 8), torch.rand(3, 2, 4, 5)
+    points = decoder(latent, uv).view(4, 3, 5, 3)
+    for patch in range(3):
+        expected = one_patch(decoder, patch, latent, uv)
+        # sums of 8 float32 terms of order 1, through four norms that divide by 0.1 and more
+        torch.testing.assert_close(points[:, patch], expected, rtol=1e-4, atol=1e-5)
+
+
+def test_layers_start_as_linear_ones_do():
+    torch.manual_seed(0)
+    weights = Decoder(25, 64, 16).rest[1].weight
+    assert weights.abs().max() <= 1 / 8
+    # of 25 600 uniform draws the deviation is known to 0.5 %: 4 of its standard errors are 2 %
+    assert weights.std().item() == pytest.approx(1 / 8 / 3**0.5, rel=0.02)
+
+
+def test_the_order_of_points_is_no_matter_to_their_encoder():
+    torch.manual_seed(0)
+    encoder, points = PointNet(16).eval(), torch.rand(2, 50, 3)
+    torch.testing.assert_close(encoder(points), encoder(points.flip(1)))

@@ -1,0 +1,136 @@
+"""The three trainings: what each may change, how they share the steps, and that they resume."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from industnerf.config import load_params
+from industnerf.errors import ReconstructionFailed
+from industnerf.methods import load_method
+from industnerf.methods.atlasnet import run
+from industnerf.methods.base import Example, hand_over
+from tests.methods.test_conformance import merged
+
+METHOD = load_method("atlasnet")
+
+
+@pytest.fixture(scope="module")
+def settings():
+    """So few steps that nothing is learned, and both kinds of phases are there."""
+    smoke = merged("params.yaml", "conf/experiment/smoke.yaml").method.atlasnet
+    training = replace(smoke.training, steps=14, batch=2, validate_every=2)
+    return replace(smoke, patch_points=8, training=training)
+
+
+@pytest.fixture
+def examples(photographed):
+    part, views = photographed / "part", photographed / "views"
+    return [Example(name, part, views, METHOD.inputs) for name in ("a", "b", "c")]
+
+
+@pytest.fixture
+def watched(monkeypatch):
+    """Each phase's net before and after, by the name of its checkpoint; `stop` names a phase."""
+    seen, stop = {}, set()
+    train = run.train
+
+    def copy(net):
+        return {name: weights.detach().clone() for name, weights in net.named_parameters()}
+
+    def watch(net, loss, parts, plan, seed, checkpoint):
+        if checkpoint.stem in stop:
+            raise KeyboardInterrupt
+        before = copy(net)
+        trained = train(net, loss, parts, plan, seed, checkpoint)
+        seen[checkpoint.stem] = before, copy(net), plan
+        return trained
+
+    monkeypatch.setattr(run, "train", watch)
+    return seen, stop
+
+
+def test_each_phase_teaches_what_it_should(examples, settings, tmp_path, watched):
+    seen, _ = watched
+    METHOD.fit(examples, settings, 0, tmp_path)
+    assert list(seen) == ["auto_encoder", "encoder", "together"]
+    for name, (before, after, _) in seen.items():
+        moved = {part.partition(".")[0] for part in before if (before[part] != after[part]).any()}
+        assert moved == ({"encoder"} if name == "encoder" else {"encoder", "decoder"})
+    for one, other in (("auto_encoder", "encoder"), ("encoder", "together")):
+        last, first = seen[one][1], seen[other][0]
+        assert all(torch.equal(last[part], first[part]) for part in last if "decoder" in part)
+    assert all(torch.equal(seen["encoder"][1][k], v) for k, v in seen["together"][0].items())
+
+
+def test_phases_share_the_steps_and_the_last_learns_slowly(settings):
+    plans = run.planned(replace(settings, training=replace(settings.training, steps=700)))
+    assert [plan.steps for plan in plans] == [300, 300, 100]
+    rate = settings.training.rate
+    assert [plan.rate for plan in plans] == [rate, rate, pytest.approx(rate / 10)]
+
+
+def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_path, watched):
+    _, stop = watched
+    whole = METHOD.fit(examples, settings, 0, tmp_path / "whole")
+    stop.add("encoder")
+    with pytest.raises(KeyboardInterrupt):
+        METHOD.fit(examples, settings, 0, tmp_path / "cut")
+    stop.clear()
+    resumed = METHOD.fit(examples, settings, 0, tmp_path / "cut")
+    assert list(resumed.arrays) == list(whole.arrays)
+    for name, array in whole.arrays.items():
+        assert resumed.arrays[name].tobytes() == array.tobytes(), name
+    np.testing.assert_array_equal(resumed.history.loss, whole.history.loss)
+
+
+def test_the_state_tells_how_all_phases_went(examples, settings, tmp_path):
+    state = METHOD.fit(examples, settings, 0, tmp_path)
+    assert (state.parts, state.size, state.steps) == (3, "tiny", 14)
+    assert state.history.levels == {"auto_encoder": 0, "encoder": 6, "together": 12}
+    assert state.history.steps.tolist() == list(range(14))
+    assert state.validation.steps.tolist() == [1, 3, 5, 7, 9, 11, 13]
+    trained = [array for name, array in state.arrays.items() if "running" not in name]
+    batches = sum("num_batches" in name for name in state.arrays)
+    assert state.parameters == sum(array.size for array in trained) - batches
+
+
+@pytest.mark.parametrize("unsettled", ["auto_encoder", "encoder", "together"])
+def test_it_is_settled_if_both_trainings_on_pictures_are(
+    unsettled, examples, settings, tmp_path, monkeypatch
+):
+    train = run.train
+
+    def pretend(net, loss, parts, plan, seed, checkpoint):
+        trained = train(net, loss, parts, plan, seed, checkpoint)
+        return replace(trained, settled=checkpoint.stem != unsettled)
+
+    monkeypatch.setattr(run, "train", pretend)
+    assert METHOD.fit(examples, settings, 0, tmp_path).settled == (unsettled == "auto_encoder")
+
+
+def test_there_is_an_answer_to_each_view_asked(photographed, examples, settings, tmp_path):
+    state = METHOD.fit(examples, settings, 0, tmp_path)
+    given = hand_over(METHOD, photographed / "part", photographed / "views")
+    result = METHOD.reconstruct(given, replace(settings, answers=5), state, 0)
+    answers = [result.points_mm, *result.others_mm]
+    assert [len(points) for points in answers] == 5 * [settings.points]
+    assert len({points.tobytes() for points in answers}) == 5
+
+
+def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
+    wild = replace(settings, training=replace(settings.training, rate=1e30))
+    with pytest.raises(ReconstructionFailed, match=r"not finite.*training.rate is 1e\+30, lower"):
+        METHOD.fit(examples, wild, 0, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_cpu_sizes_learn_one_part_by_heart(root, examples, tmp_path):
+    settings = load_params(root / "params.yaml").method.atlasnet
+    training = replace(settings.training, steps=210, batch=4, drops=[0.8])
+    state = METHOD.fit(examples[:1], replace(settings, training=training), 0, tmp_path)
+    # Two independent samples of 1000 points of the part, each to each: what no net can beat is
+    # about 2 / (pi density) with 1000 / 2.6 points a unit of area; three times it is well known.
+    density = 1000 / 2.6
+    assert state.validation.loss[-1] < 3 * 2 / (np.pi * density)
