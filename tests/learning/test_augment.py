@@ -108,9 +108,9 @@ def test_no_picture_is_ever_mirrored():
     assert (handedness(found.flip(3)) != handedness(image)).all()
 
 
-def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them():
+@pytest.mark.parametrize("some", [{"roll_deg": 30.0}, {"zoom": 0.1}, {"colour": 0.2}])
+def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them(some):
     images = pictures(1).expand(3, -1, -1, -1)
-    some = {"roll_deg": 30.0, "zoom": 0.1, "colour": 0.2}
     first, again = (changed(images, **some, rng=np.random.default_rng(5)) for _ in range(2))
     assert torch.equal(first, again)
     assert not torch.allclose(first[0], first[1])
