@@ -55,9 +55,12 @@ def reconstruct(
 
 
 def distances(
-    theirs: Float32[np.ndarray, "parts views c"], mine: Float32[np.ndarray, "views c"]
+    theirs: Float32[np.ndarray, "parts views c"], mine: Float32[np.ndarray, "asked c"]
 ) -> Float[np.ndarray, "parts"]:
-    """Of every part the sum over the views of the distance between features."""
+    """Of every part the sum over the views of the distance between features.
+
+    Raises ReconstructionFailed if `mine` are not as many views.
+    """
     if theirs.shape[1] != len(mine):
         raise ReconstructionFailed(
             f"{len(mine)} views to compare with {theirs.shape[1]} of each part that was learned "
