@@ -8,6 +8,7 @@ from industnerf.methods.base import Method
 MODULES = {
     "industnerf": "industnerf.methods.industnerf",
     "industnerf_plus": "industnerf.methods.industnerf",
+    "occupancy": "industnerf.methods.occupancy",
     "atlasnet": "industnerf.methods.atlasnet",
     "nerf": "industnerf.methods.industnerf",
     "hull": "industnerf.methods.hull",

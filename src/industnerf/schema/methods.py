@@ -9,6 +9,36 @@ from industnerf.schema.rules import require
 
 
 @dataclass(frozen=True)
+class OccupancySettings:
+    size: Literal["full", "cpu", "tiny"]
+    image_px: int
+    views: int
+    encoder_width: int
+    code: int
+    decoder_width: int
+    blocks: int
+    padding: float
+    pool: int
+    queries: int
+    training: TrainingSettings
+    augment: AugmentSettings
+    answers: int
+    threshold: float
+    cells: int
+    subdivisions: int
+    points: int
+
+    def __post_init__(self) -> None:
+        at = "method.occupancy"
+        counts = ("views", "encoder_width", "code", "decoder_width", "blocks", "pool", "queries")
+        for name in (*counts, "answers", "cells", "points"):
+            require(getattr(self, name) >= 1, f"{at}.{name}", getattr(self, name), "at least 1")
+        require(self.image_px >= 32, f"{at}.image_px", self.image_px, "at least 32")
+        require(self.padding >= 0, f"{at}.padding", self.padding, "at least 0")
+        require(0 < self.threshold < 1, f"{at}.threshold", self.threshold, "in (0, 1)")
+        require(0 <= self.subdivisions <= 4, f"{at}.subdivisions", self.subdivisions, "in [0, 4]")
+
+
 class AtlasNetSettings:
     size: Literal["full", "cpu", "tiny"]
     image_px: int
@@ -129,6 +159,7 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
+    occupancy: OccupancySettings
     atlasnet: AtlasNetSettings
     nerf: IndustnerfSettings
     hull: HullSettings

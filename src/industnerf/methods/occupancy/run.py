@@ -1,0 +1,86 @@
+"""Train the net, and ask it about a part, view by view."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+
+from industnerf.artifacts.state import State
+from industnerf.device import device
+from industnerf.geometry.isosurface import isosurface_points
+from industnerf.learning.augment import as_tensor
+from industnerf.learning.pictures import evenly, scaled
+from industnerf.learning.training import set_apart, train
+from industnerf.methods.answers import answered
+from industnerf.methods.base import Example, Given, Reconstruction
+from industnerf.methods.occupancy.lesson import Lesson
+from industnerf.methods.occupancy.mise import mise
+from industnerf.methods.occupancy.network import OccupancyNet
+from industnerf.schema import OccupancySettings
+
+AT_ONCE = 16384  # points that the net is asked about in one go
+
+
+def fit(
+    examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
+) -> State:
+    """Train on the parts that are not set apart; same seed, same bytes on a CPU."""
+    torch.set_num_threads(1)  # folds are what runs side by side
+    lesson = Lesson.of(examples, settings, np.random.default_rng(seed))
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        net = OccupancyNet(settings).to(device())
+    parts = set_apart([example.part_id for example in examples], settings.training.validation)
+    checkpoint = scratch / "occupancy.pt"
+    done = train(net, partial(lesson.loss, net), parts, settings.training, seed, checkpoint)
+    return State(
+        {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()},
+        parts=len(examples),
+        size=settings.size,
+        parameters=sum(p.numel() for p in net.parameters()),
+        steps=done.steps,
+        settled=done.settled,
+        history=done.history,
+        validation=done.validation,
+    )
+
+
+@torch.inference_mode()
+def reconstruct(
+    given: Given, settings: OccupancySettings, state: State, seed: int
+) -> Reconstruction:
+    """One answer a view, each of area-uniform points.
+
+    Raises ReconstructionFailed if the net sees matter in none of the views.
+    """
+    torch.set_num_threads(1)  # parts are what runs side by side
+    net = OccupancyNet(settings).to(device()).eval()
+    net.load_state_dict({k: torch.from_numpy(np.asarray(v)) for k, v in state.arrays.items()})
+    views = given.rgb[evenly(len(given.rgb), settings.answers)]
+    codes = net.encode(as_tensor(scaled(views, settings.image_px)).to(device()))
+    rng = np.random.default_rng(seed)
+    clouds = [surface(net, code, settings, rng) for code in codes]
+    return answered(clouds, given.frame, state)
+
+
+def surface(
+    net: OccupancyNet,
+    code: Float[Tensor, "code"],
+    settings: OccupancySettings,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "_ 3"]:
+    """Points where the probability of being inside, given `code`, is the threshold; maybe none."""
+    level = float(np.log(settings.threshold / (1 - settings.threshold)))
+    lo = np.full(3, -(1 + settings.padding) / 2)
+    spacing = (1 + settings.padding) / (settings.cells * 2**settings.subdivisions)
+
+    def field(corners: Int[np.ndarray, "p 3"]) -> Float[np.ndarray, "p"]:
+        points = torch.from_numpy(lo + spacing * corners).to(code).split(AT_ONCE)
+        return torch.cat([net.decoder(some[None], code[None])[0] for some in points]).cpu().numpy()
+
+    values, _ = mise(field, level, settings.cells, settings.subdivisions)
+    return isosurface_points(values, level, lo, spacing, settings.points, rng)

@@ -1,0 +1,110 @@
+"""What is found with few questions, against asking everywhere."""
+
+import numpy as np
+import pytest
+
+from industnerf.geometry.isosurface import isosurface
+from industnerf.methods.occupancy.mise import mise
+
+CELLS, SUBDIVISIONS = 8, 2
+SIZE = CELLS * 2**SUBDIVISIONS
+LEVEL = 0.1
+BALL = 1.5  # coarse cells: a ball of this radius has a coarse lattice point inside
+
+
+def ball(centre, radius):
+    """Signed distance, in fine cells, high inside."""
+    return lambda at: radius - np.linalg.norm(at - np.array(centre), axis=-1)
+
+
+def ring(at):
+    across = np.hypot(*np.moveaxis(at[..., :2] - SIZE / 2, -1, 0)) - SIZE / 4
+    return 3.0 - np.hypot(across, at[..., 2] - SIZE / 2)
+
+
+def needle(at):
+    """A ball, and a rod of a quarter of a coarse cell through it, between coarse lattice points."""
+    x, y, z = np.moveaxis(at - [10.0, 10.0, 0.0], -1, 0)
+    rod = np.minimum(1.1 - np.hypot(x, y), np.minimum(z - 2, 30 - z))
+    return np.maximum(rod, ball((10, 10, 8), 5.5)(at))
+
+
+def bubbles(seed):
+    rng = np.random.default_rng(seed)
+    some = [ball(rng.uniform(8, SIZE - 8, 3), rng.uniform(4 * BALL, 8)) for _ in range(3)]
+    return lambda at: np.max([one(at) for one in some], axis=0)
+
+
+SOLIDS = {
+    "ball": ball((16.3, 15.2, 16.9), 9.4),
+    "hollow": lambda at: np.minimum(ball((16, 16, 16), 13)(at), -ball((16, 16, 16), 8)(at)),
+    "ring": ring,
+    "needle": needle,
+    "bubbles 1": bubbles(1),
+    "bubbles 2": bubbles(2),
+    "bubbles 3": bubbles(3),
+}
+
+
+class Asked:
+    """A field that remembers where it was asked."""
+
+    def __init__(self, field):
+        self.field, self.at = field, []
+
+    def __call__(self, at):
+        self.at.append(at)
+        return self.field(at.astype(float))
+
+
+def dense(field):
+    return field(np.moveaxis(np.indices((SIZE + 1,) * 3), 0, -1).astype(float))
+
+
+def surface(values):
+    return isosurface(values, LEVEL, np.zeros(3), 1.0)
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_the_surface_is_that_of_all_lattice_points(name):
+    values, _ = mise(SOLIDS[name], LEVEL, CELLS, SUBDIVISIONS)
+    for found, true in zip(surface(values), surface(dense(SOLIDS[name])), strict=True):
+        np.testing.assert_array_equal(found, true)
+    np.testing.assert_array_equal(values > LEVEL, dense(SOLIDS[name]) > LEVEL)
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_no_point_is_asked_for_twice_and_all_are_counted(name):
+    field = Asked(SOLIDS[name])
+    values, count = mise(field, LEVEL, CELLS, SUBDIVISIONS)
+    at = np.concatenate(field.at)
+    assert len(np.unique(at, axis=0)) == len(at) == count
+    np.testing.assert_array_equal(values[tuple(at.T)], field.field(at.astype(float)))
+
+
+def test_it_asks_near_the_surface_alone():
+    """The ball of the published lattice: 32 cells, halved twice."""
+    field = ball((64, 64, 64), 40)
+    _, count = mise(field, 0.0, 32, 2)
+    # The coarse lattice, 1.7 % of all, and of the others those within two coarse cells' diagonals
+    # of the surface at the most: 4 pi 40^2 * 2 * 4 * 3^0.5 points of 129^3 at the full density.
+    assert 33**3 < count < 33**3 + 4 * np.pi * 40**2 * 2 * 4 * 3**0.5 < 0.15 * 129**3
+
+
+def test_without_a_surface_only_the_coarse_lattice_is_asked():
+    values, count = mise(lambda at: np.full(len(at), -3.0), LEVEL, CELLS, SUBDIVISIONS)
+    assert count == (CELLS + 1) ** 3
+    np.testing.assert_array_equal(values, np.full((SIZE + 1,) * 3, -3.0))
+
+
+def test_an_island_inside_one_coarse_cell_is_missed():
+    """The price: a ball of half a coarse cell about its centre."""
+    values, _ = mise(ball((10, 10, 10), 2), LEVEL, CELLS, SUBDIVISIONS)
+    assert not (values > LEVEL).any()
+
+
+def test_without_subdivisions_it_is_the_lattice_itself():
+    field = SOLIDS["ball"]
+    values, count = mise(field, LEVEL, SIZE, 0)
+    np.testing.assert_array_equal(values, dense(field))
+    assert count == (SIZE + 1) ** 3
