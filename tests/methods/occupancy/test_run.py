@@ -99,5 +99,6 @@ def test_a_single_part_is_learned_by_heart(photographed, tmp_path, params):
     truth, _ = sample_surface(mesh.vertices, mesh.faces, 20000, np.random.default_rng(0))
     for points in (found.points_mm, *found.others_mm):
         away = [cKDTree(truth).query(points)[0], cKDTree(points).query(truth)[0]]
-        # both ways, in the mean, within a cell of the lattice that the surface is found on
-        assert max(x.mean() for x in away) < SIZE.max() * (1 + cpu.padding) / 64
+        # Both ways, in the mean, within two cells of the lattice that the surface is found on; a
+        # ball of the mean extent is more than four of them off.
+        assert max(x.mean() for x in away) < 2 * SIZE.max() * (1 + cpu.padding) / 64
