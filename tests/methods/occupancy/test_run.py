@@ -92,8 +92,7 @@ def test_a_higher_threshold_gives_a_smaller_solid(photographed, learned):
 @pytest.mark.slow
 def test_a_single_part_is_learned_by_heart(photographed, tmp_path, params):
     cpu = params.method.occupancy
-    # weights that decay learn nothing by heart
-    settings = replace(cpu, training=replace(cpu.training, steps=100, weight_decay=0.0))
+    settings = replace(cpu, training=replace(cpu.training, steps=100))
     state = learn(photographed, tmp_path, settings)
     found = OCCUPANCY.reconstruct(given(photographed), settings, state, 1)
     mesh = load_mesh(photographed / "part")
