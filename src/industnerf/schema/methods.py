@@ -9,6 +9,16 @@ from industnerf.schema.rules import require
 
 
 @dataclass(frozen=True)
+class R2n2Settings:
+    size: Literal["full", "cpu", "tiny"]
+    image_px: int
+    divisor: int
+    pictures: int
+    views: int
+    threshold: float
+    points: int
+
+
 class OccupancySettings:
     size: Literal["full", "cpu", "tiny"]
     image_px: int
@@ -56,6 +66,13 @@ class AtlasNetSettings:
     augment: AugmentSettings
 
     def __post_init__(self) -> None:
+        at = "method.r2n2"
+        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
+        require(32 % self.divisor == 0, f"{at}.divisor", self.divisor, "1, 2, 4, 8, 16 or 32")
+        require(self.pictures >= 1, f"{at}.pictures", self.pictures, "at least 1")
+        require(self.views >= 1, f"{at}.views", self.views, "at least 1")
+        require(0 < self.threshold < 1, f"{at}.threshold", self.threshold, "in (0, 1)")
+        require(self.points >= 1, f"{at}.points", self.points, "at least 1")
         at = "method.atlasnet"
         require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
         for key in ("views", "width", "latent", "hidden", "patches", "patch_points"):
@@ -159,6 +176,7 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
+    r2n2: R2n2Settings
     occupancy: OccupancySettings
     atlasnet: AtlasNetSettings
     nerf: IndustnerfSettings

@@ -1,0 +1,66 @@
+"""A net of the least width, its settings, and parts to learn from without files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.methods.base import Example
+from industnerf.schema import AugmentSettings, R2n2Settings, TrainingSettings
+
+STILL = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0)
+
+
+@pytest.fixture
+def settings() -> R2n2Settings:
+    """Pictures of 16 px, and six steps."""
+    training = TrainingSettings(
+        steps=6,
+        batch=2,
+        rate=1e-3,
+        drops=[0.5],
+        weight_decay=0.0,
+        validation=0.3,
+        validate_every=2,
+        patience=9,
+    )
+    return R2n2Settings(
+        size="tiny",
+        image_px=16,
+        divisor=32,
+        pictures=4,
+        views=3,
+        threshold=0.4,
+        points=500,
+        training=training,
+        augment=replace(STILL, colour=0.1),
+    )
+
+
+class Box(Example):
+    """A bar along x, without files; it is as thick, and its pictures as bright, as its id says."""
+
+    @property
+    def size(self) -> float:
+        """Between 0 and 1."""
+        return float(self.part_id)
+
+    @property
+    def mesh(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of edges 1, `size`, `size`."""
+        bar = trimesh.creation.box((1.0, self.size, self.size))
+        return np.asarray(bar.vertices), np.asarray(bar.faces, np.int32)
+
+    def rgb(self, px: int, count: int) -> np.ndarray:
+        """View i is brighter by i."""
+        level = round(200 * self.size) + np.arange(count, dtype=np.uint8)
+        return np.broadcast_to(level[:, None, None, None], (count, px, px, 3)).astype(np.uint8)
+
+
+@pytest.fixture
+def boxes() -> list[Box]:
+    """Three of them."""
+    nowhere = Path("no such file")
+    return [Box(name, nowhere, nowhere, frozenset()) for name in ("0.25", "0.5", "0.75")]

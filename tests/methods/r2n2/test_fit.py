@@ -1,0 +1,113 @@
+"""Training: what the net is shown, what it is told, and that it learns."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from industnerf.methods import load_method
+from industnerf.methods.base import Example, hand_over
+from industnerf.methods.r2n2.fit import Lessons, trained
+from industnerf.methods.r2n2.net import new_net
+from industnerf.methods.r2n2.predict import likelihood, rebuilt
+from tests.methods.r2n2.conftest import STILL
+
+
+@pytest.fixture
+def lessons(boxes, settings):
+    """Three parts, and a net that says what it is asked to say."""
+    net = new_net(settings.image_px, settings.divisor, 0)
+    return Lessons.of(boxes, replace(settings, augment=STILL), net, 0)
+
+
+def test_a_net_that_says_nothing_loses_log_2(lessons):
+    lessons.net.forward = lambda pictures: torch.zeros(len(pictures), 2, 32, 32, 32)
+    loss = lessons.loss(np.array([0, 2]), np.random.default_rng(0))
+    assert loss.item() == pytest.approx(math.log(2), rel=1e-6)
+
+
+def test_the_loss_is_the_mean_over_all_voxels_of_the_right_part(lessons):
+    def full(pictures):
+        """Says of every voxel that it is full with odds of e^3."""
+        scores = torch.zeros(len(pictures), 2, 32, 32, 32)
+        scores[:, 1] = 3.0
+        return scores
+
+    lessons.net.forward = full
+    for which, size in enumerate((0.25, 0.5, 0.75)):
+        loss = lessons.loss(np.array([which, which]), np.random.default_rng(0))
+        share = lessons.full[which].mean()
+        # Edges of the bar are on borders of voxels: the surface fills at most one more all round.
+        assert size**2 <= share <= (size + 2 / 32) ** 2
+        right, wrong = math.log1p(math.exp(-3)), math.log1p(math.exp(3))
+        assert loss.item() == pytest.approx(share * right + (1 - share) * wrong, rel=1e-5)
+
+
+def shown(lessons, batches=60):
+    """All that the net is shown, batch by batch, as brightness (parts, views) from 0 to 255."""
+    seen, rng = [], np.random.default_rng(1)
+
+    def listen(pictures):
+        assert pictures.shape[2:] == (3, 16, 16)
+        seen.append((255 * pictures).mean(dim=(2, 3, 4)).round().int().numpy())
+        return torch.zeros(len(pictures), 2, 32, 32, 32)
+
+    lessons.net.forward = listen
+    for _ in range(batches):
+        lessons.loss(np.array([2, 0]), rng)
+    return seen
+
+
+def test_a_batch_has_one_to_so_many_views_drawn_from_each_part(lessons):
+    batches = shown(lessons)
+    assert {batch.shape for batch in batches} == {(2, 1), (2, 2), (2, 3)}
+    first, second = (np.concatenate([batch[i] for batch in batches]) for i in (0, 1))
+    assert set(first) == {150, 151, 152, 153}  # of the bar of 0.75, all its four views
+    assert set(second) == {50, 51, 52, 53}
+    assert any(len(set(views)) < len(views) for batch in batches for views in batch)  # put back
+
+
+def test_pictures_differ_while_it_learns_and_stay_when_it_is_asked(boxes, settings):
+    net = new_net(settings.image_px, settings.divisor, 0)
+    lessons = Lessons.of(boxes, settings, net, 0)
+    known = {150, 151, 152, 153, 50, 51, 52, 53}
+    assert set(np.concatenate([batch.ravel() for batch in shown(lessons)])) > known
+    net.eval()
+    assert set(np.concatenate([batch.ravel() for batch in shown(lessons)])) == known
+
+
+def test_the_same_seed_gives_the_same_weights(boxes, settings, tmp_path):
+    one, same, other = (
+        trained(boxes, settings, seed, tmp_path / name)
+        for seed, name in ((1, "one"), (1, "same"), (2, "other"))
+    )
+    assert all((one.arrays[name] == same.arrays[name]).all() for name in one.arrays)
+    assert not all((one.arrays[name] == other.arrays[name]).all() for name in one.arrays)
+
+
+def test_what_was_learned_says_how(boxes, settings, tmp_path):
+    state = trained(boxes, settings, 1, tmp_path)
+    assert (state.parts, state.size, state.steps) == (3, "tiny", 6)
+    assert state.parameters == sum(array.size for array in state.arrays.values())
+    assert state.validation.steps.tolist() == [1, 3, 5]
+    net = rebuilt(settings, state)
+    assert not net.training
+    weights = net.state_dict()
+    assert all((weights[name].numpy() == state.arrays[name]).all() for name in weights)
+
+
+@pytest.mark.slow
+def test_the_cpu_preset_learns_one_part_by_heart(photographed: Path, params, tmp_path):
+    method, full = load_method("r2n2"), params.method.r2n2
+    short = replace(full.training, steps=80, batch=2, patience=99)
+    settings = replace(full, training=short, augment=STILL)
+    example = Example("part", photographed / "part", photographed / "views", method.inputs)
+    state = trained([example], settings, 0, tmp_path)
+    assert state.size == "cpu"
+    given = hand_over(method, photographed / "part", photographed / "views")
+    likely = likelihood(given, settings, rebuilt(settings, state)) > settings.threshold
+    truth = Lessons.of([example], settings, new_net(63, 32, 0), 1).full[0]
+    assert (likely & truth).sum() / (likely | truth).sum() > 0.95

@@ -1,0 +1,96 @@
+"""From the probability of voxels to points: in place, of one answer, and with a clear refusal."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from industnerf.artifacts.state import State
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.boxes import Cube
+from industnerf.geometry.cameras import Cameras
+from industnerf.methods.base import Given, Input
+from industnerf.methods.r2n2 import METHODS, predict
+from industnerf.methods.r2n2.net import new_net
+
+FRAME = Cube(np.array([10.0, -20.0, 5.0]), 8.0)
+CENTRES = (np.arange(32) + 0.5) / 32 - 0.5
+
+
+@pytest.fixture
+def state(settings):
+    """A net that was not trained."""
+    net = new_net(settings.image_px, settings.divisor, 0)
+    return State({name: tensor.numpy() for name, tensor in net.state_dict().items()}, parts=1)
+
+
+@pytest.fixture
+def given():
+    """Seven views, each brighter by 10 than the one before."""
+    cameras = Cameras(np.tile(np.eye(3), (7, 1, 1)), np.tile(np.eye(4), (7, 1, 1)), 32, 32)
+    level = 10 * np.arange(7, dtype=np.uint8)
+    rgb = np.broadcast_to(level[:, None, None, None], (7, 32, 32, 3))
+    return Given("r2n2", cameras, cameras[:0], {Input.RGB: rgb, Input.FRAME: FRAME})
+
+
+@pytest.fixture
+def points(monkeypatch, given, settings, state):
+    """`points(likely)`: what is made of these probabilities, in the unit cube."""
+
+    def points(likely):
+        monkeypatch.setattr(predict, "likelihood", lambda *_: likely.astype(np.float32))
+        result = METHODS["r2n2"].reconstruct(given, settings, state, 0)
+        assert not result.others_mm
+        return FRAME.to_unit(result.points_mm)
+
+    return points
+
+
+def test_a_plane_is_where_the_probability_says(points):
+    # 0.4 at x = 0.1, which is between two centres; linear, so that interpolation is exact
+    likely = np.broadcast_to((0.4 + 0.5 * (0.1 - CENTRES))[:, None, None], (32, 32, 32))
+    found = points(likely)
+    assert found.shape == (500, 3)
+    # the rest of the surface is the wall of the cube, half a voxel outside of the last centres
+    on_plane = (np.abs(found[:, 1:]) < CENTRES[-1]).all(axis=1) & (found[:, 0] > -0.4)
+    assert on_plane.sum() > 50
+    # the only error is that of float32 in the marching cubes, on numbers up to 32
+    np.testing.assert_allclose(found[on_plane, 0], 0.1, atol=32 * 2**-23)
+
+
+def test_a_full_cube_is_the_whole_cube(points):
+    found = points(np.ones((32, 32, 32)))
+    # 1 inside, as far below the level outside: the surface is half a voxel from the last centre
+    np.testing.assert_allclose(np.abs(found).max(axis=1), 0.5, atol=0.5 / 32)
+    np.testing.assert_allclose(np.ptp(found, axis=0), 1.0, atol=0.02)  # 80 points a wall
+
+
+def test_points_are_uniform_by_area(points):
+    r = np.linalg.norm(np.stack(np.meshgrid(CENTRES, CENTRES, CENTRES)), axis=0)
+    found = points(0.4 + (0.3 - r))
+    # A sphere of 0.3 on a lattice of h = 1/32: linear interpolation of the radius between centres
+    # is off by h^2 / 8 r, and faces with edges of up to sqrt(3) h sag by 3 h^2 / 8 r.
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 0.3, atol=4 / 32**2 / 8 / 0.3)
+    # Each coordinate of a uniform sphere is uniform: variance r^2 / 3, to 4 / sqrt(500) of it
+    np.testing.assert_allclose(found.var(axis=0), 0.03, rtol=0.18)
+
+
+def test_a_net_that_sees_nothing_fails_with_a_reason(points):
+    with pytest.raises(ReconstructionFailed, match="sees matter nowhere"):
+        points(np.full((32, 32, 32), 0.39))
+
+
+@pytest.mark.parametrize(("views", "chosen"), [(3, [0, 2, 4]), (7, range(7)), (9, range(7))])
+def test_evenly_chosen_views_are_seen_in_one_pass(given, settings, views, chosen):
+    net, seen = new_net(settings.image_px, settings.divisor, 0), []
+
+    def listen(pictures):
+        seen.append((255 * pictures).mean(dim=(2, 3, 4)))
+        return torch.zeros(1, 2, 32, 32, 32)
+
+    net.forward = listen
+    likely = predict.likelihood(given, replace(settings, views=views), net)
+    assert (likely == 0.5).all()
+    assert len(seen) == 1
+    np.testing.assert_allclose(seen[0][0].numpy(), [10 * i for i in chosen], atol=1e-3)
