@@ -1,6 +1,7 @@
 """The loop that every net is trained with: Adam, validation, early stopping, checkpoint, resume."""
 
 import hashlib
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -13,12 +14,13 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
+from industnerf.errors import ReconstructionFailed
 from industnerf.schema import TrainingSettings
 
 # Loss of a batch: parts by index, maybe more than once; what else is drawn comes from the rng.
 Loss = Callable[[Int[np.ndarray, "batch"], np.random.Generator], Float[Tensor, ""]]
 CHECKPOINT_S = 20.0
-LAST, LITTLE = 0.2, 0.02  # settled: in the last fifth of the steps less than 2 % were gained
+LAST, LITTLE = 0.2, 0.02  # settled: in the last fifth of the steps at most 2 % were gained
 
 
 @dataclass
@@ -75,6 +77,8 @@ def train(
 
     Parameters that need no gradient stay as they are.  It goes on from `checkpoint` where that
     exists, to the same bytes on a CPU.
+
+    Raises ReconstructionFailed if a loss is not finite.
     """
     loop = _Loop(net, loss, parts, settings, seed)
     loop.resume(checkpoint)
@@ -124,7 +128,7 @@ class _Loop:
         loss.backward()
         self.adam.step()
         self.now.step += 1
-        self.now.losses.append(loss.item())
+        self.now.losses.append(self._finite("training", loss.item()))
         if self.now.step % self.settings.validate_every == 0 or self.finished:
             self._validate()
 
@@ -136,9 +140,17 @@ class _Loop:
         which = np.resize(self.asked, max(batch, -(-4 * len(self.asked) // batch) * batch))
         losses = [self.loss(some, rng).item() for some in which.reshape(-1, batch)]
         self.now.validated.append(self.now.step)
-        self.now.validation.append(float(np.mean(losses)))
+        self.now.validation.append(self._finite("validation", float(np.mean(losses))))
         if self.now.stale == 0:
             self.now.best = {k: v.clone() for k, v in self.net.state_dict().items()}
+
+    def _finite(self, kind: str, loss: float) -> float:
+        if not math.isfinite(loss):
+            raise ReconstructionFailed(
+                f"the {kind} loss is {loss} at step {self.now.step} of {self.settings.steps}: the "
+                "training diverged; lower training.rate"
+            )
+        return loss
 
     def save(self, path: Path) -> None:
         """Write all that the rest of the training depends on."""
@@ -157,7 +169,7 @@ class _Loop:
         """Go on from what `save` wrote, if it is there."""
         if not path.exists():
             return
-        state: dict[str, Any] = torch.load(path, weights_only=True)
+        state: dict[str, Any] = torch.load(path, map_location="cpu", weights_only=True)
         self.now = Progress(**state["now"])
         self.net.load_state_dict(state["net"])
         self.adam.load_state_dict(state["adam"])
@@ -175,8 +187,8 @@ class _Loop:
 
 
 def settled(steps: Sequence[int], losses: Sequence[float]) -> bool:
-    """Whether the best loss fell by less than 2 % in the last fifth of the steps."""
+    """Whether the best loss fell by at most 2 % in the last fifth of the steps."""
     before = [
         loss for step, loss in zip(steps, losses, strict=True) if step <= (1 - LAST) * steps[-1]
     ]
-    return bool(before) and min(losses) > (1 - LITTLE) * min(before)
+    return bool(before) and min(losses) >= (1 - LITTLE) * min(before)
