@@ -71,7 +71,12 @@ def test_it_stops_when_no_validation_was_better_for_so_long(tmp_path):
     number, how = trained([3.0, 2.0, 2.5, 2.0, 9.0, 0.0], tmp_path, patience=3)
     assert how.steps == 5  # the second is the best of five: to equal it is not to be better
     assert number == pytest.approx(2 * 0.25)
-    assert how.settled
+
+
+def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
+    down = np.arange(10.0)[::-1].tolist()
+    assert trained([*down[:6], 9.0], tmp_path / "early", patience=1)[1].settled
+    assert not trained(down, tmp_path / "late", patience=1)[1].settled
 
 
 def test_the_rate_falls_to_a_tenth_after_each_share_of_the_steps(tmp_path):
