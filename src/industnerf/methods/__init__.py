@@ -8,10 +8,10 @@ from industnerf.methods.base import Method
 MODULES = {
     "industnerf": "industnerf.methods.industnerf",
     "industnerf_plus": "industnerf.methods.industnerf",
-    "r2n2": "industnerf.methods.r2n2",
-    "occupancy": "industnerf.methods.occupancy",
-    "atlasnet": "industnerf.methods.atlasnet",
     "nerf": "industnerf.methods.industnerf",
+    "r2n2": "industnerf.methods.r2n2",
+    "atlasnet": "industnerf.methods.atlasnet",
+    "occupancy": "industnerf.methods.occupancy",
     "hull": "industnerf.methods.hull",
     "hull_rgb": "industnerf.methods.hull",
     "carve": "industnerf.methods.carve",

@@ -17,8 +17,49 @@ class R2n2Settings:
     views: int
     threshold: float
     points: int
+    training: TrainingSettings
+    augment: AugmentSettings
+
+    def __post_init__(self) -> None:
+        at = "method.r2n2"
+        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
+        require(32 % self.divisor == 0, f"{at}.divisor", self.divisor, "1, 2, 4, 8, 16 or 32")
+        require(self.pictures >= 1, f"{at}.pictures", self.pictures, "at least 1")
+        require(self.views >= 1, f"{at}.views", self.views, "at least 1")
+        require(0 < self.threshold < 1, f"{at}.threshold", self.threshold, "in (0, 1)")
+        require(self.points >= 1, f"{at}.points", self.points, "at least 1")
 
 
+@dataclass(frozen=True)
+class AtlasNetSettings:
+    size: Literal["full", "cpu", "tiny"]
+    image_px: int
+    views: int
+    width: int
+    latent: int
+    hidden: int
+    patches: int
+    patch_points: int
+    grid: int
+    answers: int
+    points: int
+    phases: list[float]
+    training: TrainingSettings
+    augment: AugmentSettings
+
+    def __post_init__(self) -> None:
+        at = "method.atlasnet"
+        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
+        for key in ("views", "width", "latent", "hidden", "patches", "patch_points"):
+            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
+        require(self.grid >= 2, f"{at}.grid", self.grid, "at least 2")
+        for key in ("answers", "points"):
+            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
+        good = len(self.phases) == 3 and min(self.phases) > 0
+        require(good, f"{at}.phases", self.phases, "three positive numbers")
+
+
+@dataclass(frozen=True)
 class OccupancySettings:
     size: Literal["full", "cpu", "tiny"]
     image_px: int
@@ -47,41 +88,6 @@ class OccupancySettings:
         require(self.padding >= 0, f"{at}.padding", self.padding, "at least 0")
         require(0 < self.threshold < 1, f"{at}.threshold", self.threshold, "in (0, 1)")
         require(0 <= self.subdivisions <= 4, f"{at}.subdivisions", self.subdivisions, "in [0, 4]")
-
-
-class AtlasNetSettings:
-    size: Literal["full", "cpu", "tiny"]
-    image_px: int
-    views: int
-    width: int
-    latent: int
-    hidden: int
-    patches: int
-    patch_points: int
-    grid: int
-    answers: int
-    points: int
-    phases: list[float]
-    training: TrainingSettings
-    augment: AugmentSettings
-
-    def __post_init__(self) -> None:
-        at = "method.r2n2"
-        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
-        require(32 % self.divisor == 0, f"{at}.divisor", self.divisor, "1, 2, 4, 8, 16 or 32")
-        require(self.pictures >= 1, f"{at}.pictures", self.pictures, "at least 1")
-        require(self.views >= 1, f"{at}.views", self.views, "at least 1")
-        require(0 < self.threshold < 1, f"{at}.threshold", self.threshold, "in (0, 1)")
-        require(self.points >= 1, f"{at}.points", self.points, "at least 1")
-        at = "method.atlasnet"
-        require(self.image_px >= 16, f"{at}.image_px", self.image_px, "at least 16")
-        for key in ("views", "width", "latent", "hidden", "patches", "patch_points"):
-            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
-        require(self.grid >= 2, f"{at}.grid", self.grid, "at least 2")
-        for key in ("answers", "points"):
-            require(getattr(self, key) >= 1, f"{at}.{key}", getattr(self, key), "at least 1")
-        good = len(self.phases) == 3 and min(self.phases) > 0
-        require(good, f"{at}.phases", self.phases, "three positive numbers")
 
 
 @dataclass(frozen=True)
@@ -176,10 +182,10 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
-    r2n2: R2n2Settings
-    occupancy: OccupancySettings
-    atlasnet: AtlasNetSettings
     nerf: IndustnerfSettings
+    r2n2: R2n2Settings
+    atlasnet: AtlasNetSettings
+    occupancy: OccupancySettings
     hull: HullSettings
     hull_rgb: HullRgbSettings
     carve: CarveSettings
