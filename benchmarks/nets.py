@@ -1,12 +1,13 @@
 """What does more training buy the nets?
 
-OMP_NUM_THREADS=1 python benchmarks/nets.py DATA [--methods ...] [--minutes ...] [--fold 0]
+OMP_NUM_THREADS=1 python benchmarks/nets.py DATA [--methods ...] [--times 1 4 15] [--fold 0]
 
 DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` and `split.json`
-are read.  Each net learns from the parts of the other folds with as many steps as take about so
-many minutes of one processor, and is then asked about the parts of the fold.  EMD is P1-even, the
-mean over the fold's reported parts and over its dev parts; retrieval and the mean shape stand
-beside it.  Rows run one after the other, each in a process of its own.
+are read.  Each net learns from the parts of the other folds, with so many times the steps of
+params.yaml, and is then asked about the parts of the fold.  More than 1 time it does not end early.
+`minutes` are those of one processor, reading and targets included.  EMD is P1-even, the mean over
+the fold's reported parts and over its dev parts; retrieval and the mean shape stand beside it.  Rows
+run one after the other, each in a process of its own.
 """
 
 import argparse
@@ -30,7 +31,6 @@ from industnerf.metrics.protocol import Judge
 
 NETS = ["r2n2", "atlasnet", "occupancy"]
 SIMPLE = ["retrieval", "mean_shape"]
-PROBE = 20  # steps that tell how long one takes
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Job:
     data: Path
     method: str
     fold: int
-    minutes: float | None  # None: as params.yaml has it
+    times: float
 
 
 @dataclass(frozen=True)
@@ -50,40 +50,30 @@ class Done:
     dev: float
 
 
-def learn(job: Job, settings: Any) -> tuple[State, float]:
-    """What the method learns, and the processor seconds that it took."""
-    method, net = load_method(job.method), f"fold-{job.fold}"
+def run(job: Job) -> Done:
+    settings, method = settings_of(job), load_method(job.method)
+    places, net = load_split(job.data / "split.json"), f"fold-{job.fold}"
     examples = [
         Example(part, job.data / "parts" / part, job.data / "views" / part, method.inputs)
-        for part in taught(load_split(job.data / "split.json"), net)
+        for part in taught(places, net)
     ]
     start = process_time()
     with TemporaryDirectory() as scratch:
-        return method.fit(examples, settings, 0, Path(scratch)), process_time() - start
-
-
-def scaled_to(job: Job, settings: Any) -> Any:
-    """`settings` with as many steps as take `job.minutes`, and no early end."""
-
-    def with_steps(steps: int) -> Any:
-        return replace(settings, training=replace(settings.training, steps=steps, patience=steps))
-
-    few, short = learn(job, with_steps(PROBE))
-    more, longer = learn(job, with_steps(3 * PROBE))
-    a_step = (longer - short) / (more.steps - few.steps)
-    return with_steps(max(PROBE, round((60 * job.minutes - short) / a_step)))
-
-
-def run(job: Job) -> Done:
-    settings = getattr(load_params().method, job.method)
-    if job.minutes is not None:
-        settings = scaled_to(job, settings)
-    state, seconds = learn(job, settings)
-    places = load_split(job.data / "split.json")
-    asked = {part: place for part, place in places.items() if place.fold == job.fold}
+        state = method.fit(examples, settings, 0, Path(scratch))
+    seconds = process_time() - start
+    asked = {part: place for part, place in places.items() if place.net == net}
     emds = {part: emd(job, settings, state, part) for part in asked}
     test, dev = ([emds[p] for p in asked if asked[p].split == split] for split in ("test", "dev"))
     return Done(job, seconds, state, fmean(test), fmean(dev))
+
+
+def settings_of(job: Job) -> Any:
+    """Those of params.yaml, with so many times the steps."""
+    settings = getattr(load_params().method, job.method)
+    if job.times == 1:
+        return settings
+    steps = round(job.times * settings.training.steps)
+    return replace(settings, training=replace(settings.training, steps=steps, patience=steps))
 
 
 def emd(job: Job, settings: Any, state: State, part: str) -> float:
@@ -104,11 +94,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
     parser.add_argument("--methods", nargs="+", default=NETS)
-    parser.add_argument("--minutes", nargs="+", type=float, default=[4, 15, 60])
+    parser.add_argument("--times", nargs="+", type=float, default=[1, 4, 15])
     parser.add_argument("--fold", type=int, default=0)
     asked = parser.parse_args()
-    jobs = [Job(asked.data, name, asked.fold, None) for name in SIMPLE]
-    jobs += [Job(asked.data, n, asked.fold, m) for n in asked.methods for m in asked.minutes]
+    jobs = [Job(asked.data, name, asked.fold, 1) for name in SIMPLE]
+    jobs += [Job(asked.data, n, asked.fold, m) for n in asked.methods for m in asked.times]
     print(
         "| method | minutes | steps | settled | EMD (test) | EMD (dev) |\n|---|---|---|---|---|---|"
     )

@@ -26,10 +26,8 @@ def main(cfg: Masked, name: str, parts: str, views: str, split: str, states: str
         make = partial(reconstruct_part, method, part, taken, state, **how)
         inputs = (*files_of(method, part, taken), *([state / "state.npz"] if state else []))
         tasks.append(Task(part_id, make, [name, settings, cfg.seed], inputs, (method.module,)))
-    limit_s = cfg.reconstruct.time_limit_s
-    run_stage(
-        "reconstruct", tasks, Path(out), cfg.on_failure, failed_before=failed, limit_s=limit_s
-    )
+    limits = {"limit_s": cfg.reconstruct.time_limit_s, "needs_one": False}
+    run_stage("reconstruct", tasks, Path(out), cfg.on_failure, failed_before=failed, **limits)
 
 
 if __name__ == "__main__":

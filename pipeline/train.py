@@ -27,7 +27,8 @@ def main(cfg: Masked, name: str, parts: str, views: str, split: str, out: str) -
         inputs = tuple(path for example in examples for path in files_to_learn_from(example))
         key = [name, settings, cfg.seed]
         tasks.append(Task(net, make, key, inputs, (method.module,), resumable=True))
-    run_stage("train", tasks, Path(out), cfg.on_failure, limit_s=cfg.train.time_limit_s)
+    limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
+    run_stage("train", tasks, Path(out), cfg.on_failure, **limits)
 
 
 if __name__ == "__main__":

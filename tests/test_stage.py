@@ -114,3 +114,12 @@ def test_what_is_resumable_goes_on_from_its_notes_and_leaves_none(place):
     run_stage("s", [task], place / "out", "strict")
     assert (place / "out" / "p" / "resumed").read_text() == "True"
     assert not list((place / "store").glob("s/.resume-*"))
+
+
+def test_where_none_is_needed_all_may_fail(place):
+    run_stage("s", tasks(place, [13]), place / "out", "report", needs_one=False)
+    assert read_failures(place / "out") == {"p13": "thirteen"}
+    with pytest.raises(PartsFailed):
+        run_stage("s", tasks(place, [13]), place / "out", "report")
+    with pytest.raises(PartsFailed):
+        run_stage("s", tasks(place, [13]), place / "out", "strict", needs_one=False)

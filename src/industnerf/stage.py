@@ -51,13 +51,15 @@ def run_stage(
     failed_before: dict[str, str] | None = None,
     limit_s: float = math.inf,
     memory_mb: int | None = None,
+    needs_one: bool = True,
 ) -> None:
     """Bring every task's result to `out`, finished ones from the store.
 
     A part that takes more than `limit_s` seconds or `memory_mb` of memory fails.
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
-    `on_failure` is `strict`, or if not one part succeeded.
+    `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
+    nothing then.
     """
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
@@ -76,7 +78,8 @@ def run_stage(
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
     write_json(out / "failures.json", {"schema": SCHEMA, "failures": failures})
-    _refuse(step, failures, len(index), on_failure)
+    if failures and (on_failure == "strict" or (needs_one and not index)):
+        raise _refusal(step, failures, len(index))
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -122,11 +125,10 @@ def _peak_mb() -> float:
     return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
 
 
-def _refuse(step: str, failures: dict[str, str], succeeded: int, on_failure: str) -> None:
-    if failures and (on_failure == "strict" or not succeeded):
-        shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
-        raise PartsFailed(
-            f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
-            f"the others are stored:\n{shown}\n"
-            "Mend or deselect them (parts.select), or set on_failure: report."
-        )
+def _refusal(step: str, failures: dict[str, str], succeeded: int) -> PartsFailed:
+    shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
+    return PartsFailed(
+        f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
+        f"the others are stored:\n{shown}\n"
+        "Mend or deselect them (parts.select), or set on_failure: report."
+    )

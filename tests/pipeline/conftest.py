@@ -13,11 +13,12 @@ from pipeline.preset import lay_out
 
 SMALL = (
     "experiment=smoke",
-    "methods=[hull,oracle]",
+    "methods=[hull,mean_shape,oracle]",
     "views.resolution=32",
     "views.count=6",
     "views.held_out=1",
     "method.hull.points=2048",
+    "method.mean_shape={grid_res: 8, points: 2048}",
     "method.oracle.points=2048",
     "evaluate.points=128",
     "evaluate.dense=2048",

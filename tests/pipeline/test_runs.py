@@ -22,7 +22,8 @@ REPORT = {
 }
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
-    "emd_full,parts,failures,parameters,steps,paper_emd"
+    "emd_full,parts,failures,parameters,steps,paper_emd,"
+    "size,learned_from,hold_out,undertrained"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
 COST = "stage,method,part_id,seconds,peak_mb,device"
@@ -51,10 +52,11 @@ def test_every_part_metric_and_protocol_has_a_score_and_a_cost(finished_run):
     scores = rows(finished_run.folder / "reports" / "scores.csv")
     kinds = {(row["metric"], row["protocol"]) for row in scores}
     assert len(kinds) == 5
-    assert len(scores) == 2 * 2 * len(kinds)  # parts x methods x kinds
+    assert len(scores) == 2 * 3 * len(kinds)  # parts x methods x kinds
     assert {row["status"] for row in scores} == {"ok"}
     costs = rows(finished_run.folder / "reports" / "cost.csv")
-    assert len(costs) == 2 * 3 + 2 * 2 * 2  # parts, views, truth; reconstruct, evaluate per method
+    # parts, views, truth; reconstruct, evaluate per method; two folds of the one that learns
+    assert len(costs) == 2 * 3 + 2 * 3 * 2 + 2
     assert all(float(row["seconds"]) > 0 and float(row["peak_mb"]) > 0 for row in costs)
 
 
@@ -74,7 +76,7 @@ def test_nothing_to_do_reruns_nothing(finished_run):
 
 def test_a_run_killed_in_every_stage_ends_with_equal_bytes(finished_run, root, tmp_path):
     project, before = Project(root, tmp_path / "project"), {}
-    for step in ("parts", "views", "truth", "reconstruct", "evaluate"):
+    for step in ("parts", "views", "truth", "train", "reconstruct", "evaluate"):
         code, _ = project.stop_at(step, signal.SIGKILL)
         assert code == -signal.SIGKILL
         assert before.items() <= project.finished().items()  # finished parts are not redone
@@ -155,3 +157,24 @@ def test_bad_parameters_end_with_one_message(spare, changes, said):
     assert code != 0
     assert said in output
     assert "Traceback" not in output
+
+
+def test_with_nothing_left_to_learn_from_a_method_fails_and_the_others_stand(root, tmp_path):
+    """One part, and its own family is held out: there is no other."""
+    overrides = ["parts.select=[clevis-din71752-g12x24]", "methods=[hull,mean_shape]"]
+    project = Project(root, tmp_path / "project", *overrides)
+    code, output = project.run()
+    assert code == 0, output
+    assert "no part is left to learn from" in output
+    assert "split.hold_out" in output
+    table = {r["method"]: r["failures"] for r in rows(project.folder / "reports" / "table1.csv")}
+    assert table == {"hull": "0", "mean_shape": "1"}
+
+
+def test_with_nothing_held_out_one_part_learns_from_itself(root, tmp_path):
+    overrides = ["parts.select=[clevis-din71752-g12x24]", "methods=[mean_shape]"]
+    project = Project(root, tmp_path / "project", *overrides, "split.hold_out=none")
+    code, output = project.run()
+    assert code == 0, output
+    (row,) = rows(project.folder / "reports" / "table1.csv")
+    assert (row["learned_from"], row["hold_out"]) == ("1", "none")
