@@ -6,8 +6,8 @@ DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` 
 are read.  Each net learns from the parts of the other folds, with so many times the steps of
 params.yaml, and is then asked about the parts of the fold.  More than 1 time it does not end early.
 `minutes` are those of one processor, reading and targets included.  EMD is P1-even, the mean over
-the reported parts of the fold and over its dev parts; retrieval and mean shape stand beside it.  Rows
-run one after the other, each in a process of its own.
+reported parts and over dev parts; retrieval and the mean shape stand beside it.  Rows run one after
+the other, each in a process of its own.
 """
 
 import argparse
