@@ -1,6 +1,7 @@
 """What every method must do, whatever it does: the suite that a new method has to pass."""
 
 import json
+import pickle
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.state import State
+from industnerf.code import closure
 from industnerf.config import build
 from industnerf.errors import BadParams, ReconstructionFailed, UndeclaredInput
 from industnerf.methods import MODULES, load_method
@@ -226,3 +228,11 @@ def test_its_name_is_its_own_and_its_settings_have_a_place(name, params):
 def test_an_unknown_method_is_refused_with_the_known_ones():
     with pytest.raises(BadParams, match=r"'hul' is unknown, known are industnerf, .*, hull"):
         load_method("hul")
+
+
+@every_method
+def test_its_functions_can_be_sent_to_another_process(name):
+    """Whatever was imported before: a submodule of the same name would hide a function."""
+    method = load_method(name)
+    closure(method.module)  # looks for all of its modules, as the store does
+    assert pickle.loads(pickle.dumps(method)) == method

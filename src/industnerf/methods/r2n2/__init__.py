@@ -15,7 +15,7 @@ from industnerf.schema import R2n2Settings
 
 def fit(examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path) -> State:
     """The weights of a net that was trained on `examples`."""
-    from industnerf.methods.r2n2.fit import trained
+    from industnerf.methods.r2n2.teach import trained
 
     return trained(examples, settings, seed, scratch)
 

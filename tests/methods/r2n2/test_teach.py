@@ -10,9 +10,9 @@ import torch
 
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, hand_over
-from industnerf.methods.r2n2.fit import Lessons, trained
 from industnerf.methods.r2n2.net import new_net
 from industnerf.methods.r2n2.predict import likelihood, rebuilt
+from industnerf.methods.r2n2.teach import Lessons, trained
 from tests.methods.r2n2.conftest import STILL
 
 
