@@ -1,12 +1,14 @@
 """Bring the demo's table and picture, as they are now, into the README: `make readme`."""
 
 import re
-import shutil
 from pathlib import Path
+
+from PIL import Image
 
 from industnerf.cli import exit_with_message
 from industnerf.errors import BadArtifact
 
+WIDTH = 2200  # px of the picture
 README, DEMO = Path("README.md"), Path("runs/demo/reports")
 
 
@@ -18,7 +20,9 @@ def main() -> None:
     README.write_text(
         re.sub(r"<!-- demo -->.*<!-- end demo -->", block, README.read_text(), flags=re.S)
     )
-    shutil.copyfile(DEMO / "contact_sheet.png", "docs/demo.png")
+    with Image.open(DEMO / "contact_sheet.png") as sheet:
+        sheet.thumbnail((WIDTH, WIDTH))
+        sheet.save("docs/demo.png", optimize=True)
 
 
 if __name__ == "__main__":
