@@ -130,7 +130,7 @@ def test_none_of_them_is_ever_dev(tmp_path):
     part = load_part(tmp_path)
     assert part.origin == "organic"
     assert np.array_equal(load_mesh(tmp_path).faces, load(entry, FOLDER).faces)
-    settings = SplitParams(dev_share=0.999, folds=3)
+    settings = SplitParams(dev_share=0.999, folds=3, hold_out="family")
     assert assign([part], settings)[part.part_id].split == "test"
 
 

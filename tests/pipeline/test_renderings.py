@@ -38,11 +38,13 @@ def stages(finished_run, tmp_path_factory):
         patch.setenv("INDUSTNERF_STORE", str(here / "store"))
         patch.setenv("INDUSTNERF_RUNNER", "serial")
         patch.setattr(reconstruct, "load_method", lambda name: method)
-        parts, views, truth = (str(data / name) for name in ("parts", "views", "truth"))
+        names = ("parts", "views", "split.json", "truth", "states")
+        parts, views, split, truth, states = (str(data / name) for name in names)
         clouds, scores = (str(here / name / NAME) for name in ("clouds", "scores"))
-        reconstruct.main(cfg("reconstruct"), NAME, parts, views, clouds)
+        mine = (split, f"{states}/{NAME}", clouds)
+        reconstruct.main(cfg("reconstruct"), NAME, parts, views, *mine)
         evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
-        read = (parts, views, str(data / "split.json"), truth)
+        read = (parts, views, split, truth, states)
         report.main(cfg("report"), *read, *(str(here / n) for n in ("clouds", "scores", "reports")))
     return here
 
