@@ -14,6 +14,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
+from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
 from industnerf.schema import TrainingSettings
 
@@ -184,6 +185,20 @@ class _Loop:
             History(np.arange(now.step), np.array(now.losses), {}),
             History(np.array(now.validated) - 1, np.array(now.validation), {}),
         )
+
+
+def state_of(net: nn.Module, how: Trained, parts: int, size: str) -> State:
+    """What is kept of `net`, which learned from so many parts."""
+    return State(
+        {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()},
+        parts,
+        size,
+        parameters=sum(weights.numel() for weights in net.parameters()),
+        steps=how.steps,
+        settled=how.settled,
+        history=how.history,
+        validation=how.validation,
+    )
 
 
 def settled(steps: Sequence[int], losses: Sequence[float]) -> bool:

@@ -52,7 +52,7 @@ class Role(StrEnum):
     """How to read a method's row."""
 
     METHOD = "method"
-    NULL = "null"  # knows nothing but the part's size: what any method must beat
+    NULL = "null"  # is shown no picture of the part: what any method must beat
     BOUND = "bound"  # is given the answer: what no method can beat
 
 

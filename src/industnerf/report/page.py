@@ -73,8 +73,10 @@ def _notes() -> str:
         "<i>floor</i> is the same metric between two independent samples of the truth: no method "
         "can do better. <i>even</i> compares geometry alone, <i>iid</i> geometry and density. "
         "The interval is a bootstrap over families. A failed part scores the worse of its ball "
-        "and its box. A row marked null knows only the part's size, a row marked bound is given "
-        "the answer. The paper's numbers have no published protocol.</p>"
+        "and its box. A row marked null knows no picture of the part, a row marked bound is "
+        "given the answer. A net is undertrained if its validation loss was still falling, or if "
+        "retrieval or the mean shape is as good. The paper's numbers have no published "
+        "protocol.</p>"
     )
 
 

@@ -31,7 +31,7 @@ def test_it_has_as_many_numbers_as_published(full, published):
     decoder = (3 * 256 + 256) + 5 * block + norm + (256 + 1)
     assert numbers(full.decoder) == decoder == 2_106_625
     assert numbers(full.encoder) == 11_176_512 + (512 * 256 + 256) == 11_307_840
-    assert numbers(full) == 13_414_465  # what the released code prints of its image model
+    assert numbers(full) == 13_414_465
     assert published.size == "full"
 
 

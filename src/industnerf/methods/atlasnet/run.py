@@ -14,7 +14,7 @@ from industnerf.artifacts.history import History
 from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.learning.augment import as_tensor
-from industnerf.learning.training import Trained, set_apart, train
+from industnerf.learning.training import Trained, set_apart, state_of, train
 from industnerf.methods.atlasnet.lessons import Lessons
 from industnerf.methods.atlasnet.network import AtlasNet, PointNet, decoder_of, image_encoder_of
 from industnerf.methods.atlasnet.patches import grid, sampled
@@ -71,16 +71,13 @@ def planned(settings: AtlasNetSettings) -> list[TrainingSettings]:
 def kept(net: nn.Module, settings: AtlasNetSettings, parts: int, phases: list[Trained]) -> State:
     """What is kept of a net and of its trainings, one after the other."""
     starts = np.cumsum([0] + [one.steps for one in phases])
-    return State(
-        {name: value.cpu().numpy() for name, value in net.state_dict().items()},
-        parts,
-        settings.size,
-        parameters=sum(weights.numel() for weights in net.parameters()),
-        steps=int(starts[-1]),
-        settled=all(one.settled for one in phases[1:]),
-        history=_joined([one.history for one in phases], starts),
-        validation=_joined([one.validation for one in phases], starts),
+    whole = Trained(
+        int(starts[-1]),
+        all(one.settled for one in phases[1:]),
+        _joined([one.history for one in phases], starts),
+        _joined([one.validation for one in phases], starts),
     )
+    return state_of(net, whole, parts, settings.size)
 
 
 def _joined(histories: list[History], starts: np.ndarray) -> History:

@@ -14,7 +14,7 @@ from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.learning.augment import as_tensor
 from industnerf.learning.pictures import evenly, scaled
-from industnerf.learning.training import set_apart, train
+from industnerf.learning.training import set_apart, state_of, train
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Example, Given, Reconstruction
 from industnerf.methods.occupancy.lesson import Lesson
@@ -37,16 +37,7 @@ def fit(
     parts = set_apart([example.part_id for example in examples], settings.training.validation)
     checkpoint = scratch / "occupancy.pt"
     done = train(net, partial(lesson.loss, net), parts, settings.training, seed, checkpoint)
-    return State(
-        {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()},
-        parts=len(examples),
-        size=settings.size,
-        parameters=sum(p.numel() for p in net.parameters()),
-        steps=done.steps,
-        settled=done.settled,
-        history=done.history,
-        validation=done.validation,
-    )
+    return state_of(net, done, len(examples), settings.size)
 
 
 @torch.inference_mode()

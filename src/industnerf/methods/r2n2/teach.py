@@ -14,7 +14,7 @@ from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.learning.augment import as_tensor, augmented
 from industnerf.learning.targets import voxels
-from industnerf.learning.training import set_apart, train
+from industnerf.learning.training import set_apart, state_of, train
 from industnerf.methods.base import Example
 from industnerf.methods.r2n2.decoder import VOXELS
 from industnerf.methods.r2n2.net import R2N2, new_net
@@ -29,16 +29,7 @@ def trained(examples: Sequence[Example], settings: R2n2Settings, seed: int, scra
     names = [example.part_id for example in examples]
     parts = set_apart(names, settings.training.validation)
     how = train(net, lessons.loss, parts, settings.training, seed, scratch / "checkpoint.pt")
-    return State(
-        {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()},
-        parts=len(examples),
-        size=settings.size,
-        parameters=sum(p.numel() for p in net.parameters()),
-        steps=how.steps,
-        settled=how.settled,
-        history=how.history,
-        validation=how.validation,
-    )
+    return state_of(net, how, len(examples), settings.size)
 
 
 @dataclass(frozen=True)
