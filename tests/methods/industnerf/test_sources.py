@@ -56,6 +56,31 @@ def pooled(sources: Sources) -> torch.Tensor:
     return sources()[:, 24:]
 
 
+def test_images_are_as_coarse_as_the_points_that_are_told_of():
+    # spacing 2/3: 3 points across the frame, so 3 texels, so 12 px of the 24
+    full, seen = sources_of(), a_scene()
+    full.place(some_points(), 2 / 3)
+    quarters = seen.images.float().reshape(VIEWS, 12, 2, 12, 2, 3).mean(dim=(2, 4)) / 255
+    seen_by = torch.ones(VIEWS, 40, dtype=torch.bool)
+    features = []
+    for view, (small, behind) in enumerate(zip(quarters, seen.background, strict=True)):
+        uv, depth = project(some_points(), seen.eyes.K[view], seen.eyes.c2w[view])
+        seen_by[view] = in_view(uv, depth, 24, 24)
+        texels = full.encoder(small.permute(2, 0, 1)[None], behind[:, None, None])[0]
+        assert texels.shape[1:] == (3, 3)
+        uv = uv.where(seen_by[view][:, None], 0.0)
+        features.append(sample_features(texels, uv, 24, 24))
+    weights = weights_of(seen_by, None, "confident")
+    expected = pool(torch.stack(features), seen_by, weights, "confident")
+    torch.testing.assert_close(pooled(full), expected, **CLOSE)
+
+
+def test_images_are_never_enlarged():
+    coarse, fine = sources_of(), sources_of()
+    coarse.place(some_points(), 1e-3)
+    torch.testing.assert_close(pooled(coarse), pooled(fine), rtol=0, atol=0)
+
+
 def change_encoder(sources: Sources, seed: int = 1) -> None:
     generator = torch.Generator().manual_seed(seed)
     with torch.no_grad():

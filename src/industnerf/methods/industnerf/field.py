@@ -57,15 +57,17 @@ class Field(nn.Module):
         raw: Float32[Tensor, "m"] | None = None,
         rgb: Float32[Tensor, "m 3"] | None = None,
         trust: Float32[Tensor, "v m"] | None = None,
+        spacing: float = 0.0,
     ) -> None:
         """From now on be the field at these points; `raw` and `rgb` are residuals to start from.
 
         Raw density and colour are wholly residual where there is no network.  `trust` is how
-        sure each source view was of the points, or None before any has been asked.
+        sure each source view was of the points, or None before any has been asked; `spacing` is
+        how far apart they are, see `Sources.place`.
         """
         m, device = len(points), points.device
         if self.sources is not None:
-            self._place_sources(points, trust)
+            self._place_sources(points, trust, spacing)
         if self._settings.residual.use:
             alone = self.network is None
             start = self._settings.initial if alone else 0.0
@@ -75,14 +77,14 @@ class Field(nn.Module):
             self.raw, self.rgb = nn.Parameter(raw.clone()), nn.Parameter(rgb.clone())
 
     def _place_sources(
-        self, points: Float32[Tensor, "m 3"], trust: Float32[Tensor, "v m"] | None
+        self, points: Float32[Tensor, "m 3"], trust: Float32[Tensor, "v m"] | None, spacing: float
     ) -> None:
         """Have N's inputs of these points, counted in deviations as the first grid has them.
 
         Views that are trusted say something else than all alike, from which N has learned.  When
         they are first heeded, their mean and deviation over the points are made what N is used to.
         """
-        self.sources.place(points)
+        self.sources.place(points, spacing)
         mean, deviation = moments(self.sources())
         if not self._mean.numel():
             self._mean, self._deviation = mean, deviation

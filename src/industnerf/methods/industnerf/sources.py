@@ -4,8 +4,9 @@ import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor, nn
 
-from industnerf.methods.industnerf.encoder import Encoder
+from industnerf.methods.industnerf.encoder import STRIDE, Encoder
 from industnerf.methods.industnerf.encoding import encode, encoded_channels, encoding_frame
+from industnerf.methods.industnerf.pixels import averaged, size_of
 from industnerf.methods.industnerf.pooling import felt, pool, pooled_channels, weights_of
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
@@ -30,7 +31,6 @@ class Sources(nn.Module):
         posed = encoded_channels(self._ways.channels, self._readings.pose)
         pooled = pooled_channels(self.encoder.channels, self._readings.views)
         self.columns = posed + (0 if self._blind else pooled)
-        self.place(torch.zeros(0, 3, device=scene.images.device))
 
     def __len__(self) -> int:
         """How many views speak."""
@@ -41,9 +41,12 @@ class Sources(nn.Module):
         """Whether E is trained at all."""
         return self._readings.encoder == "per_part"
 
-    def place(self, points: Float32[Tensor, "m 3"]) -> None:
-        """From now on speak of these points; all views count alike."""
-        self._points = points
+    def place(self, points: Float32[Tensor, "m 3"], spacing: float = 0.0) -> None:
+        """From now on speak of these points; all views count alike.
+
+        They are `spacing` apart; 0: they are to be told all that the images show.
+        """
+        self._points, self._images = points, self._scaled(spacing)
         frame = encoding_frame(points, self._scene.eyes.c2w[0], self._readings.frame)
         ways = self._ways
         self._encoding = encode(
@@ -53,6 +56,16 @@ class Sources(nn.Module):
             return
         self._features, self._valid = self._look_all()
         self._weigh(None)
+
+    def _scaled(self, spacing: float) -> Float32[Tensor, "v 3 h w"]:
+        """The images in [0, 1], so large that a texel of E stands for about `spacing`.
+
+        The unit ball is about as wide as the frame.  Between points there is nothing to be told,
+        and E would see in an image four times too large what it can not in those of later levels.
+        """
+        eyes = self._scene.eyes
+        longest = round(STRIDE * 2 / spacing) if spacing else max(eyes.width, eyes.height)
+        return averaged(self._scene, *size_of(eyes, longest)).permute(0, 3, 1, 2)
 
     def encode_anew(self) -> None:
         """Have every view told by E as it is now."""
@@ -119,7 +132,7 @@ class Sources(nn.Module):
         """pi(F, P, X) of these views, and whether a point is in the view at all."""
         eyes, rows, valid = self._scene.eyes, [], []
         for view in views.tolist():
-            image = self._scene.images[view].permute(2, 0, 1)[None].float() / 255
+            image = self._images[view][None]
             behind = self._scene.background[view][:, None, None]
             uv, depth = project(self._points, eyes.K[view], eyes.c2w[view])
             seen = in_view(uv, depth, eyes.width, eyes.height)

@@ -48,7 +48,7 @@ class Training:
         self._trust = layer.trust
         self.relief = None if hull is None else self._relief(hull[self.points.order])
         start = layer.residuals or (self.relief.hull if self.relief else None, None)
-        self.field.place(layer.points, *start, layer.trust)
+        self.field.place(layer.points, *start, layer.trust, spacing=layer.spacing)
         self._harden()
         self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
         self._rates = [group["lr"] for group in self._adam.param_groups]
