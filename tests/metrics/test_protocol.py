@@ -20,7 +20,14 @@ from industnerf.metrics.visible import Frame, Rig, scored
 from industnerf.schema import EvaluateParams
 
 SETTINGS = EvaluateParams(
-    points=256, dense=4096, cap=4096, rig=40, rig_radius=4.1, hidden=0.01, fscore=0.02
+    points=256,
+    dense=4096,
+    cap=4096,
+    rig=40,
+    rig_radius=4.1,
+    hidden=0.01,
+    fscore=0.02,
+    tolerances_mm=[0.5, 1.0],
 )
 SIDE, CAVITY = 20.0, 10.0  # mm
 
@@ -117,8 +124,12 @@ def test_scores_do_not_depend_on_where_the_part_is_or_how_large(part, tmp_path):
     points = samples(part.mesh, 3000, seed=3) * 1.05
     here, there = part.scores(points), Case(tmp_path / "b", moved).scores(points * scale + shift)
     # clouds are kept in float32: 5e4 mm is rounded by 0.004 mm, 1e-7 diagonals of 3.5e4 mm
+    in_mm = {"hausdorff95", "within_0.5mm", "within_1mm"}
     for kind, value in here.items():
-        assert there[kind] == pytest.approx(value, rel=1e-4), kind
+        if kind[0] not in in_mm:
+            assert there[kind] == pytest.approx(value, rel=1e-4), kind
+    worst = ("hausdorff95", "P1-dense")
+    assert there[worst] == pytest.approx(scale * here[worst], rel=1e-4)
 
 
 def test_a_failure_scores_the_worse_of_ball_and_box(part):
@@ -153,8 +164,8 @@ def test_of_several_answers_the_mean_counts(part):
     alone = [part.scores(points) for points in (good, poor)]
     save_others(part.folder / "cloud", [poor.astype(np.float32), good.astype(np.float32)])
     both = part.scores(good)
-    visible = [("emd", "P1-even"), ("chamfer", "P1-dense"), ("fscore", "P1-dense")]
-    for kind in visible:
+    dense = ("chamfer", "fscore", "within_0.5mm", "within_1mm", "hausdorff95")
+    for kind in [("emd", "P1-even"), *((metric, "P1-dense") for metric in dense)]:
         expected = (2 * alone[0][kind] + alone[1][kind]) / 3
         assert both[kind] == pytest.approx(expected, rel=1e-6), kind
     assert both["emd", "P1-full"] == alone[0]["emd", "P1-full"]

@@ -14,7 +14,10 @@ from jaxtyping import Bool, Float
 from industnerf.metrics.chamfer import chamfer
 from industnerf.metrics.emd import emd
 from industnerf.metrics.fscore import fscore
+from industnerf.metrics.inspection import inspected
 from industnerf.metrics.reduce import farthest_points, random_points
+from industnerf.metrics.values import Value
+from industnerf.metrics.visible import Frame
 from industnerf.schema import EvaluateParams
 
 
@@ -26,27 +29,20 @@ class Sampled:
     kept: Bool[np.ndarray, "n"]
 
 
-@dataclass(frozen=True)
-class Value:
-    """One metric under one protocol."""
-
-    metric: str
-    protocol: str
-    value: float
-    unit: str
-    smaller_is_better: bool = True
-
-
 def compare(
-    truth: Sampled, predicted: Sampled, settings: EvaluateParams, rng: np.random.Generator
+    frame: Frame,
+    truth: Sampled,
+    predicted: Sampled,
+    settings: EvaluateParams,
+    rng: np.random.Generator,
 ) -> list[Value]:
-    """Every metric of `predicted` against `truth`.
+    """Every metric of `predicted` against `truth`, samples of the surface of `frame`.
 
     Raises MetricError if a distance cannot be computed exactly.
     """
     n = settings.points
     shown = predicted.points[predicted.kept]
-    visible = compare_visible(truth, predicted, settings)
+    visible = compare_visible(frame, truth, predicted, settings)
     even, even_truth = visible[0].value, farthest_points(truth.points[truth.kept], n)
     everything = truth.kept.all() and predicted.kept.all()
     full = (
@@ -62,7 +58,9 @@ def compare(
     ]
 
 
-def compare_visible(truth: Sampled, predicted: Sampled, settings: EvaluateParams) -> list[Value]:
+def compare_visible(
+    frame: Frame, truth: Sampled, predicted: Sampled, settings: EvaluateParams
+) -> list[Value]:
     """The metrics of the visible surface that no chance enters into: geometry alone."""
     n = settings.points
     seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
@@ -71,4 +69,5 @@ def compare_visible(truth: Sampled, predicted: Sampled, settings: EvaluateParams
         Value("emd", "P1-even", even, "diagonal"),
         Value("chamfer", "P1-dense", chamfer(seen, shown), "diagonal"),
         Value("fscore", "P1-dense", fscore(seen, shown, settings.fscore), "share", False),
+        *inspected(frame, seen, shown, settings.tolerances_mm),
     ]

@@ -13,8 +13,9 @@ from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.geometry.shapes import ball_surface, box_surface
 from industnerf.metrics.beyond import scores_beyond
-from industnerf.metrics.compare import Sampled, Value, compare, compare_visible
+from industnerf.metrics.compare import Sampled, compare, compare_visible
 from industnerf.metrics.reduce import random_points
+from industnerf.metrics.values import Value
 from industnerf.metrics.visible import Frame, Rig, scored
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
@@ -82,8 +83,8 @@ class Judge:
         truth = Sampled(frame.unit(truth_mm), visible)
         shown = Sampled(frame.unit(points_mm), kept)
         if every:
-            return compare(truth, shown, self.settings, rng)
-        return compare_visible(truth, shown, self.settings)
+            return compare(frame, truth, shown, self.settings, rng)
+        return compare_visible(frame, truth, shown, self.settings)
 
     def nothing(self, *, every: bool = True) -> list[Value]:
         """What an absent cloud scores: the worse of the ball and the box, metric by metric."""

@@ -32,6 +32,6 @@ def measure_truth(part: Path, target: Path, *, settings: EvaluateParams, seed: i
             f"the reference rig sees only {fewest} of {settings.dense} samples, fewer than "
             f"evaluate.points = {settings.points}; raise evaluate.dense"
         )
-    values = compare(truth, floor, settings, generator(seed, "floor", part.name))
+    values = compare(frame, truth, floor, settings, generator(seed, "floor", part.name))
     floors = {f"{value.metric} {value.protocol}": value.value for value in values}
     Truth(points.astype(np.float32), truth.kept, floors).save(target)

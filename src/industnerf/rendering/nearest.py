@@ -4,27 +4,11 @@ Written in the C++ that Warp compiles for CPU and CUDA alike, for it is half of 
 `neighbours.py` and `weights.py` say the same in torch.
 """
 
-import os
 from typing import no_type_check  # compiled, not called: there is nothing to check
 
 import warp as wp
 
-
-def start() -> None:
-    """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.
-
-    The complaint is printed by the library itself, past Python's stderr.
-    """
-    wp.config.log_level = wp.LOG_ERROR
-    kept = os.dup(2)
-    with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 2)
-        try:
-            wp.init()
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
-
+from industnerf.geometry.compiled import start
 
 start()
 

@@ -45,6 +45,7 @@ class EvaluateParams:
     rig_radius: float
     hidden: float
     fscore: float
+    tolerances_mm: list[float]
 
     def __post_init__(self) -> None:
         require(self.points >= 1, "evaluate.points", self.points, "at least 1")
@@ -54,6 +55,8 @@ class EvaluateParams:
         require(self.rig_radius > 1, "evaluate.rig_radius", self.rig_radius, "more than 1")
         require(0 < self.hidden < 1, "evaluate.hidden", self.hidden, "in (0, 1)")
         require(0 < self.fscore < 1, "evaluate.fscore", self.fscore, "in (0, 1)")
+        for limit in self.tolerances_mm:
+            require(limit > 0, "evaluate.tolerances_mm", limit, "above 0")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
-from industnerf.rendering.nearest import start
+from industnerf.geometry.compiled import start
 
 start()
 wp.set_module_options({"enable_backward": False})

@@ -1,0 +1,21 @@
+"""NVIDIA Warp, which compiles our inner loops for CPU and CUDA alike, started in silence."""
+
+import os
+
+import warp as wp
+
+
+def start() -> None:
+    """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.
+
+    The complaint is printed by the library itself, past Python's stderr.
+    """
+    wp.config.log_level = wp.LOG_ERROR
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+        try:
+            wp.init()
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)

@@ -1,0 +1,37 @@
+"""In millimetres, the language of inspection: how much is in tolerance, how bad the worst is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from industnerf.geometry.closest import distance_to_surface
+from industnerf.metrics.chamfer import nearest
+from industnerf.metrics.values import Value
+from industnerf.metrics.visible import Frame
+
+SHARE = 0.95  # of either side that the Hausdorff distance is taken of: the rest may be anything
+
+
+def inspected(
+    frame: Frame,
+    seen: Float[np.ndarray, "m 3"],
+    shown: Float[np.ndarray, "n 3"],
+    tolerances_mm: Sequence[float],
+) -> list[Value]:
+    """How far the points `shown` are from the true surface, and the samples `seen` of it from them.
+
+    Both in diagonals, about the frame's centre.  A point's deviation is its distance to the
+    surface itself; what is `within` a tolerance is a share of the points `shown`.  Hausdorff-95 is
+    the larger of the 95th percentiles of the deviations and of the distances of what is `seen` to
+    its nearest point.
+    """
+    mesh, to_mm = frame.mesh, frame.diagonal_mm
+    away = distance_to_surface(shown, frame.unit(mesh.vertices), mesh.faces) * to_mm
+    missed = nearest(seen, shown) * to_mm
+    worst = max(float(np.quantile(side, SHARE)) for side in (away, missed))
+    within = [
+        Value(f"within_{limit:g}mm", "P1-dense", float((away <= limit).mean()), "share", False)
+        for limit in tolerances_mm
+    ]
+    return [*within, Value("hausdorff95", "P1-dense", worst, "mm")]

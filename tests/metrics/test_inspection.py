@@ -1,0 +1,59 @@
+"""Tolerances and Hausdorff-95 of clouds whose deviations are known."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.part import Mesh
+from industnerf.metrics.inspection import inspected
+from industnerf.metrics.visible import Frame
+
+SIDE = 20.0  # mm
+
+
+def frame() -> Frame:
+    box = trimesh.creation.box([SIDE] * 3)
+    return Frame(Mesh.plain(box.vertices, box.faces.astype(np.int32)))
+
+
+def on_top(count: int, height: float) -> np.ndarray:
+    """Points `height` mm above the upper face, well away from its edges."""
+    flat = np.random.default_rng(0).uniform(-5, 5, size=(count, 2))
+    return np.column_stack([flat, np.full(count, SIDE / 2 + height)])
+
+
+def asked(shown_mm, seen_mm, tolerances=(0.1, 0.5, 1.0)):
+    of = frame()
+    values = inspected(of, of.unit(seen_mm), of.unit(shown_mm), tolerances)
+    assert {value.protocol for value in values} == {"P1-dense"}
+    return {value.metric: value for value in values}
+
+
+def test_shares_within_tolerances_are_of_the_cloud():
+    shown = np.concatenate([on_top(60, 0.05), on_top(30, 0.3), on_top(10, 2.0)])
+    found = asked(shown, on_top(10, 0.0))
+    shares = [found[f"within_{limit}mm"].value for limit in ("0.1", "0.5", "1")]
+    assert shares == [0.6, 0.9, 0.9]
+    assert not found["within_0.1mm"].smaller_is_better
+
+
+def test_deviations_are_from_the_surface_not_from_its_samples():
+    # the only sample is mm away; the surface is not
+    found = asked(on_top(10, 0.05), np.array([[9.0, 9.0, SIDE / 2]]))
+    assert found["within_0.1mm"].value == 1.0
+
+
+def test_hausdorff_95_leaves_out_a_twentieth_and_no_more():
+    seen, up = on_top(100, 0.0), np.array([0.0, 0.0, 7.0])
+    few = np.concatenate([seen[:96], seen[96:] + up])
+    many = np.concatenate([seen[:90], seen[90:] + up])
+    # every sample still has its nearest point within the spacing of the 90
+    assert asked(few, seen)["hausdorff95"].value < 1.5
+    assert asked(many, seen)["hausdorff95"].value == pytest.approx(7.0, abs=1e-4)
+
+
+def test_hausdorff_95_misses_what_the_cloud_left_out():
+    seen = np.concatenate([on_top(50, 0.0), on_top(50, -SIDE)])  # above and below
+    missed = asked(on_top(50, 0.0), seen)["hausdorff95"]
+    assert missed.value == pytest.approx(SIDE, rel=1e-6)  # straight through
+    assert missed.unit == "mm"
