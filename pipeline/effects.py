@@ -1,0 +1,36 @@
+"""Bring what a sweep says of the readings into docs/readings.md.
+
+python -m pipeline.effects runs/sweeps/<of experiment=readings>
+"""
+
+import inspect
+import re
+import sys
+from pathlib import Path
+
+from industnerf.cli import exit_with_message
+from industnerf.config import load_params
+from industnerf.errors import BadParams
+from industnerf.report.effects import filled, outcomes, table
+from industnerf.schema import readings
+
+DOCUMENT = Path("docs/readings.md")
+
+
+def main() -> None:
+    if len(sys.argv) != 2:
+        raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of experiment=readings>")
+    params = load_params()
+    default = params.method.industnerf.readings
+    made = table(outcomes(Path(sys.argv[1])), default, numbers(), params.report)
+    DOCUMENT.write_text(filled(DOCUMENT.read_text(), made))
+
+
+def numbers() -> dict[str, str]:
+    """The number of every reading: pose -> R1."""
+    source = inspect.getsource(readings.Readings)
+    return dict(re.findall(r"^    (\w+): \w+  # (R\d+)$", source, re.MULTILINE))
+
+
+if __name__ == "__main__":
+    exit_with_message(main)

@@ -1,0 +1,117 @@
+"""What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
+
+import csv
+import re
+from dataclasses import dataclass, fields
+from pathlib import Path
+from statistics import fmean
+from typing import get_args, get_type_hints
+
+from industnerf.config import read_yaml
+from industnerf.errors import BadArtifact
+from industnerf.report.statistics import bootstrap_interval
+from industnerf.schema import ReportParams
+from industnerf.schema.readings import Readings
+from industnerf.seeds import generator
+
+METHOD = "industnerf"
+HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
+UNKNOWN = "not yet measured"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the method scored under one set of readings."""
+
+    readings: dict[str, str]
+    emd: dict[str, float]  # part id -> EMD (even)
+    families: dict[str, str]
+    failed: int
+
+
+def outcomes(sweep: Path) -> list[Outcome]:
+    """Every finished point of the folder of a sweep; raises BadArtifact if there is none."""
+    found = [_outcome(path.parent.parent) for path in sorted(sweep.glob("*/reports/scores.csv"))]
+    if not found:
+        raise BadArtifact(f"{sweep} holds no finished point; experiment=readings makes them")
+    return found
+
+
+def _outcome(point: Path) -> Outcome:
+    readings = read_yaml(point / "params.yaml")["method"][METHOD]["readings"]
+    with (point / "reports" / "scores.csv").open(newline="") as file:
+        rows = [
+            row
+            for row in csv.DictReader(file)
+            if (row["method"], row["metric"], row["protocol"]) == (METHOD, "emd", "P1-even")
+        ]
+    return Outcome(
+        readings,
+        {row["part_id"]: float(row["value"]) for row in rows},
+        {row["part_id"]: row["family"] for row in rows},
+        sum(row["status"] != "ok" for row in rows),
+    )
+
+
+def table(found: list[Outcome], default: Readings, ids: dict[str, str], ways: ReportParams) -> str:
+    """A row for every reading of every id: its mean, and the mean paired difference.
+
+    `ids` maps the name of a reading to its number.  A point in which more than one reading is
+    not the default says nothing about either, and is not used.
+    """
+    usual = vars(default)
+    alone = {_only_change(one.readings, usual): one for one in found}
+    base = alone.get(("", ""))
+    rows = [
+        _row(ids[field.name], value, value == usual[field.name], alone, base, field.name, ways)
+        for field in fields(Readings)
+        for value in _ordered(field.name, usual[field.name])
+    ]
+    return HEAD + "| --- | --- | --- | --- | --- | --- | --- |\n" + "".join(rows)
+
+
+def _ordered(name: str, default: str) -> list[str]:
+    values = get_args(get_type_hints(Readings)[name])
+    return sorted(values, key=lambda value: value != default)
+
+
+def _only_change(readings: dict[str, str], usual: dict[str, str]) -> tuple[str, str] | None:
+    """The one reading that is not as usual; two empty texts if all are, None if several are not."""
+    changed = [(name, value) for name, value in readings.items() if value != usual[name]]
+    return ("", "") if not changed else changed[0] if len(changed) == 1 else None
+
+
+def _row(
+    number: str,
+    value: str,
+    is_default: bool,
+    alone: dict[tuple[str, str] | None, Outcome],
+    base: Outcome | None,
+    name: str,
+    ways: ReportParams,
+) -> str:
+    one = base if is_default else alone.get((name, value))
+    if one is None:
+        return f"| {number} | `{value}` | {UNKNOWN} |  |  |  |  |\n"
+    cells = [number, f"`{value}`", f"{fmean(one.emd.values()):.4f}"]
+    cells += ["", ""] if is_default or base is None else _difference(one, base, ways)
+    cells += [str(len(one.emd)), str(one.failed)]
+    return f"| {' | '.join(cells)} |\n"
+
+
+def _difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
+    """The mean over parts of what `one` scored less what `base` did, and its interval."""
+    parts = sorted(one.emd.keys() & base.emd.keys())
+    if not parts:
+        return ["", ""]
+    change = [one.emd[part] - base.emd[part] for part in parts]
+    families = [base.families[part] for part in parts]
+    rng = generator(0, "bootstrap")
+    low, high = bootstrap_interval(change, families, ways.resamples, ways.interval, rng)
+    return [f"{fmean(change):+.4f}", f"{low:+.4f} to {high:+.4f}"]
+
+
+def filled(text: str, made: str) -> str:
+    """`text`, the document, with the table `made` between its marks."""
+    block = f"<!-- effects -->\n{made}<!-- end effects -->"
+    return re.sub(r"<!-- effects -->.*<!-- end effects -->", lambda _: block, text, flags=re.DOTALL)

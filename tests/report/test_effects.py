@@ -1,0 +1,71 @@
+"""What a reading costs, from points of a sweep whose scores are known."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+import yaml
+
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact
+from industnerf.report.effects import filled, outcomes, table
+from industnerf.schema import ReportParams
+
+ROOT = Path(__file__).parents[2]
+DEFAULT = load_params(ROOT / "params.yaml").method.industnerf.readings
+IDS = {name: f"R{i}" for i, name in enumerate(asdict(DEFAULT), start=1)}
+WAYS = ReportParams(resamples=200, interval=0.95, sheet_parts=1)
+
+
+def a_point(sweep: Path, emd: dict[str, float], failed: str = "", **readings: str) -> None:
+    """A finished point: two parts of two families, and rows that are not asked for."""
+    folder = sweep / str(len(list(sweep.iterdir())))
+    (folder / "reports").mkdir(parents=True)
+    ways = {"method": {"industnerf": {"readings": asdict(DEFAULT) | readings}}}
+    (folder / "params.yaml").write_text(yaml.safe_dump(ways))
+    lines = ["part_id,family,method,metric,protocol,value,status"]
+    for part, value in emd.items():
+        status = "failed" if part == failed else "ok"
+        lines.append(f"{part},of-{part},industnerf,emd,P1-even,{value},{status}")
+        lines.append(f"{part},of-{part},industnerf,emd,P1-iid,9,ok")
+        lines.append(f"{part},of-{part},hull,emd,P1-even,9,ok")
+    (folder / "reports" / "scores.csv").write_text("\n".join(lines) + "\n")
+
+
+@pytest.fixture
+def rows(tmp_path):
+    a_point(tmp_path, {"a": 0.02, "b": 0.04})
+    a_point(tmp_path, {"a": 0.03, "b": 0.07}, pose="printed")
+    a_point(tmp_path, {"a": 0.5, "b": 0.5}, pose="nerf", frame="world")  # two at once: of no use
+    a_point(tmp_path, {"a": 0.02, "b": 0.03}, failed="b", place="centre")
+    (tmp_path / "9").mkdir()  # a point that never finished
+    made = table(outcomes(tmp_path), DEFAULT, IDS, WAYS).splitlines()
+    return {tuple(cell.strip() for cell in row.split("|")[1:3]): row for row in made[2:]}
+
+
+def test_a_reading_stands_with_its_mean_and_its_paired_difference(rows):
+    assert rows["R1", "`intended`"] == "| R1 | `intended` | 0.0300 |  |  | 2 | 0 |"
+    # +0.01 and +0.03; of two families a bootstrap draws 0.01, 0.02 and 0.03, the ends often enough
+    printed = "| R1 | `printed` | 0.0500 | +0.0200 | +0.0100 to +0.0300 | 2 | 0 |"
+    assert rows["R1", "`printed`"] == printed
+
+
+def test_failures_are_counted(rows):
+    assert rows["R5", "`centre`"].endswith("| 2 | 1 |")
+    assert "-0.0050" in rows["R5", "`centre`"]
+
+
+def test_what_was_not_run_alone_is_not_yet_measured(rows):
+    assert "not yet measured" in rows["R1", "`nerf`"]
+    assert "not yet measured" in rows["R2", "`world`"]
+
+
+def test_a_sweep_without_a_finished_point_is_an_error(tmp_path):
+    with pytest.raises(BadArtifact, match="no finished point"):
+        outcomes(tmp_path)
+
+
+def test_the_table_replaces_the_old_one_and_nothing_else():
+    text = "before\n<!-- effects -->\nold | 1\n<!-- end effects -->\nafter\n"
+    expected = "before\n<!-- effects -->\nnew\n<!-- end effects -->\nafter\n"
+    assert filled(text, "new\n") == expected
