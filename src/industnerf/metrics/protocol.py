@@ -44,7 +44,7 @@ def score_part(
         score_failure(part, truth, target, settings=settings, seed=seed)
         return
     mean = _mean([some or judge.nothing(every=i == 0) for i, some in enumerate(found)])
-    more = scores_beyond(Frame(load_mesh(part)), judge.known, views, cloud)
+    more = scores_beyond(judge.frame, judge.known, views, cloud)
     save_scores(target, [*(judge.score(value, "ok") for value in mean), *more])
 
 
@@ -70,25 +70,42 @@ class Judge:
 
         If not `every` metric, those of the visible surface that no chance enters into.
         """
-        frame, cap = Frame(load_mesh(self.part)), self.settings.cap
         rng = generator(self.seed, "evaluate", self.part.name)
-        points_mm = random_points(points_mm.astype(np.float64), cap, rng)
-        truth_mm, visible = self.known.points_mm.astype(np.float64), self.known.visible
-        hidden = self.settings.hidden
-        if not len(points_mm):
+        shown = self.sampled(points_mm, rng)
+        if shown is None:
             return []
-        kept = scored(Rig(frame, self.settings), points_mm, truth_mm, visible, hidden)
-        if not kept.any():  # every point lies deep inside, nearest to hidden surface
-            return []
-        truth = Sampled(frame.unit(truth_mm), visible)
-        shown = Sampled(frame.unit(points_mm), kept)
         if every:
-            return compare(frame, truth, shown, self.settings, rng)
-        return compare_visible(frame, truth, shown, self.settings)
+            return compare(self.frame, self.truth, shown, self.settings, rng)
+        return compare_visible(self.frame, self.truth, shown, self.settings)
+
+    @property
+    def frame(self) -> Frame:
+        """Of the part's true surface."""
+        return Frame(load_mesh(self.part))
+
+    @property
+    def truth(self) -> Sampled:
+        """The samples of the true surface."""
+        points_mm = self.known.points_mm.astype(np.float64)
+        return Sampled(self.frame.unit(points_mm), self.known.visible)
+
+    def sampled(
+        self, points_mm: Float[np.ndarray, "n 3"], rng: np.random.Generator
+    ) -> Sampled | None:
+        """A cloud, and which of its points count; None if none does."""
+        points_mm = random_points(points_mm.astype(np.float64), self.settings.cap, rng)
+        if not len(points_mm):
+            return None
+        truth_mm, visible = self.known.points_mm.astype(np.float64), self.known.visible
+        rig, hidden = Rig(self.frame, self.settings), self.settings.hidden
+        kept = scored(rig, points_mm, truth_mm, visible, hidden)
+        if not kept.any():  # every point lies deep inside, nearest to hidden surface
+            return None
+        return Sampled(self.frame.unit(points_mm), kept)
 
     def nothing(self, *, every: bool = True) -> list[Value]:
         """What an absent cloud scores: the worse of the ball and the box, metric by metric."""
-        frame = Frame(load_mesh(self.part))
+        frame = self.frame
         extents = np.ptp(frame.mesh.vertices, axis=0)
         rng = generator(self.seed, "failure", self.part.name)
         ball, box = (

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.truth import Truth
@@ -20,12 +21,8 @@ def measure_truth(part: Path, target: Path, *, settings: EvaluateParams, seed: i
     The floor of a metric is its value between the two: what a perfect method would score.
     """
     frame = Frame(load_mesh(part))
-    rig = Rig(frame, settings)
-    points, again = (
-        sample_surface(frame.mesh.vertices, frame.mesh.faces, settings.dense, rng)[0]
-        for rng in (generator(seed, "truth", use, part.name) for use in ("scored", "floor"))
-    )
-    truth, floor = (Sampled(frame.unit(p), rig.sees(p)) for p in (points, again))
+    points, truth = surface_sample(part.name, frame, settings, seed, "scored")
+    _, floor = surface_sample(part.name, frame, settings, seed, "floor")
     fewest = min(truth.kept.sum(), floor.kept.sum())
     if fewest < settings.points:
         raise MetricError(
@@ -35,3 +32,15 @@ def measure_truth(part: Path, target: Path, *, settings: EvaluateParams, seed: i
     values = compare(frame, truth, floor, settings, generator(seed, "floor", part.name))
     floors = {f"{value.metric} {value.protocol}": value.value for value in values}
     Truth(points.astype(np.float32), truth.kept, floors).save(target)
+
+
+def surface_sample(
+    name: str, frame: Frame, settings: EvaluateParams, seed: int, use: str
+) -> tuple[Float[np.ndarray, "n 3"], Sampled]:
+    """Samples of the surface of the part `name`, in mm and in diagonals.
+
+    `use` is `scored`, of the truth itself, or `floor`, of what a perfect method would return.
+    """
+    rng = generator(seed, "truth", use, name)
+    points, _ = sample_surface(frame.mesh.vertices, frame.mesh.faces, settings.dense, rng)
+    return points, Sampled(frame.unit(points), Rig(frame, settings).sees(points))
