@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadParams, BadPart
-from industnerf.runner import ProcessRunner, SerialRunner, _attempt, runner_from_environment
+from industnerf.runner import ProcessRunner, SerialRunner, runner_from_environment
+from industnerf.runner.base import attempt
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
 
@@ -89,10 +90,10 @@ def test_a_piece_that_needs_too_much_memory_costs_itself_only(tmp_path):
 def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
     """The process that did `nibble` under a limit then allocates 2 GB without one."""
     before = resource.getrlimit(resource.RLIMIT_AS)
-    assert _attempt(partial(nibble, tmp_path / "a"), 100_000) is None
+    assert attempt(partial(nibble, tmp_path / "a"), 100_000) is None
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     assert (tmp_path / "a").read_text() == str(100_000 * 2**20)
-    assert _attempt(gobble, None) is None
+    assert attempt(gobble, None) is None
 
 
 def test_workers_have_one_thread_each(tmp_path):

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from industnerf import config
+from industnerf import config, environment
 from industnerf.errors import SuiteError
 from industnerf.runner import die_with_parent
 
@@ -28,6 +28,7 @@ def run_as_stage(main: Callable[..., None], name: str) -> None:
 def exit_with_message(job: Callable[[], Any]) -> None:
     """Run `job`; end with its refusal as text and exit code 1, or 130 after Ctrl-C."""
     try:
+        environment.read_local_file()
         job()
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -59,18 +59,20 @@ def run_stage(
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
-    nothing then.
+    nothing then.  It also does where the cluster lost a part: that is no result, and DVC must not
+    take it for one.
     """
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
-    failures = dict(failed_before or {})
+    failures, lost = dict(failed_before or {}), 0
     works = [partial(_make, store, step, keys[i], tasks[i]) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
         for outcome in runner_from_environment().map(works, limit_s, memory_mb):
             at = todo[outcome.index]
             if outcome.error is not None:
                 failures[tasks[at].part_id] = outcome.error
+                lost += outcome.lost
             progress.advance(tasks[at].part_id, outcome.error, store.cost(step, keys[at]))
     for task, key in zip(tasks, keys, strict=True):
         if task.part_id not in failures:
@@ -78,8 +80,8 @@ def run_stage(
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
     write_json(out / "failures.json", {"schema": SCHEMA, "failures": failures})
-    if failures and (on_failure == "strict" or (needs_one and not index)):
-        raise _refusal(step, failures, len(index))
+    if lost or (failures and (on_failure == "strict" or (needs_one and not index))):
+        raise _refusal(step, failures, len(index), lost)
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -98,6 +100,8 @@ def _key(step: str, task: Task) -> str:
 
 
 def _make(store: Store, step: str, key: str, task: Task) -> None:
+    if store.has(step, key):  # made meanwhile, or before the job that makes it was started again
+        return
     scratch = {"scratch": store.scratch(step, key)} if task.resumable else {}
     store.put(step, key, partial(measured, partial(task.make, **scratch)))
 
@@ -125,10 +129,11 @@ def _peak_mb() -> float:
     return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
 
 
-def _refusal(step: str, failures: dict[str, str], succeeded: int) -> PartsFailed:
+def _refusal(step: str, failures: dict[str, str], succeeded: int, lost: int) -> PartsFailed:
     shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
+    advice = "Mend or deselect them (parts.select), or set on_failure: report."
+    again = f"{lost} of them were lost on the way, not tried in vain: the same command goes on."
     return PartsFailed(
         f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
-        f"the others are stored:\n{shown}\n"
-        "Mend or deselect them (parts.select), or set on_failure: report."
+        f"the others are stored:\n{shown}\n{again if lost else advice}"
     )

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import shutil
+import socket
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -84,7 +85,7 @@ class Store:
         faster, its result stays and this one is dropped: they are equal.
         """
         (self.root / step).mkdir(parents=True, exist_ok=True)
-        draft = self.root / step / f".draft-{key}-{os.getpid()}"
+        draft = self.root / step / f".draft-{key}-{socket.gethostname()}-{os.getpid()}"
         shutil.rmtree(draft, ignore_errors=True)
         try:
             (draft / "out").mkdir(parents=True)

@@ -1,61 +1,20 @@
-"""Where work on parts is executed.  The result of a piece of work is what it put in the store.
-
-`Runner.map` is the whole interface, so a cluster joins as one more class.  How to execute comes
-from the environment, never from params.yaml, and never changes a result:
-
-    INDUSTNERF_RUNNER    process (default) or serial
-    INDUSTNERF_WORKERS   number of processes; default: the cores this process may use
-"""
+"""Pieces of work in this process, or in local ones of one thread each."""
 
 import math
 import multiprocessing
 import os
 import signal
 import time
-import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
-from industnerf.errors import BadParams, SuiteError
+from industnerf.runner.base import Outcome, Work, attempt
 
-Work = Callable[[], None]
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How the piece of work number `index` ended; `error` is None where it succeeded."""
-
-    index: int
-    error: str | None
-
-
-@runtime_checkable
-class Runner(Protocol):
-    def map(
-        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
-    ) -> Iterator[Outcome]:
-        """Do every piece of work, and yield each outcome as soon as it is known.
-
-        Failure, a crash, more than `limit_s` seconds or an address space of more than `memory_mb`
-        end one piece of work, not the others.
-        """
-
-
-def runner_from_environment() -> Runner:
-    """The runner that INDUSTNERF_RUNNER names; raises BadParams for an unknown one."""
-    name = os.environ.get("INDUSTNERF_RUNNER", "process")
-    if name == "serial":
-        return SerialRunner()
-    if name == "process":
-        workers = os.environ.get("INDUSTNERF_WORKERS", str(len(os.sched_getaffinity(0))))
-        if not workers.isdigit() or int(workers) < 1:
-            raise BadParams(f"INDUSTNERF_WORKERS is {workers!r}, must be a number of processes")
-        return ProcessRunner(int(workers))
-    raise BadParams(f"INDUSTNERF_RUNNER is {name!r}, must be process or serial")
 
 
 @dataclass(frozen=True)
@@ -70,14 +29,19 @@ class SerialRunner:
         self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
     ) -> Iterator[Outcome]:
         for index, work in enumerate(works):
-            yield Outcome(index, _attempt(work, None))
+            yield Outcome(index, attempt(work, None))
 
 
 @dataclass(frozen=True)
 class ProcessRunner:
-    """Local processes of one thread each; one that dies or hangs is replaced."""
+    """Local processes of one thread each; one that dies or hangs is replaced.
+
+    `shielded` signals do not reach them: SLURM sends to all processes of a job what is meant for
+    the first.
+    """
 
     workers: int
+    shielded: tuple[signal.Signals, ...] = ()
 
     def map(
         self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
@@ -85,7 +49,7 @@ class ProcessRunner:
         os.environ.update(
             dict.fromkeys(THREADS, "1")
         )  # inherited by the workers, before they import numpy
-        limits = _Limits(limit_s, memory_mb)
+        limits = _Limits(limit_s, memory_mb, self.shielded)
         todo = list(enumerate(works))[::-1]
         busy: dict[Connection, _Worker] = {}
         try:
@@ -112,10 +76,14 @@ class ProcessRunner:
 
 @dataclass(frozen=True)
 class _Limits:
-    """What one piece of work may take; params.yaml has both under the section of its stage."""
+    """What one piece of work may take, by the section of its stage in params.yaml.
+
+    It also may not be reached by the signals `shielded`.
+    """
 
     seconds: float
     memory_mb: int | None
+    shielded: tuple[signal.Signals, ...]
 
     @property
     def hint(self) -> str:
@@ -139,7 +107,8 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        process.start()
+        with _blocked(limits.shielded):
+            process.start()
         theirs.close()
         ours.send((task[1], limits.memory_mb))
         return _Worker(process, ours, task[0], time.monotonic() + limits.seconds)
@@ -169,68 +138,36 @@ class _Worker:
         self.process.join()
 
 
+@contextmanager
+def _blocked(signals: tuple[signal.Signals, ...]) -> Iterator[None]:
+    """What is started meanwhile inherits that these signals wait, and so they never arrive."""
+    resource_tracker.ensure_running()  # multiprocessing starts it else, and then unblocks SIGTERM
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _serve(connection: Connection) -> None:
-    die_with_parent()
+    die_with_parent(signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends us
     while True:
         try:
             work, memory_mb = connection.recv()
         except EOFError:
             return
-        connection.send(_attempt(work, memory_mb))
+        connection.send(attempt(work, memory_mb))
 
 
-def _attempt(work: Work, memory_mb: int | None) -> str | None:
-    try:
-        with _address_space(memory_mb):
-            work()
-    except SuiteError as error:
-        return str(error)
-    except MemoryError:
-        most = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
-        return f"out of memory: needs more than {most}"
-    except Exception as error:
-        if os.environ.get("INDUSTNERF_DEBUG"):
-            traceback.print_exc()
-        return f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
-    return None
-
-
-@contextmanager
-def _address_space(memory_mb: int | None) -> Iterator[None]:
-    """Let this process have at most `memory_mb`, counted as Linux counts addresses; then no more.
-
-    A system that does not know the limit goes without.
-    """
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    if memory_mb is not None:
-        wanted = memory_mb * 2**20
-        _limit(wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard)
-    try:
-        yield
-    finally:
-        _limit(soft, hard)
-
-
-def _limit(soft: int, hard: int) -> None:
-    import resource
-
-    try:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-    except (ValueError, OSError):
-        return
-
-
-def die_with_parent() -> None:
-    """Ask Linux to end this process when its parent dies; elsewhere do nothing.
+def die_with_parent(how: signal.Signals = signal.SIGTERM) -> None:
+    """Ask Linux to send this process the signal `how` when its parent dies; elsewhere do nothing.
 
     `dvc` that is killed leaves its stage running, and the next `dvc repro` would start a second.
     """
     import ctypes
 
     try:
-        ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+        ctypes.CDLL(None).prctl(1, int(how))  # PR_SET_PDEATHSIG
     except (AttributeError, OSError):
         return

@@ -1,0 +1,54 @@
+"""How and where to execute: INDUSTNERF_* variables, from the environment or .industnerf.env.
+
+Never part of params.yaml: none of them changes a result, so none may cause a rerun.  The file is
+for one machine and one person, git does not see it, and the environment wins over it:
+
+    # .industnerf.env
+    INDUSTNERF_RUNNER=submitit
+    INDUSTNERF_SLURM_PARTITION=cpu
+"""
+
+import os
+import re
+from pathlib import Path
+
+from industnerf.errors import BadParams
+
+FILE = Path(".industnerf.env")
+LINE = re.compile(r"(?P<name>(INDUSTNERF|SBATCH)_[A-Z0-9_]+)=(?P<value>.*)")
+
+
+def read_local_file(path: Path = FILE) -> None:
+    """Take over what `path`, if it is there, says of variables that are not set.
+
+    Raises BadParams for a line that is no `NAME=value` of a name in INDUSTNERF_* or SBATCH_*.
+    """
+    lines = path.read_text().splitlines() if path.is_file() else []
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        match = LINE.fullmatch(line.strip())
+        if match is None:
+            raise BadParams(
+                f"{path}:{number}: {line.strip()!r} is no NAME=value "
+                "of a name that begins with INDUSTNERF_ or SBATCH_"
+            )
+        os.environ.setdefault(match["name"], match["value"].strip())
+
+
+def text(name: str) -> str | None:
+    """The variable `name`, or None where it is not set or empty."""
+    return os.environ.get(name) or None
+
+
+def number(name: str, what: str, default: int | None = None) -> int | None:
+    """The variable `name` as a whole number of `what`, at least 1.
+
+    Raises BadParams for anything else.
+    """
+    value = text(name)
+    if value is None:
+        return default
+    if not (value.isascii() and value.isdigit()) or int(value) < 1:
+        raise BadParams(f"{name} is {value!r}, must be a number of {what}, at least 1")
+    return int(value)

@@ -1,0 +1,40 @@
+"""Where work on parts is executed.  The result of a piece of work is what it put in the store.
+
+`Runner.map` is the whole interface.  How to execute comes from the environment or .industnerf.env,
+never from params.yaml, and never changes a result:
+
+    INDUSTNERF_RUNNER    process (default), serial, or submitit: SLURM, see `slurm.py`
+    INDUSTNERF_WORKERS   number of processes; default: the cores this process may use
+"""
+
+import os
+
+from industnerf import environment
+from industnerf.errors import BadParams
+from industnerf.runner.base import Outcome, Runner, Work
+from industnerf.runner.processes import ProcessRunner, SerialRunner, die_with_parent
+
+__all__ = [
+    "Outcome",
+    "ProcessRunner",
+    "Runner",
+    "SerialRunner",
+    "Work",
+    "die_with_parent",
+    "runner_from_environment",
+]
+
+
+def runner_from_environment() -> Runner:
+    """The runner that INDUSTNERF_RUNNER names; raises BadParams for an unknown one."""
+    name = environment.text("INDUSTNERF_RUNNER") or "process"
+    if name == "serial":
+        return SerialRunner()
+    if name == "process":
+        cores = len(os.sched_getaffinity(0))
+        return ProcessRunner(environment.number("INDUSTNERF_WORKERS", "processes") or cores)
+    if name == "submitit":
+        from industnerf.runner.slurm import slurm_from_environment
+
+        return slurm_from_environment()
+    raise BadParams(f"INDUSTNERF_RUNNER is {name!r}, must be process, serial or submitit")

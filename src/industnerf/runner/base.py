@@ -1,0 +1,80 @@
+"""What a runner is, and how a piece of work ends."""
+
+import os
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from industnerf.errors import SuiteError
+
+Work = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How the piece of work number `index` ended; `error` is None where it succeeded.
+
+    If it is `lost`, what failed is the machinery round the piece, and says nothing of the piece.
+    """
+
+    index: int
+    error: str | None
+    lost: bool = False
+
+
+@runtime_checkable
+class Runner(Protocol):
+    def map(
+        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[Outcome]:
+        """Do every piece of work, and yield each outcome as soon as it is known.
+
+        Failure, a crash, more than `limit_s` seconds or an address space of more than `memory_mb`
+        end one piece of work, not the others.
+        """
+
+
+def attempt(work: Work, memory_mb: int | None) -> str | None:
+    """Do `work` with at most `memory_mb` of addresses; what ended it, or None."""
+    try:
+        with _address_space(memory_mb):
+            work()
+    except SuiteError as error:
+        return str(error)
+    except MemoryError:
+        most = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
+        return f"out of memory: needs more than {most}"
+    except Exception as error:
+        if os.environ.get("INDUSTNERF_DEBUG"):
+            traceback.print_exc()
+        return f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
+    return None
+
+
+@contextmanager
+def _address_space(memory_mb: int | None) -> Iterator[None]:
+    """Let this process have at most `memory_mb`, counted as Linux counts addresses; then no more.
+
+    A system that does not know the limit goes without.
+    """
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    if memory_mb is not None:
+        wanted = memory_mb * 2**20
+        _limit(wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard)
+    try:
+        yield
+    finally:
+        _limit(soft, hard)
+
+
+def _limit(soft: int, hard: int) -> None:
+    import resource
+
+    try:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    except (ValueError, OSError):
+        return
