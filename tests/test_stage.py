@@ -5,7 +5,9 @@ from functools import partial
 
 import pytest
 
+from industnerf import stage
 from industnerf.errors import BadPart, PartsFailed
+from industnerf.runner import Outcome
 from industnerf.stage import Task, read_failures, read_index, run_stage
 
 
@@ -123,3 +125,38 @@ def test_where_none_is_needed_all_may_fail(place):
         run_stage("s", tasks(place, [13]), place / "out", "report")
     with pytest.raises(PartsFailed):
         run_stage("s", tasks(place, [13]), place / "out", "strict", needs_one=False)
+
+
+class Lossy:
+    """A cluster that does the first piece of work and loses the others."""
+
+    def map(self, works, limit_s, memory_mb=None):
+        works[0]()
+        yield Outcome(0, None)
+        yield from (Outcome(i, "job 7 vanished", lost=True) for i in range(1, len(works)))
+
+
+def test_what_the_cluster_lost_is_no_result(place, monkeypatch):
+    """Else DVC would take the stage for done, and the report would blame the method."""
+    monkeypatch.setattr(stage, "runner_from_environment", Lossy)
+    lost = r"(?s)1 of 2 parts failed.*p2: job 7 vanished.*the same command goes on"
+    with pytest.raises(PartsFailed, match=lost):
+        run_stage("s", tasks(place, [1, 2]), place / "out", "report")
+    run_stage("s", tasks(place, [1, 2]), place / "out", "report")
+    assert calls(place) == ["1", "2"]
+
+
+class Twice:
+    """A cluster that does everything again, as a job does that is requeued at the wrong moment."""
+
+    def map(self, works, limit_s, memory_mb=None):
+        for index, work in enumerate(works):
+            work()
+            work()
+            yield Outcome(index, None)
+
+
+def test_what_is_in_the_store_by_the_time_its_turn_comes_is_not_made_again(place, monkeypatch):
+    monkeypatch.setattr(stage, "runner_from_environment", Twice)
+    run_stage("s", tasks(place, [1, 2]), place / "out", "strict")
+    assert calls(place) == ["1", "2"]

@@ -41,6 +41,12 @@ def gobble():
     np.empty(2 * 2**30, np.uint8)
 
 
+def end_itself(how, path):
+    """Send itself the signal `how`, as SLURM sends it to every process of a job."""
+    os.kill(os.getpid(), how)
+    path.write_text("alive")
+
+
 def nibble(path):
     """64 MB, and what the limit is meanwhile."""
     np.empty(2**26, np.uint8)
@@ -94,6 +100,17 @@ def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     assert (tmp_path / "a").read_text() == str(100_000 * 2**20)
     assert attempt(gobble, None) is None
+
+
+def test_signals_that_are_meant_for_the_job_do_not_reach_its_pieces(tmp_path):
+    both = (signal.SIGTERM, signal.SIGUSR2)
+    works = [partial(end_itself, how, tmp_path / how.name) for how in both]
+    reached = list(ProcessRunner(1).map(works, 60.0))
+    assert [outcome.error[-3:] for outcome in reached] == ["-15", "-12"]
+    assert not list(tmp_path.iterdir())
+    assert all(outcome.error is None for outcome in ProcessRunner(1, both).map(works, 60.0))
+    assert len(list(tmp_path.iterdir())) == 2
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()).isdisjoint(both)
 
 
 def test_workers_have_one_thread_each(tmp_path):

@@ -1,0 +1,59 @@
+"""How work is dealt out to jobs, and what a job does that starts again."""
+
+from functools import partial
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from industnerf.errors import BadPart
+from industnerf.runner import Outcome
+from industnerf.runner.chunk import ARRAY_MOST, ROUNDS, Chunk, chunked
+from industnerf.runner.notes import Notes
+
+NUMBERS = st.integers(1, 500)
+
+
+@given(st.integers(1, 20_000), NUMBERS, st.none() | NUMBERS)
+def test_every_piece_is_in_one_job_and_jobs_are_alike(pieces, at_a_time, least):
+    dealt = chunked(range(pieces), at_a_time, least)
+    assert sorted(piece for each in dealt for piece in each) == list(range(pieces))
+    sizes = {len(each) for each in dealt}
+    assert max(sizes) - min(sizes) <= 1
+    assert len(dealt) <= ARRAY_MOST
+
+
+@given(st.integers(1, 20_000), NUMBERS)
+def test_of_itself_every_job_that_may_run_has_some_to_do_after(pieces, at_a_time):
+    jobs = len(chunked(range(pieces), at_a_time))
+    assert jobs == min(pieces, ROUNDS * at_a_time, ARRAY_MOST)
+
+
+@given(st.integers(1, 20_000), NUMBERS)
+def test_the_jobs_are_as_many_as_the_least_size_asks_for(pieces, least):
+    jobs = len(chunked(range(pieces), 64, least))
+    assert jobs == min(ARRAY_MOST, len(range(0, pieces, least)))
+
+
+def add(path):
+    with path.open("a") as file:
+        file.write("x")
+
+
+def refuse():
+    raise BadPart("not closed")
+
+
+def test_a_job_notes_how_each_piece_ended_and_does_none_twice(tmp_path):
+    notes = Notes(tmp_path / "notes")
+    notes.folder.mkdir()
+    works = ((3, partial(add, tmp_path / "a")), (5, refuse), (8, partial(add, tmp_path / "b")))
+    chunk = Chunk(works, notes, workers=1, limit_s=60.0, memory_mb=None)
+    notes.write(Outcome(3, None))  # as if an earlier life of the job had ended it
+    chunk()
+    chunk()
+    assert notes.ended() == {3, 5, 8}
+    assert notes.begun() == {5, 8}
+    assert notes.outcome(5) == Outcome(5, "not closed")
+    assert notes.outcome(8) == Outcome(8, None)
+    assert not (tmp_path / "a").exists()
+    assert (tmp_path / "b").read_text() == "x"

@@ -1,0 +1,79 @@
+"""What squeue prints, and what it means that it says nothing."""
+
+import subprocess
+
+import pytest
+
+from industnerf.runner import queue
+from industnerf.runner.queue import GONE, State
+
+PRINTED = """\
+          12_0|RUNNING|None
+12_1|PENDING|JobArrayTaskLimit
+12_2|CANCELLED|None
+12_3|PENDING|launch failed|requeued held
+slurm_load_jobs: a warning of some site
+"""
+
+
+def test_every_job_has_its_state_and_why():
+    states = queue.parse(PRINTED)
+    assert states["12_0"] == State("RUNNING")
+    assert states["12_1"] == State("PENDING", "JobArrayTaskLimit")
+    assert states["12_3"].reason == "launch failed|requeued held"
+    assert len(states) == 4
+    assert [str(states[f"12_{i}"]) for i in (0, 1)] == ["RUNNING", "PENDING, JobArrayTaskLimit"]
+
+
+@pytest.mark.parametrize(
+    ("name", "is_open", "is_working"),
+    [
+        ("PENDING", True, False),
+        ("REQUEUED", True, False),
+        ("RUNNING", True, True),
+        ("COMPLETING", True, False),
+        ("COMPLETED", False, False),
+        ("CANCELLED", False, False),
+        ("OUT_OF_MEMORY", False, False),
+        ("NODE_FAIL", False, False),
+        (GONE.name, False, False),
+    ],
+)
+def test_which_states_are_worth_waiting_for(name, is_open, is_working):
+    assert (State(name).is_open, State(name).is_working) == (is_open, is_working)
+
+
+@pytest.fixture
+def squeue(monkeypatch):
+    """Makes squeue answer as given, and keeps what it was asked."""
+    asked = []
+
+    def answer(output="", error="", code=0):
+        def run(command, **_):
+            asked.append(command)
+            return subprocess.CompletedProcess(command, code, output, error)
+
+        monkeypatch.setattr(subprocess, "run", run)
+        return asked
+
+    return answer
+
+
+def test_an_array_is_asked_for_once(squeue):
+    asked = squeue(PRINTED)
+    assert queue.ask(["12_0", "12_1", "7"]) == {
+        "12_0": State("RUNNING"),
+        "12_1": State("PENDING", "JobArrayTaskLimit"),
+        "7": GONE,
+    }
+    assert asked[0][asked[0].index("-j") + 1] == "12,7"
+
+
+def test_a_job_that_squeue_has_forgotten_is_gone(squeue):
+    squeue(error="slurm_load_jobs error: Invalid job id specified", code=1)
+    assert queue.ask(["12_0"]) == {"12_0": GONE}
+
+
+def test_a_controller_that_does_not_answer_says_nothing_of_a_job(squeue):
+    squeue(error="slurm_load_jobs error: Unable to contact slurm controller", code=1)
+    assert queue.ask(["12_0"]) is None
