@@ -73,10 +73,8 @@ def in_background():
 @pytest.fixture
 def photographed(place, root, monkeypatch):
     """Runs the stage `views` on two small parts with a store of its own; what it left, in bytes."""
-    for name, solid in (
-        ("box", trimesh.creation.box((3, 4, 5))),
-        ("ball", trimesh.creation.icosphere()),
-    ):
+    solids = {"box": trimesh.creation.box((3, 4, 5)), "ball": trimesh.creation.icosphere()}
+    for name, solid in solids.items():
         mesh = Mesh.plain(np.array(solid.vertices, float), np.array(solid.faces, np.int32))
         extents = tuple(np.ptp(mesh.vertices, axis=0).tolist())
         (place / "parts" / name).mkdir(parents=True)
