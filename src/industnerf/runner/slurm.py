@@ -11,6 +11,7 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -72,13 +73,14 @@ class SlurmRunner:
         while todo:
             dealt = chunked(todo, self.allocation.jobs, self.waiting.chunk)
             watch = self._submit(folder, [chunk(tuple((i, works[i]) for i in d)) for d in dealt])
+            sent = list(watch.jobs)
             with _cancelling(watch):
                 for outcome in watch.outcomes():
                     good &= outcome.error is None
                     yield outcome
             todo = watch.orphans
         if good:
-            shutil.rmtree(folder)
+            _tidy(folder, sent)
 
     def _submit(self, folder: Path, chunks: list[Chunk]) -> Watch:
         jobs = _sbatch(folder, self.allocation, chunks)
@@ -91,6 +93,16 @@ class SlurmRunner:
             poll_s=self.waiting.poll_s,
             patience_s=self.waiting.patience_s,
         )
+
+
+def _tidy(folder: Path, jobs: list[str]) -> None:
+    """Remove the logs of `jobs`, which still write to them a moment after their last note."""
+    for _ in range(WARNING_S):
+        states = queue.ask(jobs) or {}
+        if not any(state.is_open for state in states.values()):
+            break
+        time.sleep(1.0)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _check_time(limit_s: float, minutes: int) -> None:
