@@ -1,0 +1,37 @@
+"""What is wrong with this working copy, and what mends it: `python -m industnerf.doctor`.
+
+A check is a module with one function, `find(places) -> list[Finding]`.  It reads and changes
+nothing.
+"""
+
+from importlib import import_module
+
+from industnerf.doctor.findings import Finding
+from industnerf.doctor.places import Places
+from industnerf.errors import BadParams, SuiteError
+
+CHECKS = {
+    "cache": "DVC's cache: does each file hold what its name promises",
+    "lockfile": "dvc.lock: is it whole, and of this dvc.yaml",
+    "locks": "locks that a dead, stopped or foreign process holds",
+    "leftovers": "what killed processes left behind in the store and the cache",
+    "stored": "results in the store: whole, read-only, with their costs",
+    "disk": "room for what params.yaml asks for",
+    "database": "the MLflow database: readable, and of the installed version",
+    "environment": "installed packages against constraints.txt",
+    "gpu": "whether torch and warp see one; slow, hence only when asked for",
+}
+QUICK = [name for name in CHECKS if name != "gpu"]
+
+
+def examine(name: str, places: Places) -> list[Finding]:
+    """What the check `name` finds; a check that cannot be made is a finding too.
+
+    Raises BadParams that lists the known checks.
+    """
+    if name not in CHECKS:
+        raise BadParams(f"check {name!r} is unknown, known are {', '.join(CHECKS)}")
+    try:
+        return import_module(f"industnerf.doctor.{name}").find(places)
+    except SuiteError as error:
+        return [Finding(places.root, f"{name} cannot be checked: {error}", wrong=True)]

@@ -1,0 +1,54 @@
+"""Room on the disk for what params.yaml asks for.
+
+The estimate is deliberately generous.  Measured on the embedded parts: photographs take 0.36 bytes
+a pixel, with mask and depth; a cloud of 65536 points with its PLY takes 2.2 MB; a part's meshes and
+truth together less than 1 MB.  Hard links make cache, store and outputs one.
+"""
+
+import os
+import shutil
+from pathlib import Path
+
+from industnerf.config import load_params
+from industnerf.doctor.findings import Finding, megabytes
+from industnerf.doctor.places import Places
+from industnerf.schema import Params
+
+PER_PIXEL, PER_CLOUD, PER_PART = 0.4, 2.5e6, 1.0e6  # bytes
+
+
+def find(places: Places) -> list[Finding]:
+    """Free space, and whether it is too little.  Raises BadParams if params.yaml is not right."""
+    need = max(0, estimate(places.root, load_params(places.root / "params.yaml")) - _held(places))
+    free = {path: shutil.disk_usage(_existing(path)).free for path in (places.store, places.root)}
+    return [_finding(path, room, need) for path, room in free.items()]
+
+
+def estimate(root: Path, params: Params) -> int:
+    """Bytes that the study of `params` takes when it is finished."""
+    views = params.views.count + params.views.held_out
+    photographs = PER_PIXEL * views * params.views.resolution**2
+    parts = len(params.parts.select) or sum(
+        path.is_file() for path in (root / params.parts.path).rglob("*")
+    )
+    return int(parts * (PER_PART + photographs + PER_CLOUD * len(params.methods)))
+
+
+def _held(places: Places) -> int:
+    """Bytes of what the store holds: as much need not be written any more."""
+    return sum(
+        os.stat(os.path.join(folder, name)).st_size
+        for folder, _, names in os.walk(places.store)
+        for name in names
+    )
+
+
+def _existing(path: Path) -> Path:
+    return next(each for each in (path, *path.parents) if each.exists())
+
+
+def _finding(path: Path, free: int, need: int) -> Finding:
+    what = f"{megabytes(free)} are free, about {megabytes(need)} are still needed"
+    if free >= need:
+        return Finding(path, what)
+    return Finding(path, f"{what}; free some, or set INDUSTNERF_STORE to a larger disk", wrong=True)

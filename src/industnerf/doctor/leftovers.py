@@ -1,0 +1,66 @@
+"""What killed processes left behind.  It harms nobody, but takes room.
+
+A store may be shared with other machines, whose processes cannot be seen from here: what was
+touched within the last hour is left alone, and what a result resumes from for a month.
+"""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from industnerf.doctor.cache import OBJECT
+from industnerf.doctor.findings import Finding, megabytes
+from industnerf.doctor.places import Places
+from industnerf.doctor.processes import is_alive
+
+HOUR, MONTH = 3600.0, 30 * 24 * 3600.0  # s
+
+
+def find(places: Places) -> list[Finding]:
+    """One finding a kind of leftover and folder."""
+    return [
+        *_of(places, places.store, "unfinished results of dead processes", _drafts(places.store)),
+        *_of(places, places.store, "folders that nothing resumes from", _scratch(places.store)),
+        *(
+            finding
+            for project in places.projects()
+            for finding in _of(places, project.cache, "half written files", _torn(project.cache))
+        ),
+    ]
+
+
+def _of(places: Places, where: Path, kind: str, paths: Iterator[Path]) -> list[Finding]:
+    found = sorted(paths)
+    size = sum(file.stat().st_size for path in found for file in _files(path))
+    what = f"{len(found)} {kind}, {megabytes(size)}"
+    return [Finding(where, what, f"rm -rf {places.words(*found)}")] if found else []
+
+
+def _drafts(store: Path) -> Iterator[Path]:
+    for path in store.glob("*/.draft-*"):
+        pid = path.name.rpartition("-")[2]
+        if pid.isdigit() and not is_alive(int(pid)) and _age(path) > HOUR:
+            yield path
+
+
+def _scratch(store: Path) -> Iterator[Path]:
+    for path in store.glob("*/.resume-*"):
+        finished = path.with_name(path.name.removeprefix(".resume-")).exists()
+        if _age(path) > (HOUR if finished else MONTH):
+            yield path
+
+
+def _torn(cache: Path) -> Iterator[Path]:
+    for path in cache.glob("**/*"):
+        if path.is_file() and not OBJECT.fullmatch(path.name) and _age(path) > HOUR:
+            yield path
+
+
+def _files(path: Path) -> list[Path]:
+    return [file for file in [path, *path.rglob("*")] if file.is_file()]
+
+
+def _age(path: Path) -> float:
+    """Seconds since anything in `path` was changed."""
+    newest = max(each.stat().st_mtime for each in [path, *path.rglob("*")])
+    return time.time() - newest

@@ -1,0 +1,58 @@
+"""Locks.  The kernel drops those of dead processes; two kinds of trouble remain.
+
+A process that is stopped (Ctrl-Z) keeps its locks and everybody waits.  DVC's rwlock is a file
+with process numbers: torn, or with a number that another process has by now, it blocks for ever.
+"""
+
+import json
+from pathlib import Path
+
+from industnerf.doctor.findings import Finding
+from industnerf.doctor.places import Places
+from industnerf.doctor.processes import command, holder, is_alive, state
+
+
+def find(places: Places) -> list[Finding]:
+    """Locks that are held; those of processes at work are only told of."""
+    folders = [project.folder / ".dvc" / "tmp" for project in places.projects()]
+    files = [folder / name for folder in folders for name in ("lock", "rwlock.lock")]
+    files.append(places.database.with_name("mlflow.db.lock"))
+    found = [_held(path, pid) for path in files if (pid := holder(path)) is not None]
+    return found + [finding for folder in folders for finding in _rwlock(places, folder / "rwlock")]
+
+
+def _held(path: Path, pid: int) -> Finding:
+    what = f"held by process {pid} ({command(pid)})"
+    if state(pid) == "T":
+        return Finding(path, f"{what}, which is stopped: others wait for it", f"kill -CONT {pid}")
+    return Finding(path, f"{what}, which is at work")
+
+
+def _rwlock(places: Places, path: Path) -> list[Finding]:
+    if not path.exists():
+        return []
+    remove = f"rm {places.words(path)}"
+    try:
+        entries = _entries(json.loads(path.read_text()))
+    except (ValueError, TypeError, AttributeError, KeyError):
+        size = path.stat().st_size
+        return [Finding(path, f"torn ({size} bytes, not DVC's JSON): DVC stops at it", remove)]
+    return [_entry(path, pid, by, remove) for pid, by in sorted(entries)]
+
+
+def _entries(content: dict) -> set[tuple[int, str]]:
+    """Process and command of everybody who is written down as a reader or writer."""
+    writers = list(content.get("write", {}).values())
+    readers = [one for many in content.get("read", {}).values() for one in many]
+    return {(int(one["pid"]), str(one["cmd"])) for one in [*writers, *readers]}
+
+
+def _entry(path: Path, pid: int, by: str, remove: str) -> Finding:
+    if not is_alive(pid):
+        return Finding(path, f"names process {pid} ({by}), which is dead: DVC passes over it")
+    if "dvc" not in command(pid):
+        what = f"names process {pid} as {by}, but that is now {command(pid)}: DVC waits in vain"
+        return Finding(path, what, remove)
+    if state(pid) == "T":
+        return Finding(path, f"process {pid} ({by}) is stopped: others wait", f"kill -CONT {pid}")
+    return Finding(path, f"process {pid} ({by}) is at work")

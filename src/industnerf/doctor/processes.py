@@ -1,0 +1,46 @@
+"""What /proc says of processes and of the file locks they hold.  Only Linux has it."""
+
+import os
+from pathlib import Path
+
+PROC = Path("/proc")
+
+
+def is_alive(pid: int) -> bool:
+    """Whether there is such a process on this machine; one that only waits to be reaped is none."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return state(pid) != "Z"
+
+
+def state(pid: int) -> str:
+    """`R`, `S`, `T` for stopped, ... as Linux calls it; empty if unknown."""
+    try:
+        return (PROC / str(pid) / "stat").read_text().rpartition(")")[2].split()[0]
+    except (OSError, IndexError):
+        return ""
+
+
+def command(pid: int) -> str:
+    """The command line of the process; empty if unknown."""
+    try:
+        words = (PROC / str(pid) / "cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return ""
+    return b" ".join(words).decode(errors="replace").strip()
+
+
+def holder(path: Path) -> int | None:
+    """The process that holds a lock on the file `path`, without trying to take it."""
+    try:
+        lines = (PROC / "locks").read_text().splitlines()
+        inode = path.stat().st_ino
+    except OSError:
+        return None
+    held = [line.split() for line in lines if "->" not in line]
+    pids = [int(words[4]) for words in held if words[5].rpartition(":")[2] == str(inode)]
+    return next((pid for pid in pids if pid > 0), None)

@@ -1,0 +1,81 @@
+"""Working copies to be spoilt: real DVC projects, small enough to run in seconds."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from industnerf.doctor import examine
+from industnerf.doctor.findings import Finding
+from industnerf.doctor.places import Places
+
+# Its output is linked from the store and, by DVC, to the cache: one file in three places.
+PIPELINE = """
+stages:
+  make:
+    cmd: >-
+      sleep $(cat pause);
+      mkdir -p store/make/k/out data/out;
+      test -e store/make/k/out/a || cp source store/make/k/out/a;
+      ln -f store/make/k/out/a data/out/a;
+      echo '{}' > data/out/index.json
+    deps: [source]
+    outs: [data/out]
+"""
+
+
+class WorkingCopy:
+    """A folder with a DVC project, a store and no database, and what the doctor says of it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.places = Places(folder, folder / "store", folder / "mlflow.db")
+
+    def find(self, check: str) -> list[Finding]:
+        return examine(check, self.places)
+
+    def start(self, command: str) -> subprocess.Popen:
+        """Start `command` as the leader of a process group of its own."""
+        environment = {**os.environ, "INDUSTNERF_MLFLOW": str(self.folder)}
+        return subprocess.Popen(
+            ["bash", "-c", command],
+            cwd=self.folder,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+
+    def run(self, command: str) -> tuple[int, str]:
+        """Exit code and output of `command`."""
+        process = self.start(command)
+        output, _ = process.communicate()
+        return process.returncode, output
+
+    def mend(self, check: str) -> None:
+        """Do what the doctor says about `check`; then nothing must be wrong with it."""
+        (command,) = [finding.mend for finding in self.find(check) if finding.mend]
+        code, output = self.run(command)
+        assert code == 0, output
+        assert not [finding for finding in self.find(check) if finding.is_wrong]
+
+
+@pytest.fixture
+def plain(tmp_path: Path) -> WorkingCopy:
+    """A working copy without a DVC project."""
+    return WorkingCopy(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> WorkingCopy:
+    """A DVC project that has run.  A test that spoils it mends it."""
+    made = WorkingCopy(tmp_path_factory.mktemp("copy"))
+    (made.folder / "dvc.yaml").write_text(PIPELINE)
+    (made.folder / "source").write_text("hello\n")
+    (made.folder / "pause").write_text("0")
+    setting = "dvc config cache.type hardlink,copy && dvc config core.analytics false"
+    code, output = made.run(f"dvc init --no-scm -q && {setting} && dvc repro")
+    assert code == 0, output
+    return made

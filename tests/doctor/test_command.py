@@ -1,0 +1,81 @@
+"""The command: what it prints, how it ends, and what it does not import."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from industnerf.doctor import CHECKS, examine
+from industnerf.errors import BadParams
+from industnerf.tracking import home
+from tests.doctor.conftest import WorkingCopy
+
+HEAVY = """
+import runpy, sys
+sys.argv = ["doctor", "cache", "lockfile", "locks", "leftovers", "stored", "database"]
+try:
+    runpy.run_module("industnerf.doctor", run_name="__main__")
+finally:
+    print("heavy:", sorted({"torch", "mlflow", "warp", "dvc", "numpy"} & set(sys.modules)))
+"""
+
+
+def doctor(folder, *arguments: str) -> tuple[int, str]:
+    environment = {**os.environ, "INDUSTNERF_STORE": "store"}
+    done = subprocess.run(
+        [sys.executable, *(arguments or ("-m", "industnerf.doctor"))],
+        cwd=folder,
+        env=environment,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_what_is_right_ends_with_0_and_without_heavy_imports(plain: WorkingCopy):
+    code, output = doctor(plain.folder, "-c", HEAVY)
+    assert code == 0, output
+    assert "nothing is wrong" in output
+    assert "heavy: []" in output
+
+
+def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(plain: WorkingCopy):
+    (plain.folder / "store/views/k").mkdir(parents=True)
+    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "locks", "stored")
+    assert code == 1
+    assert output == (
+        "locks        ok\n"
+        "stored       wrong\n"
+        "  store/views/k: has nothing in out/: no run can finish or use it\n"
+        "    mend: rm -rf store/views/k\n"
+        "1 thing is wrong\n"
+    )
+    assert (plain.folder / "store/views/k").exists()  # it never mends by itself
+
+
+def test_an_unknown_check_is_refused_with_the_known_ones(plain: WorkingCopy):
+    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "cahce")
+    assert code == 1
+    assert "check 'cahce' is unknown, known are cache, lockfile" in output
+    with pytest.raises(BadParams):
+        examine("findings", plain.places)  # a module of the package, but no check
+
+
+def test_every_check_says_what_it_asks():
+    code, output = doctor(".", "-m", "industnerf.doctor", "--help")
+    assert code == 0
+    assert all(about in output for about in CHECKS.values())
+
+
+def test_the_database_is_where_tracking_has_it(plain: WorkingCopy, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("INDUSTNERF_MLFLOW", "elsewhere")
+    assert type(plain.places).of(plain.folder).database == home() / "mlflow.db"
+
+
+def test_a_gpu_is_told_of_and_never_wrong(plain: WorkingCopy):
+    findings = plain.find("gpu")
+    assert [finding.is_wrong for finding in findings] == [False] * 3
+    assert findings[1].what.startswith("torch ")
+    assert findings[2].what.startswith("warp ")

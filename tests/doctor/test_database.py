@@ -1,0 +1,107 @@
+"""The MLflow database: of another version, damaged, half made, or none at all."""
+
+import shutil
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from industnerf.doctor.database import newest_version
+from tests.doctor.conftest import WorkingCopy
+
+# The tables as they were before the last migration.
+OLDER = """
+import sys
+import sqlalchemy
+from alembic import command, script
+from mlflow.store.db.utils import _get_alembic_config
+from mlflow.store.tracking.dbmodels.initial_models import Base
+Base.metadata.create_all(sqlalchemy.create_engine(sys.argv[1]))
+config = _get_alembic_config(sys.argv[1])
+last = script.ScriptDirectory.from_config(config)
+command.upgrade(config, last.get_revision(last.get_current_head()).down_revision)
+"""
+
+
+def python(script: str, *arguments: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", script, *arguments], check=False, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A database as MLflow makes it."""
+    path = tmp_path_factory.mktemp("made") / "mlflow.db"
+    script = "import mlflow, sys; mlflow.set_tracking_uri(sys.argv[1]); mlflow.set_experiment('a')"
+    python(script, f"sqlite:///{path}")
+    return path
+
+
+def tear(path: Path) -> None:
+    """Let a page in the middle be lost."""
+    with path.open("r+b") as file:
+        file.seek(path.stat().st_size // 2 // 4096 * 4096)
+        file.write(b"\xff" * 4096)
+
+
+def half(path: Path) -> None:
+    """What two first connections at once leave: a table of a migration that never ended."""
+    with sqlite3.connect(path) as connection:
+        connection.execute("CREATE TABLE _alembic_tmp_metrics (key TEXT)")
+    connection.close()
+
+
+FAULTS = {
+    "a page is lost": (tear, "is damaged"),
+    "half of it is lost": (lambda path: path.write_bytes(path.read_bytes()[:300_000]), "mlflow.db"),
+    "no database": (lambda path: path.write_text("no database" * 100), "SQLite cannot read"),
+    "empty": (lambda path: path.write_bytes(b""), "was left half made, with 0 tables"),
+    "half made": (half, "was left half made"),
+}
+
+
+def test_a_database_as_mlflow_makes_it_is_right(plain: WorkingCopy, made: Path):
+    shutil.copy(made, plain.places.database)
+    assert plain.find("database") == []
+
+
+def test_no_database_is_no_fault(plain: WorkingCopy):
+    assert plain.find("database") == []
+
+
+def test_the_version_that_is_wanted_is_that_of_a_fresh_database(made: Path):
+    connection = sqlite3.connect(made)
+    assert connection.execute("SELECT version_num FROM alembic_version").fetchone() == (
+        newest_version(),
+    )
+    connection.close()
+
+
+@pytest.mark.parametrize(("spoil", "said"), FAULTS.values(), ids=FAULTS)
+def test_a_broken_database_is_found(
+    plain: WorkingCopy, made: Path, spoil: Callable[[Path], None], said: str
+):
+    shutil.copy(made, plain.places.database)
+    spoil(plain.places.database)
+    (finding,) = plain.find("database")
+    assert said in f"{finding.where} {finding.what}"
+    assert finding.is_wrong
+
+
+def test_a_broken_database_is_set_aside_and_made_anew(plain: WorkingCopy, made: Path):
+    shutil.copy(made, plain.places.database)
+    tear(plain.places.database)
+    plain.mend("database")
+    assert plain.places.database.with_name("mlflow.db.broken").exists()
+
+
+def test_tables_of_an_older_mlflow_are_brought_up_to_date(plain: WorkingCopy):
+    python(OLDER, f"sqlite:///{plain.places.database}")
+    (finding,) = plain.find("database")
+    assert f"the installed MLflow wants {newest_version()}" in finding.what
+    plain.mend("database")

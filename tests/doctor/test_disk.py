@@ -1,0 +1,67 @@
+"""Room on the disk, against closed forms."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+import yaml
+
+from industnerf.config import load_params
+from industnerf.doctor.disk import PER_CLOUD, PER_PART, PER_PIXEL, estimate
+from industnerf.store import Cost, Store
+from tests.doctor.conftest import WorkingCopy
+
+
+@pytest.fixture
+def study(plain: WorkingCopy, root: Path) -> Path:
+    """params.yaml of two parts, ten views of 100 x 100 pixels and three methods."""
+    path = plain.folder / "params.yaml"
+    values = yaml.safe_load((root / "params.yaml").read_text())
+    values["parts"]["select"] = ["a", "b"]
+    values["methods"] = ["hull", "box", "oracle"]
+    values["views"] |= {"count": 8, "held_out": 2, "resolution": 100}
+    path.write_text(yaml.safe_dump(values))
+    return path
+
+
+def test_the_estimate_is_a_sum_over_parts(study: Path):
+    one = PER_PART + 10 * 100**2 * PER_PIXEL + 3 * PER_CLOUD
+    assert estimate(study.parent, load_params(study)) == 2 * one
+
+
+def test_without_a_selection_files_are_counted(study: Path, tmp_path: Path):
+    text = study.read_text().replace("path: data/embedded", f"path: {tmp_path / 'mine'}")
+    text = text.replace("  select:\n  - a\n  - b\n", "  select: []\n")
+    (tmp_path / "mine").mkdir()
+    for name in "abc":
+        (tmp_path / "mine" / f"{name}.stl").touch()
+    study.write_text(text)
+    one = PER_PART + 10 * 100**2 * PER_PIXEL + 3 * PER_CLOUD
+    assert estimate(tmp_path, load_params(study)) == 3 * one
+
+
+def test_what_the_store_holds_need_not_be_written_again(study: Path, plain: WorkingCopy):
+    def make(out: Path) -> Cost:
+        (out / "pictures").write_bytes(bytes(3_000_000))
+        return Cost(1.0, 1.0, "cpu")
+
+    Store(plain.places.store).put("views", "k", make)
+    findings = plain.find("disk")
+    assert all("about 14.1 MB are still needed" in finding.what for finding in findings)
+    assert not any(finding.is_wrong for finding in findings)
+
+
+def test_too_little_room_is_wrong(study: Path, plain: WorkingCopy):
+    room = shutil.disk_usage(plain.folder).free
+    views = int(2 * room / (100**2 * PER_PIXEL))
+    study.write_text(study.read_text().replace("count: 8", f"count: {views}"))
+    findings = plain.find("disk")
+    assert all(finding.is_wrong for finding in findings)
+    assert "INDUSTNERF_STORE" in findings[0].what
+
+
+def test_parameters_that_are_wrong_are_a_finding(study: Path, plain: WorkingCopy):
+    study.write_text(study.read_text().replace("seed: 0", "sead: 0"))
+    (finding,) = plain.find("disk")
+    assert finding.is_wrong
+    assert "sead is unknown" in finding.what

@@ -1,0 +1,33 @@
+"""dvc.lock, cut short or foreign."""
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.doctor.conftest import WorkingCopy
+
+FAULTS = {
+    "empty": lambda text: "",
+    "ends within a word": lambda text: text[: text.index("stages") + 3],
+    "ends before the first stage": lambda text: text[: text.index("make")],
+    "ends within a stage's name": lambda text: text[: text.index("cmd") - 4] + "\n",
+    "two versions in conflict": lambda text: f"<<<<<<< ours\n{text}=======\n{text}>>>>>>> theirs\n",
+    "a stage that is no more": lambda text: text + "  gone@hull:\n    cmd: 'true'\n",
+}
+
+
+def test_a_lock_file_as_dvc_left_it_is_right(copy: WorkingCopy):
+    assert copy.find("lockfile") == []
+
+
+def test_without_a_lock_file_nothing_is_wrong(plain: WorkingCopy):
+    assert plain.find("lockfile") == []
+
+
+@pytest.mark.parametrize("spoil", FAULTS.values(), ids=FAULTS)
+def test_a_spoilt_lock_file_is_found_and_mended(copy: WorkingCopy, spoil: Callable[[str], str]):
+    lock = copy.folder / "dvc.lock"
+    whole = lock.read_text()
+    lock.write_text(spoil(whole))
+    copy.mend("lockfile")
+    assert lock.read_text() == whole

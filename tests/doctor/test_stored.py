@@ -1,0 +1,65 @@
+"""Results in the store that something spoilt."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from industnerf.store import Cost, Store
+from tests.doctor.conftest import WorkingCopy
+
+
+def make(out: Path) -> Cost:
+    (out / "rgb").mkdir()
+    (out / "rgb" / "000.png").write_bytes(b"a picture")
+    (out / "cameras.json").write_text("{}")
+    return Cost(2.0, 70.0, "cpu")
+
+
+@pytest.fixture
+def entry(plain: WorkingCopy) -> Path:
+    """A result as the store makes it."""
+    Store(plain.places.store).put("views", "k", make)
+    return plain.places.store / "views" / "k"
+
+
+def rewrite(path: Path, text: str) -> None:
+    path.chmod(0o644)
+    path.write_text(text)
+    path.chmod(0o444)
+
+
+TORN = {
+    "out": (lambda entry: shutil.rmtree(entry / "out"), "has nothing in out/"),
+    "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 2 files are empty"),
+    "no cost": (lambda entry: (entry / "cost.json").unlink(), "has no cost.json"),
+    "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "cost.json is torn"),
+    "another cost": (lambda entry: rewrite(entry / "cost.json", '{"s": 1}'), "cost.json is torn"),
+}
+
+
+def test_a_result_as_the_store_makes_it_is_right(plain: WorkingCopy, entry: Path):
+    assert plain.find("stored") == []
+
+
+@pytest.mark.parametrize(("spoil", "said"), TORN.values(), ids=TORN)
+def test_a_torn_result_is_removed_and_can_be_made_anew(
+    plain: WorkingCopy, entry: Path, spoil: Callable[[Path], None], said: str
+):
+    spoil(entry)
+    (finding,) = plain.find("stored")
+    assert said in finding.what
+    plain.mend("stored")
+    store = Store(plain.places.store)
+    store.put("views", "k", make)
+    assert store.cost("views", "k") == Cost(2.0, 70.0, "cpu")
+
+
+def test_a_file_that_can_be_written_to_is_found_and_closed(plain: WorkingCopy, entry: Path):
+    picture = entry / "out/rgb/000.png"
+    picture.chmod(0o644)
+    (finding,) = plain.find("stored")
+    assert finding.what == "1 of 2 files can be written to, such as 000.png (-rw-r--r--)"
+    plain.mend("stored")
+    assert picture.read_bytes() == b"a picture"
