@@ -80,12 +80,15 @@ def test_a_killed_dvc_is_told_of_and_needs_no_mending(copy: WorkingCopy):
     rwlock = copy.folder / ".dvc/tmp/rwlock"
     (copy.folder / "pause").write_text("600")
     process = copy.start("exec dvc repro -f")
-    wait_for(lambda: rwlock.exists() and f'"pid": {process.pid}' in rwlock.read_text())
-    (busy,) = copy.find("locks")
-    assert busy.what.endswith("is at work")
-    os.killpg(process.pid, signal.SIGKILL)
-    process.communicate()
-    (copy.folder / "pause").write_text("0")
+    try:
+        wait_for(lambda: rwlock.exists() and f'"pid": {process.pid}' in rwlock.read_text())
+        busy = copy.find("locks")
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        (copy.folder / "pause").write_text("0")
+    assert busy
+    assert all(finding.what.endswith("is at work") for finding in busy)
     (finding,) = copy.find("locks")
     assert f"names process {process.pid}" in finding.what
     assert not finding.is_wrong

@@ -1,0 +1,18 @@
+"""Write docs/hyperparameters.md: python -m industnerf.report.hyperparameters"""
+
+from pathlib import Path
+
+from industnerf.cli import exit_with_message
+from industnerf.config import PARAMS, load_stages, read_yaml
+from industnerf.report.hyperparameters.document import document
+
+OUT = Path("docs/hyperparameters.md")
+
+
+def main() -> None:
+    OUT.write_text(document(PARAMS.read_text(), read_yaml(PARAMS), load_stages()))
+    print(f"wrote {OUT}")
+
+
+if __name__ == "__main__":
+    exit_with_message(main)
