@@ -6,20 +6,38 @@ from typing import get_args, get_type_hints
 
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
 from industnerf.config import build, load_params
+from industnerf.report.leaves import leaves
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
 
 CONF = Path(__file__).parents[2] / "conf"
+SWEEPS = ["leakage", *(path.stem for path in sorted(CONF.glob("experiment/sweep-*.yaml")))]
 NETS = ("r2n2", "atlasnet", "occupancy")
 
 
-def composed(preset: str, monkeypatch: pytest.MonkeyPatch) -> Params:
+def composed(preset: str, monkeypatch: pytest.MonkeyPatch, *overrides: str) -> Params:
     monkeypatch.setenv("INDUSTNERF_ROOT", str(CONF.parent))
     with initialize_config_dir(str(CONF), version_base="1.3"):
-        return build(Params, OmegaConf.to_container(compose("config", [f"experiment={preset}"])))
+        values = compose("config", [f"experiment={preset}", *overrides])
+    return build(Params, OmegaConf.to_container(values))
+
+
+def points_of(preset: str, monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
+    """The overrides of every point of a preset that is a sweep."""
+    monkeypatch.setenv("INDUSTNERF_ROOT", str(CONF.parent))
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        hydra = compose("config", [f"experiment={preset}"], return_hydra_config=True).hydra
+    assert hydra.mode.name == "MULTIRUN"
+    swept = [f"{key}={values}" for key, values in hydra.sweeper.params.items()]
+    (points,) = BasicSweeper.split_arguments(
+        OverridesParser.create().parse_overrides(swept), max_batch_size=None
+    )
+    return points
 
 
 @pytest.mark.parametrize("preset", [path.stem for path in sorted(CONF.glob("experiment/*.yaml"))])
@@ -55,3 +73,21 @@ def test_every_reading_that_is_not_the_default_has_a_file_that_changes_it_alone(
 def test_the_nets_say_which_size_they_have(preset, size, monkeypatch):
     methods = composed(preset, monkeypatch).method
     assert {getattr(methods, name).size for name in NETS} == {size}
+
+
+@pytest.mark.parametrize("preset", SWEEPS)
+def test_every_point_of_a_sweep_is_valid_and_differs_in_what_is_swept(preset, monkeypatch):
+    points = points_of(preset, monkeypatch)
+    studies = [leaves(asdict(composed(preset, monkeypatch, *point))) for point in points]
+    differing = {key for s in studies for key in s if s[key] != studies[0][key]}
+    assert len(differing) == 1
+    assert len({str(s[next(iter(differing))]) for s in studies}) == len(points) >= 3
+
+
+@pytest.mark.parametrize("preset", [name for name in SWEEPS if name != "leakage"])
+def test_sweeps_look_at_dev_parts_only(preset, monkeypatch):
+    dev = set(composed("dev", monkeypatch).parts.select)
+    for point in points_of(preset, monkeypatch):
+        parts = composed(preset, monkeypatch, *point).parts.select
+        assert parts
+        assert set(parts) <= dev

@@ -1,93 +1,73 @@
-"""After a sweep: a table of its points, and a plot of EMD against what was swept."""
+"""After a sweep: a table of its points, how costs grow, and a plot.
+
+sweep.csv    a row a point, method and split: EMD with interval, seconds, memory
+trend.csv    exponents of seconds and memory, where what is swept is a number
+sweep.png    the same
+"""
 
 import csv
 import io
-import json
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_text
-from industnerf.config import flat, read_yaml
+from industnerf.report.sweep_plot import plot
+from industnerf.report.sweep_points import Point, Result, read_points, swept_keys
+from industnerf.report.sweep_series import Trend, series, trends
 
-
-@dataclass(frozen=True)
-class Point:
-    """One finished point of a sweep."""
-
-    number: int
-    params: dict[str, str]
-    metrics: dict[str, float]
+COLUMNS = ("method", "split", "emd", "low", "high", "x floor", "seconds", "peak_mb")
 
 
 def write_sweep(folder: Path) -> int:
-    """Write `sweep.csv` and `sweep.png` into `folder`, print the table; returns failed points."""
-    started = sorted(folder.glob("*/params.yaml"), key=lambda path: int(path.parent.name))
-    points = [_read(path.parent) for path in started if _summary(path.parent).exists()]
+    """Write the three files into `folder`, print the tables; returns failed points."""
+    points = read_points(folder)
     failed = len([p for p in folder.iterdir() if p.name.isdigit()]) - len(points)
     if points:
         swept = swept_keys(points)
-        methods = sorted({name.rsplit(".", 1)[0] for p in points for name in p.metrics})
-        lines = _lines(points, swept, methods)
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows(lines)
-        write_text(folder / "sweep.csv", text.getvalue())
-        _plot(points, swept, methods, folder / "sweep.png")
-        _show(lines, folder)
+        lines, found = series(points, swept), trends(series(points, swept))
+        table, growth = _table(points, swept), _growth(found)
+        write_text(folder / "sweep.csv", _csv(table))
+        write_text(folder / "trend.csv", _csv(growth))
+        plot(lines, found, swept[0], folder / "sweep.png")
+        _show(table, growth, folder)
     return failed
 
 
-def swept_keys(points: list[Point]) -> list[str]:
-    """The parameters that differ between points, or `preset` where none does."""
-    keys = [key for key in points[0].params if len({str(p.params[key]) for p in points}) > 1]
-    return keys or ["preset"]
+def _table(points: list[Point], swept: list[str]) -> list[list[str]]:
+    head = ["point", *swept, *COLUMNS]
+    return [head] + [_line(p, swept, r) for p in points for r in p.results]
 
 
-def _summary(point: Path) -> Path:
-    return point / "reports" / "summary.json"
+def _line(point: Point, swept: list[str], result: Result) -> list[str]:
+    costs = ["" if cost is None else f"{cost:.2f}" for cost in (result.seconds, result.peak_mb)]
+    emd = [f"{value:.5f}" for value in (result.emd, result.low, result.high)]
+    keys = [str(point.params.get(key)) for key in swept]
+    ratio = f"{result.ratio:.3f}"
+    return [str(point.number), *keys, result.method, result.split, *emd, ratio, *costs]
 
 
-def _read(point: Path) -> Point:
-    metrics = json.loads(_summary(point).read_text())["metrics"]
-    return Point(int(point.name), flat(read_yaml(point / "params.yaml")), metrics)
+def _growth(found: list[Trend]) -> list[list[str]]:
+    head = ["series", "quantity", "exponent", "standard error", "points"]
+    return [head] + [
+        [t.label, t.quantity, f"{t.law.exponent:.3f}", f"{t.law.error:.3f}", str(t.law.points)]
+        for t in found
+    ]
 
 
-def _lines(points: list[Point], swept: list[str], methods: list[str]) -> list[list[str]]:
-    head = ["point", *swept, *(f"{m} {name}" for m in methods for name in ("emd", "x floor"))]
-    lines = [head]
-    for p in points:
-        pairs = [
-            (p.metrics.get(f"{m}.emd_even"), p.metrics.get(f"{m}.ratio_to_floor")) for m in methods
-        ]
-        numbers = [f"{n:.5f}" if n is not None else "" for pair in pairs for n in pair]
-        lines.append([str(p.number), *(str(p.params[key]) for key in swept), *numbers])
-    return lines
+def _csv(lines: list[list[str]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(lines)
+    return text.getvalue()
 
 
-def _plot(points: list[Point], swept: list[str], methods: list[str], path: Path) -> None:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
-    axis = figure.subplots()
-    x = [p.params[swept[0]] for p in points]
-    numeric = all(isinstance(value, int | float) for value in x)
-    for method in methods:
-        pairs = [(at, p.metrics.get(f"{method}.emd_even")) for at, p in zip(x, points, strict=True)]
-        known = [pair for pair in pairs if pair[1] is not None]
-        ordered = sorted(known) if numeric else [(str(at), value) for at, value in known]
-        axis.plot(*zip(*ordered, strict=True), marker="o", label=method)
-    axis.set(xlabel=swept[0], ylabel="EMD (even), bounding-box diagonals")
-    axis.set_ylim(bottom=0)
-    axis.legend()
-    figure.savefig(path, dpi=120)
-
-
-def _show(lines: list[list[str]], folder: Path) -> None:
-    table = Table(*lines[0], title="EMD over the sweep")
-    for line in lines[1:]:
-        table.add_row(*line)
+def _show(table: list[list[str]], growth: list[list[str]], folder: Path) -> None:
     console = Console()
-    console.print(table)
+    for title, lines in (("EMD over the sweep", table), ("How costs grow", growth)):
+        shown = Table(*lines[0], title=title)
+        for line in lines[1:]:
+            shown.add_row(*line)
+        if len(lines) > 1:
+            console.print(shown)
     console.print(f"{folder / 'sweep.csv'}, {folder / 'sweep.png'}", markup=False)

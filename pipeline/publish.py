@@ -1,0 +1,59 @@
+"""Bring a finished sweep into docs/sweeps/, and its row into the table of docs/sweeps.md.
+
+python -m pipeline.publish runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
+python -m pipeline.publish        only writes the table anew
+"""
+
+import re
+import shutil
+import sys
+from datetime import date
+from pathlib import Path
+
+from PIL import Image
+
+from industnerf.artifacts.files import write_json
+from industnerf.cli import exit_with_message
+from industnerf.config import read_yaml
+from industnerf.errors import BadArtifact
+from industnerf.report.sweep_index import PUBLISHED, index, presets
+from industnerf.report.sweep_points import core_seconds
+from industnerf.tracking import git_state
+
+DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
+
+
+def main(sweep: str = "", machine: str = "") -> None:
+    if sweep:
+        publish(Path(sweep), machine)
+    block = f"<!-- sweeps -->\n{index(Path.cwd())}<!-- end sweeps -->"
+    text = re.sub(
+        r"<!-- sweeps -->.*<!-- end sweeps -->", lambda _: block, DOCUMENT.read_text(), flags=re.S
+    )
+    DOCUMENT.write_text(text)
+
+
+def publish(sweep: Path, machine: str) -> None:
+    """Copy tables and plot; raises BadArtifact if the sweep is not finished or of no preset."""
+    if not (sweep / "sweep.csv").exists():
+        raise BadArtifact(f"{sweep}/sweep.csv is missing; a sweep writes it at its end")
+    name = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
+    if name not in [preset.name for preset in presets(Path.cwd())]:
+        raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep-* of conf/experiment/")
+    folder = PUBLISHED / name
+    folder.mkdir(parents=True, exist_ok=True)
+    for table in ("sweep.csv", "trend.csv"):
+        shutil.copy(sweep / table, folder / table)
+    with Image.open(sweep / "sweep.png") as plot:
+        plot.convert("RGB").quantize(COLOURS).save(folder / "sweep.png", optimize=True)
+    about = {
+        "date": date.today().isoformat(),
+        "commit": git_state().get("git.commit", "unknown")[:7],
+        "machine": machine or "unknown",
+        "core_minutes": round(core_seconds(sweep) / 60, 1),
+    }
+    write_json(folder / "about.json", about)
+
+
+if __name__ == "__main__":
+    exit_with_message(lambda: main(*sys.argv[1:]))

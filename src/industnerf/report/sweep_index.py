@@ -1,0 +1,82 @@
+"""The table of docs/sweeps.md: every sweep preset, what it asks, and what came out."""
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
+HEAD = ("sweep", "question", "points", "time", "result")
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A preset as its first comments describe it: what it asks, and how long it may take."""
+
+    name: str
+    question: str
+    time: str
+
+
+def presets(root: Path) -> list[Preset]:
+    """The sweep presets below `root`, by name."""
+    return [_preset(path) for path in sorted((root / PRESETS).glob("sweep-*.yaml"))]
+
+
+def _preset(path: Path) -> Preset:
+    """Comments: the package, the question, the time."""
+    _, question, time = (line.lstrip("# ") for line in path.read_text().splitlines()[:3])
+    return Preset(path.stem, question, time.rstrip("."))
+
+
+def index(root: Path) -> str:
+    """Markdown: a row a preset, then the plot of each that was run."""
+    found = presets(root)
+    rows = [list(HEAD), ["---"] * len(HEAD)] + [_row(root, preset) for preset in found]
+    table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    return table + "".join(_plate(root, p) for p in found if _published(root, p))
+
+
+def _row(root: Path, preset: Preset) -> list[str]:
+    name = f"`{preset.name}`"
+    if not _published(root, preset):
+        return [name, preset.question, "", f"{preset.time.lower()}, estimated", "not yet run"]
+    folder = root / PUBLISHED / preset.name
+    lines = _lines(folder / "sweep.csv")
+    points = len({line["point"] for line in lines})
+    result = f"{_ends(lines)} ([table](sweeps/{preset.name}/sweep.csv))"
+    time = f"{_about(root, preset)['core_minutes']} minutes of one core, measured"
+    return [name, preset.question, str(points), time, result]
+
+
+def _ends(lines: list[dict[str, str]]) -> str:
+    """EMD at the first and at the last point, of each method."""
+    methods = dict.fromkeys(line["method"] for line in lines)
+    swept = list(lines[0])[1]
+    texts = []
+    for method in methods:
+        first, *_, last = [line for line in lines if line["method"] == method]
+        texts.append(f"`{method}` {float(first['emd']):.4f} to {float(last['emd']):.4f}")
+    return f"EMD at `{swept}` {lines[0][swept]} and {lines[-1][swept]}: {', '.join(texts)}"
+
+
+def _plate(root: Path, preset: Preset) -> str:
+    about = _about(root, preset)
+    return (
+        f"\n![{preset.name}](sweeps/{preset.name}/sweep.png)\n\n"
+        f"`{preset.name}`, {about['date']}, at commit {about['commit']}, {about['machine']}.\n"
+    )
+
+
+def _about(root: Path, preset: Preset) -> dict[str, Any]:
+    return json.loads((root / PUBLISHED / preset.name / "about.json").read_text())
+
+
+def _published(root: Path, preset: Preset) -> bool:
+    return (root / PUBLISHED / preset.name / "about.json").exists()
+
+
+def _lines(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))

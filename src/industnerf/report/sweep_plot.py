@@ -1,0 +1,67 @@
+"""The plot of a sweep: EMD with its interval, seconds and memory, over what was swept."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from industnerf.report.sweep_points import SELECT
+from industnerf.report.sweep_series import COSTS, Series, Trend
+
+SPAN = 4  # numbers that span more than this factor stand on a logarithmic axis
+NAMES = {"seconds": "s a part", "peak_mb": "peak MB"}
+
+
+def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None:
+    """Write the PNG `path`; a dashed line is a fitted power law, the legend has its exponent."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 8.0), layout="constrained")
+    emd, *costs = figure.subplots(1 + len(COSTS), 1, sharex=True)
+    for i, line in enumerate(lines):
+        _emd(emd, line, f"C{i}")
+        for axis, quantity in zip(costs, COSTS, strict=True):
+            law = next((t for t in trends if (t.label, t.quantity) == (line.label, quantity)), None)
+            _cost(axis, line, quantity, law, f"C{i}")
+    emd.set(ylabel="EMD (even), diagonals")
+    emd.set_ylim(bottom=0)
+    emd.legend(fontsize="small")
+    for axis, quantity in zip(costs, COSTS, strict=True):
+        axis.set(ylabel=NAMES[quantity], yscale="log" if axis.lines else "linear")
+        if axis.get_legend_handles_labels()[1]:
+            axis.legend(fontsize="small")
+    _horizontal(costs[-1], lines, key)
+    figure.savefig(path, dpi=100)
+
+
+def _emd(axis: Any, line: Series, colour: str) -> None:
+    y = np.array([result.emd for result in line.results])
+    below = y - [result.low for result in line.results]
+    above = [result.high for result in line.results] - y
+    # a percentile interval need not hold the mean
+    bars = np.maximum([below, above], 0)
+    axis.errorbar(line.x, y, bars, marker="o", capsize=3, color=colour, label=line.label)
+
+
+def _cost(axis: Any, line: Series, quantity: str, trend: Trend | None, colour: str) -> None:
+    known = [(x, getattr(r, quantity)) for x, r in zip(line.x, line.results, strict=True)]
+    pairs = [(x, y) for x, y in known if y is not None]
+    if not pairs:
+        return
+    axis.plot([x for x, _ in pairs], [y for _, y in pairs], "o" if trend else "o-", color=colour)
+    if trend:
+        x = np.array([x for x in line.x if x > 0])
+        label = f"{line.label}: exponent {trend.law.exponent:.2f} ± {trend.law.error:.2f}"
+        axis.plot(x, trend.law.factor * x**trend.law.exponent, "--", color=colour, label=label)
+
+
+def _horizontal(axis: Any, lines: list[Series], key: str) -> None:
+    axis.set_xlabel("faces of the part" if key == SELECT else key)
+    if not all(line.numeric for line in lines):
+        axis.tick_params(axis="x", labelrotation=20)
+        return
+    x = [each for line in lines for each in line.x]
+    if min(x) > 0 and max(x) / min(x) > SPAN:
+        axis.set_xscale("log")
+        axis.set_xticks(sorted(set(x)), [f"{each:g}" for each in sorted(set(x))])
+        axis.minorticks_off()

@@ -1,0 +1,100 @@
+"""The finished points of a sweep, read from the reports that each of them wrote."""
+
+import csv
+import json
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+from typing import Any
+
+from industnerf.config import read_yaml
+from industnerf.report.leaves import leaves
+
+SELECT = "parts.select"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one method reached at one point, over the parts of one split."""
+
+    method: str
+    split: str
+    emd: float  # even, in bounding-box diagonals
+    low: float  # of the interval of report.interval
+    high: float
+    ratio: float  # to the floor
+    seconds: float | None  # mean of a reconstruction; None where the store does not know
+    peak_mb: float | None
+
+
+@dataclass(frozen=True)
+class Point:
+    """One finished point of a sweep."""
+
+    number: int
+    params: dict[str, Any]  # by dotted key
+    faces: float  # mean of its parts' meshes
+    results: list[Result]
+
+    def at(self, key: str) -> Any:
+        """Where the point stands on the axis `key`: parts by how many faces they have."""
+        return self.faces if key == SELECT else self.params.get(key)
+
+
+def read_points(sweep: Path) -> list[Point]:
+    """The finished points in the folder of a sweep, in their order."""
+    folders = sorted((p for p in sweep.iterdir() if p.name.isdigit()), key=lambda p: int(p.name))
+    return [_read(folder) for folder in folders if (folder / "reports/summary.json").exists()]
+
+
+def swept_keys(points: list[Point]) -> list[str]:
+    """The parameters that differ between points, or `preset` where none does."""
+    names = dict.fromkeys(key for point in points for key in point.params)
+    keys = [key for key in names if len({str(point.params.get(key)) for point in points}) > 1]
+    return keys or ["preset"]
+
+
+def _read(folder: Path) -> Point:
+    seconds, peaks = _costs(folder / "reports")
+    results = [
+        Result(
+            row["method"],
+            row["split"],
+            *(float(row[name]) for name in ("emd_even", "ci_low", "ci_high", "ratio_to_floor")),
+            seconds.get((row["method"], row["split"])),
+            peaks.get((row["method"], row["split"])),
+        )
+        for row in _rows(folder / "reports/table1.csv")
+    ]
+    parts = [json.loads(path.read_text()) for path in folder.glob("data/parts/*/part.json")]
+    params = leaves(read_yaml(folder / "params.yaml"))
+    return Point(int(folder.name), params, fmean(part["faces"] for part in parts), results)
+
+
+def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str, str], float]]:
+    """Mean seconds and mean peak MB of a reconstruction, by method and split."""
+    split_of = {row["part_id"]: row["split"] for row in _rows(reports / "scores.csv")}
+    seconds, peaks = defaultdict(list), defaultdict(list)
+    for row in _rows(reports / "cost.csv"):
+        if row["stage"] == "reconstruct":
+            at = row["method"], split_of[row["part_id"]]
+            seconds[at].append(float(row["seconds"]))
+            peaks[at].append(float(row["peak_mb"]))
+    return _means(seconds), _means(peaks)
+
+
+def core_seconds(sweep: Path) -> float:
+    """What all stages of all points took together; what points share counts once."""
+    rows = [row for path in sweep.glob("*/reports/cost.csv") for row in _rows(path)]
+    distinct = {tuple(row.values()) for row in rows}
+    return sum(float(seconds) for _, _, _, seconds, *_ in distinct)
+
+
+def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:
+    return {at: fmean(values) for at, values in groups.items()}
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))

@@ -1,0 +1,30 @@
+"""docs/sweeps.md: its table is what the presets and the published sweeps say."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from industnerf.report.sweep_index import index, presets
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
+
+
+def test_the_table_is_up_to_date():
+    """If not: python -m pipeline.publish"""
+    (block,) = re.findall(r"<!-- sweeps -->\n(.*)<!-- end sweeps -->", TEXT, re.DOTALL)
+    assert block == index(ROOT)
+
+
+@pytest.mark.parametrize("preset", presets(ROOT), ids=lambda preset: preset.name)
+def test_every_sweep_answers_a_limitation_and_states_its_time(preset):
+    before, _ = TEXT.split("## What was run")
+    assert f"`{preset.name}`" in before or preset.name in before
+    assert re.fullmatch(r"About \d+ minutes on 2 cores", preset.time)
+    assert preset.question
+
+
+def test_every_preset_that_is_named_is_there():
+    named = set(re.findall(r"`(sweep-[\w-]+)`", TEXT))
+    assert named == {preset.name for preset in presets(ROOT)}

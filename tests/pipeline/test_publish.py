@@ -1,0 +1,77 @@
+"""A finished sweep is brought into the documents."""
+
+import json
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from industnerf.errors import BadArtifact
+from pipeline.publish import main
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two presets, a document, and a finished sweep of one of them."""
+    (tmp_path / "conf/experiment").mkdir(parents=True)
+    for name in ("sweep-a", "sweep-b"):
+        text = f"# @package _global_\n# What of {name}?\n# About 3 minutes on 2 cores.\npreset: x\n"
+        (tmp_path / f"conf/experiment/{name}.yaml").write_text(text)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/sweeps.md").write_text("a\n<!-- sweeps -->\n<!-- end sweeps -->\nb\n")
+    sweep = tmp_path / "runs/sweeps/now"
+    for number in "01":
+        (sweep / number / "reports").mkdir(parents=True)
+        (sweep / number / "reports/cost.csv").write_text(
+            "stage,method,part_id,seconds,peak_mb,device\n"
+            f"parts,,p1,30,9,cpu\nreconstruct,hull,p1,6{number},9,cpu\n"
+        )
+    (sweep / "0/params.yaml").write_text("preset: sweep-b\n")
+    (sweep / "sweep.csv").write_text(
+        "point,n,method,split,emd\n0,1,hull,dev,0.03\n0,1,box,dev,0.1\n1,4,hull,dev,0.02\n"
+        "1,4,box,dev,0.1\n"
+    )
+    (sweep / "trend.csv").write_text("series\n")
+    Image.new("RGB", (640, 800), (255, 0, 0)).save(sweep / "sweep.png")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path):
+    main("runs/sweeps/now", "a quiet machine")
+    text = (project / "docs/sweeps.md").read_text()
+    first, second = [line for line in text.splitlines() if line.startswith("| `sweep")]
+    assert first == (
+        "| `sweep-a` | What of sweep-a? |  | about 3 minutes on 2 cores, estimated | not yet run |"
+    )
+    assert second == (
+        "| `sweep-b` | What of sweep-b? | 2 | 2.5 minutes of one core, measured "
+        "| EMD at `n` 1 and 4: `hull` 0.0300 to 0.0200, `box` 0.1000 to 0.1000 "
+        "([table](sweeps/sweep-b/sweep.csv)) |"
+    )
+    assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
+    assert "a quiet machine" in text
+    about = json.loads((project / "docs/sweeps/sweep-b/about.json").read_text())
+    assert set(about) == {"date", "commit", "machine", "core_minutes"}
+    with Image.open(project / "docs/sweeps/sweep-b/sweep.png") as plot:
+        assert plot.size == (640, 800)
+
+
+def test_the_table_alone_can_be_written_anew(project: Path):
+    main()
+    once = (project / "docs/sweeps.md").read_text()
+    main()
+    assert (project / "docs/sweeps.md").read_text() == once
+    assert once.count("not yet run") == 2
+
+
+def test_an_unfinished_sweep_is_refused(project: Path):
+    (project / "runs/sweeps/now/sweep.csv").unlink()
+    with pytest.raises(BadArtifact, match="writes it at its end"):
+        main("runs/sweeps/now")
+
+
+def test_a_sweep_of_no_preset_is_refused(project: Path):
+    (project / "runs/sweeps/now/0/params.yaml").write_text("preset: study\n")
+    with pytest.raises(BadArtifact, match="preset 'study'"):
+        main("runs/sweeps/now")

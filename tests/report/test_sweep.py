@@ -1,0 +1,133 @@
+"""The tables and the plot of a sweep, from reports made up for the purpose."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+from PIL import Image
+
+from industnerf.report.sweep import write_sweep
+from industnerf.report.sweep_points import read_points, swept_keys
+from industnerf.report.sweep_series import series, trends
+
+
+def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, faces: int = 10):
+    """One finished point: two parts, one method, costs `seconds` a part on average."""
+    folder = sweep / str(number)
+    (folder / "reports").mkdir(parents=True)
+    (folder / "params.yaml").write_text(yaml.safe_dump(params))
+    (folder / "reports/summary.json").write_text("{}")
+    (folder / "reports/table1.csv").write_text(
+        "method,split,emd_even,ci_low,ci_high,ratio_to_floor\n"
+        f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5\n"
+    )
+    (folder / "reports/scores.csv").write_text("part_id,split\np1,dev\np2,dev\n")
+    (folder / "reports/cost.csv").write_text(
+        "stage,method,part_id,seconds,peak_mb,device\n"
+        "views,,p1,1000,1000,cpu\n"
+        f"reconstruct,hull,p1,{0.5 * seconds},100,cpu\n"
+        f"reconstruct,hull,p2,{1.5 * seconds},300,cpu\n"
+    )
+    part = folder / "data/parts/p1"
+    part.mkdir(parents=True)
+    (part / "part.json").write_text(json.dumps({"faces": faces}))
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def sweep(tmp_path: Path) -> Path:
+    """Time grows with the cube of the resolution."""
+    for number, resolution in enumerate((40, 10, 20)):
+        values = {"seed": 0, "views": {"resolution": resolution}}
+        point(tmp_path, number, values, 1 / resolution, 1e-3 * resolution**3)
+    return tmp_path
+
+
+def test_a_row_has_emd_interval_and_costs(sweep: Path):
+    assert write_sweep(sweep) == 0
+    first = rows(sweep / "sweep.csv")[0]
+    assert first == {
+        "point": "0",
+        "views.resolution": "40",
+        "method": "hull",
+        "split": "dev",
+        "emd": "0.02500",
+        "low": "0.02250",
+        "high": "0.03250",
+        "x floor": "2.500",
+        "seconds": "64.00",
+        "peak_mb": "200.00",
+    }
+
+
+def test_the_growth_of_costs_is_fitted(sweep: Path):
+    write_sweep(sweep)
+    time, memory = rows(sweep / "trend.csv")
+    assert (time["quantity"], time["exponent"], time["points"]) == ("seconds", "3.000", "3")
+    assert (memory["quantity"], memory["exponent"]) == ("peak_mb", "0.000")
+
+
+def test_the_plot_is_a_picture_of_the_stated_size(sweep: Path):
+    write_sweep(sweep)
+    with Image.open(sweep / "sweep.png") as picture:
+        assert picture.size == (640, 800)
+
+
+def test_an_unfinished_point_counts_as_failed(sweep: Path):
+    (sweep / "3").mkdir()
+    assert write_sweep(sweep) == 1
+
+
+def test_without_costs_there_is_a_table_and_no_trend(sweep: Path):
+    for path in sweep.glob("*/reports/cost.csv"):
+        path.write_text("stage,method,part_id,seconds,peak_mb,device\n")
+    assert write_sweep(sweep) == 0
+    assert rows(sweep / "sweep.csv")[0]["seconds"] == ""
+    assert rows(sweep / "trend.csv") == []
+
+
+def test_points_stand_in_the_order_of_their_numbers(sweep: Path):
+    points = read_points(sweep)
+    assert swept_keys(points) == ["views.resolution"]
+    (line,) = series(points, ["views.resolution"])
+    assert line.x == [10, 20, 40]
+    assert [result.emd for result in line.results] == [0.1, 0.05, 0.025]
+
+
+def test_a_second_swept_key_makes_lines_of_its_own(tmp_path: Path):
+    for number, (count, noise) in enumerate([(4, 0.0), (4, 0.1), (8, 0.0), (8, 0.1)]):
+        point(tmp_path, number, {"views": {"count": count, "noise": noise}}, 0.1, 1.0)
+    points = read_points(tmp_path)
+    lines = series(points, swept_keys(points))
+    assert [line.label for line in lines] == ["hull views.noise=0.0", "hull views.noise=0.1"]
+    assert [line.x for line in lines] == [[4, 8], [4, 8]]
+
+
+def test_what_differs_in_a_list_of_sections_is_the_key_in_it(tmp_path: Path):
+    for number, count in enumerate((5, 6, 7)):
+        point(tmp_path, number, {"levels": [{"n": 1}, {"n": count}]}, 0.1, 1.0)
+    assert swept_keys(read_points(tmp_path)) == ["levels[1].n"]
+
+
+def test_parts_stand_by_how_many_faces_they_have(tmp_path: Path):
+    for number, (name, faces) in enumerate([("a", 800), ("b", 100), ("c", 300)]):
+        point(tmp_path, number, {"parts": {"select": [name]}}, 0.1, faces**2, faces)
+    points = read_points(tmp_path)
+    (line,) = series(points, swept_keys(points))
+    assert line.x == [100, 300, 800]
+    assert trends([line])[0].law.exponent == pytest.approx(2.0)
+
+
+def test_words_are_swept_in_their_order_and_without_trends(tmp_path: Path):
+    for number, rig in enumerate(("sphere", "hemisphere", "rings")):
+        point(tmp_path, number, {"rig": rig}, 0.1, 1.0)
+    assert write_sweep(tmp_path) == 0
+    assert rows(tmp_path / "trend.csv") == []
+    (line,) = series(read_points(tmp_path), ["rig"])
+    assert line.x == ["sphere", "hemisphere", "rings"]
