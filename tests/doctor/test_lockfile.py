@@ -31,3 +31,15 @@ def test_a_spoilt_lock_file_is_found_and_mended(copy: WorkingCopy, spoil: Callab
     lock.write_text(spoil(whole))
     copy.mend("lockfile")
     assert lock.read_text() == whole
+
+
+def test_what_git_has_is_put_back(copy: WorkingCopy):
+    commit = "git -c user.name=a -c user.email=a@b commit -qm all"
+    assert copy.run(f"git init -q && git add -f dvc.lock && {commit}")[0] == 0
+    lock = copy.folder / "dvc.lock"
+    whole = lock.read_text()
+    lock.write_text(whole[:20])
+    (finding,) = copy.find("lockfile")
+    assert finding.mend == "git checkout HEAD -- dvc.lock"
+    copy.mend("lockfile")
+    assert lock.read_text() == whole

@@ -1,5 +1,10 @@
-"""dvc.lock: what DVC believes to have run.  It is rewritten in place: a kill can cut it short."""
+"""dvc.lock: what DVC believes to have run.  It is rewritten in place: a kill can cut it short.
 
+Where git has a whole one, that is put back.  Else the file goes, and `dvc repro` takes finished
+stages from its run cache and the store.
+"""
+
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -14,29 +19,32 @@ LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 def find(places: Places) -> list[Finding]:
     """At most one finding a project.  Without dvc.lock nothing has run, and nothing is wrong."""
-    return [
-        Finding(
-            path,
-            f"{what}; `dvc repro` stops at it or trusts it wrongly, and without the file takes "
-            "finished stages from its run cache",
-            f"rm {places.words(path)} && {project.rerun}",
-        )
-        for project in places.projects()
-        if (path := project.folder / "dvc.lock").exists() and (what := _fault(project, path))
-    ]
+    locked = [project for project in places.projects() if (project.folder / "dvc.lock").exists()]
+    return [finding for project in locked for finding in _findings(places, project)]
 
 
-def _fault(project: Project, path: Path) -> str:
-    """What is wrong with the dvc.lock in `path`, or an empty text."""
-    text = path.read_text(errors="replace")
+def _findings(places: Places, project: Project) -> list[Finding]:
+    path, known = project.folder / "dvc.lock", _stages(project.folder / "dvc.yaml")
+    what = fault(path.read_text(errors="replace"), known)
+    if not what:
+        return []
+    committed = _committed(path)
+    if committed and not fault(committed, known):
+        mend = f"git checkout HEAD -- {places.words(path)}"
+    else:
+        mend = f"rm {places.words(path)} && {project.rerun}"
+    return [Finding(path, f"{what}; DVC stops at it, or trusts it wrongly", mend)]
+
+
+def fault(text: str, known: set[str]) -> str:
+    """What is wrong with `text` as a dvc.lock of the stages `known`, or an empty text."""
     try:
         content = yaml.load(text, LOADER)
     except yaml.YAMLError as error:
         return f"no YAML: {' '.join(str(error).split())[:160]}"
-    wanted = {"schema", "stages"}
-    if not isinstance(content, dict) or not wanted <= set(content):
-        return f"has {len(text)} bytes and lacks schema or stages: cut short"
-    return _stages_fault(content["stages"], _known(project.folder / "dvc.yaml"))
+    if not isinstance(content, dict) or not {"schema", "stages"} <= set(content):
+        return f"has {len(text)} characters and lacks schema or stages: cut short"
+    return _stages_fault(content["stages"], known)
 
 
 def _stages_fault(stages: Any, known: set[str]) -> str:
@@ -49,5 +57,20 @@ def _stages_fault(stages: Any, known: set[str]) -> str:
     return f"has stages that dvc.yaml has not: {', '.join(foreign)}" if foreign else ""
 
 
-def _known(pipeline: Path) -> set[str]:
+def _stages(pipeline: Path) -> set[str]:
     return set(yaml.load(pipeline.read_text(), LOADER)["stages"])
+
+
+def _committed(path: Path) -> str:
+    """The file as git has it, or an empty text."""
+    try:
+        done = subprocess.run(
+            ["git", "show", f"HEAD:./{path.name}"],
+            cwd=path.parent,
+            check=False,
+            capture_output=True,
+            text=True,
+        )
+    except OSError:
+        return ""
+    return done.stdout if done.returncode == 0 else ""
