@@ -29,7 +29,8 @@ def test_a_process_that_nobody_has_reaped_is_dead():
 
 def test_who_holds_a_lock_is_known_while_it_is_held(tmp_path: Path):
     path = tmp_path / "lock"
-    with path.open("w") as file:
+    with path.open("w") as file, (tmp_path / "other").open("w") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
         assert holder(path) is None
         fcntl.flock(file, fcntl.LOCK_EX)
         assert holder(path) == os.getpid()
