@@ -9,6 +9,7 @@ import csv
 import io
 from pathlib import Path
 
+from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
@@ -18,6 +19,7 @@ from industnerf.report.sweep_points import Point, Result, read_points, swept_key
 from industnerf.report.sweep_series import Trend, series, trends
 
 COLUMNS = ("method", "split", "emd", "low", "high", "x floor", "seconds", "peak_mb")
+ONLY_IN_FILES = ("point", "split", "low", "high")  # the others fit into 80 characters
 
 
 def write_sweep(folder: Path) -> int:
@@ -65,9 +67,10 @@ def _csv(lines: list[list[str]]) -> str:
 def _show(table: list[list[str]], growth: list[list[str]], folder: Path) -> None:
     console = Console()
     for title, lines in (("EMD over the sweep", table), ("How costs grow", growth)):
-        shown = Table(*lines[0], title=title)
+        wanted = [i for i, name in enumerate(lines[0]) if name not in ONLY_IN_FILES]
+        shown = Table(*(lines[0][i] for i in wanted), title=title, box=SIMPLE, padding=(0, 1))
         for line in lines[1:]:
-            shown.add_row(*line)
+            shown.add_row(*(line[i] for i in wanted))
         if len(lines) > 1:
             console.print(shown)
     console.print(f"{folder / 'sweep.csv'}, {folder / 'sweep.png'}", markup=False)
