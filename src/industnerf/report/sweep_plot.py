@@ -25,7 +25,7 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
             _cost(axis, line, quantity, law, f"C{i}")
     emd.set(ylabel="EMD (even), diagonals")
     emd.set_ylim(bottom=0)
-    emd.legend(fontsize="small")
+    emd.legend(fontsize="small", loc="lower left")  # nothing is as near to 0
     for axis, quantity in zip(costs, COSTS, strict=True):
         axis.set(ylabel=NAMES[quantity], yscale="log" if axis.lines else "linear")
         if axis.get_legend_handles_labels()[1]:
