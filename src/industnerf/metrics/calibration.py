@@ -7,11 +7,12 @@ every order of them would give, so a confidence that is the same everywhere is a
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import rankdata
 
 
 def spearman(a: Float[np.ndarray, "n"], b: Float[np.ndarray, "n"]) -> float:
     """Correlation of the ranks, in [-1, 1]; ties share their mean rank.  0 if all are tied."""
+    from scipy.stats import rankdata  # late: it takes a second to import
+
     ranks = [rankdata(values) - (len(values) + 1) / 2 for values in (a, b)]
     spread = np.sqrt((ranks[0] ** 2).sum() * (ranks[1] ** 2).sum())
     return float((ranks[0] * ranks[1]).sum() / spread) if spread else 0.0

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from industnerf.geometry.closest import distance_to_surface
 from industnerf.metrics.chamfer import nearest
 from industnerf.metrics.values import Value
 from industnerf.metrics.visible import Frame
@@ -26,6 +25,9 @@ def inspected(
     the larger of the 95th percentiles of the deviations and of the distances of what is `seen` to
     its nearest point.
     """
+    # late: a stage that only names the metric need not wait for Warp
+    from industnerf.geometry.closest import distance_to_surface
+
     mesh, to_mm = frame.mesh, frame.diagonal_mm
     away = distance_to_surface(shown, frame.unit(mesh.vertices), mesh.faces) * to_mm
     missed = nearest(seen, shown) * to_mm
