@@ -11,13 +11,18 @@ from industnerf.artifacts.views import load_views
 from tests.pipeline.conftest import Project
 
 REPORT = {
+    "comparisons.csv",
+    "comparisons.md",
     "contact_sheet.png",
     "cost.csv",
     "report.html",
     "scores.csv",
+    "strata.csv",
+    "strata.md",
     "summary.json",
     "table1.csv",
     "table1.md",
+    "table2.csv",
     "table2.md",
 }
 TABLE1 = (

@@ -1,9 +1,15 @@
-"""Intervals by cluster bootstrap."""
+"""Intervals by cluster bootstrap, sign-flip tests, and Holm's correction."""
+
+from itertools import product
+from math import comb
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from industnerf.report.statistics import bootstrap_interval
+from industnerf.report import statistics
+from industnerf.report.statistics import bootstrap_interval, holm, sign_flip_p
 
 
 def rng():
@@ -34,3 +40,85 @@ def test_parts_of_a_family_do_not_count_as_independent():
 
 def test_one_family_gives_the_range():
     assert bootstrap_interval([1.0, 3.0, 2.0], ["a"] * 3, 100, 0.95, rng()) == (1.0, 3.0)
+
+
+def slow_p(differences, families):
+    """All patterns of signs in a loop; every part is looked at in every pattern."""
+    names = sorted(set(families))
+    found, extreme = abs(sum(differences)), 0
+    for signs in product((1, -1), repeat=len(names)):
+        sign = dict(zip(names, signs, strict=True))
+        total = sum(sign[f] * d for f, d in zip(families, differences, strict=True))
+        extreme += abs(total) >= found
+    return extreme / 2 ** len(names)
+
+
+whole = st.integers(-20, 20)  # whole numbers add up exactly: ties are ties in any order
+
+
+@given(st.lists(st.tuples(whole, st.sampled_from("abcdef")), min_size=1, max_size=12))
+def test_the_p_value_is_that_of_a_loop_over_all_patterns(rows):
+    differences, families = [float(d) for d, _ in rows], [f for _, f in rows]
+    assert sign_flip_p(differences, families, rng()) == slow_p(differences, families)
+
+
+def test_the_p_value_of_equal_differences_is_a_sign_tests():
+    """k of n families differ by +1, the others by -1: both tails of the binomial distribution."""
+    n, k = 16, 13
+    differences = [1.0] * k + [-1.0] * (n - k)
+    tails = 2 * sum(comb(n, i) for i in range(k, n + 1)) / 2**n
+    assert sign_flip_p(differences, [str(i) for i in range(n)], rng()) == tails
+
+
+def test_one_sided_families_have_the_least_p_and_one_family_proves_nothing():
+    differences = [0.1, 0.3, 0.02, 0.4, 0.05, 0.6]
+    # nothing but all signs, or none, is as far from 0: although 0.1 + 0.3 is no sum that a
+    # computer has, and is another one in another order
+    assert sign_flip_p(differences, list("abcdef"), rng()) == 2 / 2**6
+    assert sign_flip_p(differences, list("aabbcc"), rng()) == 2 / 2**3
+    assert sign_flip_p(differences, ["a"] * 6, rng()) == 1
+    assert sign_flip_p([0.0] * 6, list("abcdef"), rng()) == 1
+
+
+def test_neither_scale_nor_sign_nor_order_of_the_parts_moves_p():
+    values = np.random.default_rng(2).normal(0.3, 1, 30)
+    families = [str(i % 9) for i in range(30)]
+    p = sign_flip_p(list(values), families, rng())
+    assert sign_flip_p(list(-1e-3 * values), families, rng()) == p
+    assert sign_flip_p(list(values[::-1]), families[::-1], rng()) == p
+
+
+def test_drawn_patterns_agree_with_all_of_them(monkeypatch):
+    values = list(np.random.default_rng(3).normal(0.4, 1, 12))
+    families = [str(i) for i in range(12)]
+    exact = sign_flip_p(values, families, rng())
+    monkeypatch.setattr(statistics, "EXACT", 11)
+    drawn = sign_flip_p(values, families, rng())
+    # four standard errors of a share of so many draws
+    assert drawn == pytest.approx(exact, abs=4 * (exact * (1 - exact) / statistics.DRAWS) ** 0.5)
+    assert drawn != exact
+    assert drawn == sign_flip_p(values, families, rng())
+
+
+def test_a_drawn_p_is_never_0():
+    """Of 2**60 patterns two are as far from 0: none is drawn, but the one found counts."""
+    p = sign_flip_p([1.0] * 60, [str(i) for i in range(60)], rng())
+    assert p == 1 / (1 + statistics.DRAWS)
+
+
+def test_holm_by_hand():
+    """4 x 0.01, then 3 x 0.013 is less and stays there, 2 x 0.03 and 1 x 0.9."""
+    assert holm([0.03, 0.01, 0.9, 0.013]) == pytest.approx([0.06, 0.04, 0.9, 0.04])
+    assert holm([0.5, 0.6]) == [1.0, 1.0]
+    assert holm([]) == []
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=12), st.floats(0.001, 0.999))
+def test_holm_rejects_what_the_step_down_procedure_does(p_values, level):
+    """Holm's own wording: go on, from the smallest, until one p exceeds level / (tests left)."""
+    rejected = []
+    for i in sorted(range(len(p_values)), key=p_values.__getitem__):
+        if (len(p_values) - len(rejected)) * p_values[i] > level:
+            break
+        rejected.append(i)
+    assert [i for i, p in enumerate(holm(p_values)) if p <= level] == sorted(rejected)

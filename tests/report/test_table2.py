@@ -1,5 +1,7 @@
 """Table 2: who is in it, over which parts, and what stands beside each loss."""
 
+import csv
+import io
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,16 @@ from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
 from industnerf.report.gather import Folders, Study
 from industnerf.report.page import page
-from industnerf.report.table2 import LEFT_OUT, LOSSES, cells, means, table2, table2_md
+from industnerf.report.subsets import figure3
+from industnerf.report.table2 import (
+    LEFT_OUT,
+    LOSSES,
+    cells,
+    means,
+    table2,
+    table2_csv,
+    table2_md,
+)
 from industnerf.report.tables import Extra, table1
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
@@ -75,20 +86,21 @@ def test_every_loss_of_whoever_renders_and_nobody_else():
     lines = table2(study_of(rendering=True), SETTINGS)
     assert {line.method for line in lines} == {"hull"}
     names = [loss.name for loss in LOSSES]
-    assert [line.loss.name for line in lines] == [*names, *names]
-    assert [line.split for line in lines] == ["test"] * len(names) + ["dev"] * len(names)
+    assert [line.loss.name for line in lines] == 3 * names
+    subsets = [name for name in ("all", "figure3", "dev") for _ in names]
+    assert [line.subset for line in lines] == subsets
 
 
 def test_a_mean_is_over_the_parts_that_have_it_and_failures_are_counted():
-    lines = {(line.loss.metric, line.split): line for line in table2(study_of(True), SETTINGS)}
-    rgb, emd = lines["rgb_mse", "test"], lines["emd", "test"]
+    lines = {(line.loss.metric, line.subset): line for line in table2(study_of(True), SETTINGS)}
+    rgb, emd = lines["rgb_mse", "all"], lines["emd", "all"]
     assert rgb.mean == pytest.approx((0.01 + 0.02) / 2)  # of a and b
     assert rgb.ci_low <= rgb.mean <= rgb.ci_high
     assert rgb.frame == pytest.approx(0.005)
     assert (rgb.parts, rgb.failures) == (2, 1)
     assert (emd.parts, emd.failures) == (3, 1)
     assert (emd.best, emd.frame) == (pytest.approx(0.05), None)
-    assert lines["coverage", "test"].frame is None
+    assert lines["coverage", "all"].frame is None
     assert lines["rgb_mse", "dev"].mean == pytest.approx(0.04)
 
 
@@ -105,16 +117,43 @@ def test_the_file_and_the_page_hold_the_lines():
     study = study_of(rendering=True)
     text = table2_md(table2(study, SETTINGS), SETTINGS.interval)
     assert "| 90 % |" in text.splitlines()[0]
-    assert len(text.splitlines()) == 2 + 2 * len(LOSSES)
-    line = "| hull | RGB 2D (MSE) | test | 0.01500 | "
+    assert len(text.splitlines()) == 2 + 3 * len(LOSSES)
+    line = "| hull | RGB 2D (MSE) | all | 0.01500 | "
     assert line in text
     assert "<h2>Table 2</h2>" in show(study)
-    assert "<td>RGB 2D (MSE)<td>test<td>0.01500<td>" in show(study)
+    assert "<td>RGB 2D (MSE)<td>all<td>0.01500<td>" in show(study)
+
+
+def test_figure_3_has_one_part_of_every_family():
+    """Parts a and b are of one family, c, which failed, is the only one of the other."""
+    study = study_of(rendering=True)
+    (shown,) = figure3(study) - {"c"}
+    lines = {(line.loss.metric, line.subset): line for line in table2(study, SETTINGS)}
+    rgb, emd = lines["rgb_mse", "figure3"], lines["emd", "figure3"]
+    assert (rgb.parts, emd.parts, emd.failures) == (1, 2, 1)
+    assert rgb.mean == pytest.approx({"a": 0.01, "b": 0.02}[shown])
+
+
+def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
+    text = table2_csv(table2(study_of(rendering=True), SETTINGS))
+    assert text.splitlines()[0] == "method,subset,loss,value,ci_low,ci_high,unit,paper"
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [(row["subset"], row["loss"]) for row in rows] == [
+        (subset, loss) for subset in ("all", "figure3") for loss in ("emd", "rgb_mse", "depth_mse")
+    ]
+    assert rows[1]["value"] == "0.015"
+    assert {row["loss"]: row["paper"] for row in rows} == {
+        "emd": "0.0121665",
+        "rgb_mse": "0.0986291",
+        "depth_mse": "0.0117503",
+    }
+    assert {row["unit"] for row in rows} == {"1"}
 
 
 def test_without_a_method_that_renders_it_is_left_out_and_said():
     study = study_of(rendering=False)
     assert table2(study, SETTINGS) == []
+    assert len(table2_csv([]).splitlines()) == 1
     assert table2_md([], SETTINGS.interval) == f"{LEFT_OUT}\n"
     assert "Table 2</h2>" not in show(study)
     assert LEFT_OUT in show(study)

@@ -1,8 +1,10 @@
 """Write the report's folder.
 
 table1.csv scores.csv      results
+table2.csv table2.md       renderings and confidence, of methods that return them
+comparisons.csv .md        what is better than what, beyond chance
+strata.csv .md             which kinds of parts suit which method
 contact_sheet.png report.html
-table2.md                  renderings and confidence, of methods that return them
 summary.json               the means, for `dvc metrics` and MLflow
 cost.csv table1.md         with timings, so they differ from run to run
 """
@@ -14,11 +16,13 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_json, write_text
+from industnerf.report.comparisons import comparisons, comparisons_csv, comparisons_md
 from industnerf.report.costs import costs_csv, read_costs, seconds_per_part
 from industnerf.report.gather import Study
 from industnerf.report.page import page
 from industnerf.report.sheet import choose_parts, contact_sheet
-from industnerf.report.table2 import Line, means, table2, table2_md
+from industnerf.report.strata import strata, strata_csv, strata_md
+from industnerf.report.table2 import Line, means, table2, table2_csv, table2_md
 from industnerf.report.tables import (
     COLUMNS,
     Extra,
@@ -48,13 +52,23 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     sheet = contact_sheet(study, choose_parts(study, settings.sheet_parts))
     write_text(out / "table1.csv", table1_csv(rows))
     write_text(out / "table1.md", table1_md(rows, extras, settings.interval))
+    write_text(out / "table2.csv", table2_csv(lines))
     write_text(out / "table2.md", table2_md(lines, settings.interval))
+    _write_statistics(study, settings, out)
     write_text(out / "scores.csv", scores_csv(study))
     write_text(out / "cost.csv", costs_csv(costs))
     write_text(out / "report.html", page(study, rows, untimed, lines, sheet))
     (out / "contact_sheet.png").write_bytes(sheet)
     write_json(out / "summary.json", _summary(study, rows, lines, out))
     _show(rows, extras, out)
+
+
+def _write_statistics(study: Study, settings: ReportParams, out: Path) -> None:
+    compared, kinds = comparisons(study, settings), strata(study, settings)
+    write_text(out / "comparisons.csv", comparisons_csv(compared))
+    write_text(out / "comparisons.md", comparisons_md(compared, settings.interval))
+    write_text(out / "strata.csv", strata_csv(kinds))
+    write_text(out / "strata.md", strata_md(kinds))
 
 
 def _summary(study: Study, rows: list[Row], lines: list[Line], out: Path) -> dict:

@@ -1,12 +1,11 @@
 """What each result cost, from the store's side-cars; unknown where the store is not at hand."""
 
-import csv
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 
+from industnerf.report.formats import csv_text
 from industnerf.report.gather import Folders
 from industnerf.stage import read_index
 from industnerf.store import Cost, Store
@@ -43,12 +42,10 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 def costs_csv(rows: list[CostRow]) -> str:
     """`cost.csv`: stage,method,part_id,seconds,peak_mb,device."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["stage", "method", "part_id", *Cost.__dataclass_fields__])
-    for row in rows:
-        table.writerow([row.stage, row.method, row.part_id, *vars(row.cost).values()])
-    return text.getvalue()
+    lines = [
+        [row.stage, row.method, row.part_id, *map(str, vars(row.cost).values())] for row in rows
+    ]
+    return csv_text(["stage", "method", "part_id", *Cost.__dataclass_fields__], lines)
 
 
 def seconds_per_part(rows: list[CostRow], method: str) -> float | None:

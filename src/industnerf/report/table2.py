@@ -1,13 +1,19 @@
-"""Table 2: what a method's renderings of the held-out views are worth, and its confidence."""
+"""Table 2: what a method's renderings of the held-out views are worth, and its confidence.
+
+The paper scores in its Table 2 what its Figure 3 shows (section 4.6.2), yet the EMD there is that
+of its Table 1, of all parts.  So both stand here: all test parts, and the subset `figure3`.
+"""
 
 from dataclasses import dataclass
 from statistics import fmean
 
 from industnerf.artifacts.scores import PartScore
 from industnerf.report import paper
+from industnerf.report.formats import csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Study
 from industnerf.report.statistics import bootstrap_interval
-from industnerf.report.tables import markdown, scores_of
+from industnerf.report.subsets import figure3
+from industnerf.report.tables import only, scores_of
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 
@@ -40,11 +46,12 @@ LOSSES = (
 
 @dataclass(frozen=True)
 class Line:
-    """One loss of one method over the parts of one split that have it."""
+    """One loss of one method over the parts of one subset that have it."""
 
     method: str
-    split: str
+    subset: str  # all: the test parts; figure3: one of them a family; dev: those tuned on
     loss: Loss
+    unit: str
     mean: float
     ci_low: float
     ci_high: float
@@ -58,23 +65,26 @@ class Line:
 def table2(study: Study, settings: ReportParams) -> list[Line]:
     """The lines of every method that renders, reported parts first; empty if none does."""
     renders = {row.method for row in study.scores if row.score.metric == "rgb_mse"}
+    shown = figure3(study)
     return [
-        _line(study, settings, loss, mine, scores)
-        for split in ("test", "dev")
+        _line(study, settings, subset, loss, mine, scores)
+        for subset in ("all", "figure3", "dev")
         for name in study.methods
-        if name in renders and (scores := scores_of(study, name, split))
+        if name in renders and (scores := _scores(study, name, subset, shown))
         for loss in LOSSES
-        if (mine := _only(scores, loss.metric, loss.protocol))
+        if (mine := only(scores, loss.metric, loss.protocol))
     ]
 
 
-def _only(scores: list[PartScore], metric: str, protocol: str) -> list[PartScore]:
-    return [row for row in scores if (row.score.metric, row.score.protocol) == (metric, protocol)]
+def _scores(study: Study, method: str, subset: str, shown: set[str]) -> list[PartScore]:
+    scores = scores_of(study, method, "dev" if subset == "dev" else "test")
+    return [row for row in scores if subset != "figure3" or row.part_id in shown]
 
 
 def _line(
     study: Study,
     settings: ReportParams,
+    subset: str,
     loss: Loss,
     mine: list[PartScore],
     scores: list[PartScore],
@@ -87,11 +97,12 @@ def _line(
         settings.interval,
         generator(study.seed, "bootstrap"),
     )
-    frames = _only(scores, loss.metric, "P1-frame")
+    frames = only(scores, loss.metric, "P1-frame")
     return Line(
         mine[0].method,
-        study.places[mine[0].part_id].split,
+        subset,
         loss,
+        mine[0].score.unit,
         fmean(values),
         low,
         high,
@@ -99,14 +110,14 @@ def _line(
         fmean(row.score.floor for row in mine),
         paper.TABLE2.get(loss.metric),
         len(mine),
-        sum(row.score.status != "ok" for row in _only(scores, "emd", "P1-even")),
+        sum(row.score.status != "ok" for row in only(scores, "emd", "P1-even")),
     )
 
 
 COLUMNS = (
     "method",
     "loss",
-    "split",
+    "subset",
     "score",
     "95 %",
     "whole frame",
@@ -120,18 +131,14 @@ COLUMNS = (
 def cells(line: Line) -> list[str]:
     """`line` as people read it, one text for each of COLUMNS."""
     digits = line.loss.digits
-
-    def short(value: float | None) -> str:
-        return "" if value is None else f"{value:.{digits}f}"
-
     return [
         line.method,
         line.loss.name,
-        line.split,
-        short(line.mean),
-        f"{short(line.ci_low)} to {short(line.ci_high)}",
-        short(line.frame),
-        short(line.best),
+        line.subset,
+        short(line.mean, digits),
+        f"{short(line.ci_low, digits)} to {short(line.ci_high, digits)}",
+        short(line.frame, digits),
+        short(line.best, digits),
         "" if line.paper is None else str(line.paper),
         str(line.parts),
         str(line.failures),
@@ -142,13 +149,38 @@ def table2_md(lines: list[Line], interval: float) -> str:
     """`table2.md`: the table, or why there is none."""
     if not lines:
         return f"{LEFT_OUT}\n"
-    return markdown(COLUMNS, [cells(line) for line in lines], interval)
+    return markdown(intervals_of(COLUMNS, interval), [cells(line) for line in lines])
+
+
+CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit", "paper")
+
+
+def table2_csv(lines: list[Line]) -> str:
+    """`table2.csv`: the paper's three losses of the reported parts, its own number beside each."""
+    return csv_text(
+        CSV_COLUMNS,
+        [
+            (
+                line.method,
+                line.subset,
+                line.loss.metric,
+                line.mean,
+                line.ci_low,
+                line.ci_high,
+                line.unit,
+                line.paper,
+            )
+            for line in lines
+            if line.subset != "dev" and line.loss.metric in paper.TABLE2
+        ],
+    )
 
 
 def means(lines: list[Line]) -> dict[str, float]:
-    """`method.split.metric` -> mean, of all that Table 1 does not have."""
+    """`method.split.metric` -> mean over a whole split, of all that Table 1 does not have."""
+    splits = {"all": "test", "dev": "dev"}
     return {
-        f"{line.method}.{line.split}.{line.loss.metric}": line.mean
+        f"{line.method}.{splits[line.subset]}.{line.loss.metric}": line.mean
         for line in lines
-        if line.loss.metric != "emd"
+        if line.subset in splits and line.loss.metric != "emd"
     }

@@ -1,14 +1,12 @@
 """Table 1 (the paper's, with floors and intervals) and the scores behind it."""
 
-import csv
-import io
-from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from statistics import fmean
 
 from industnerf.artifacts.scores import PartScore
 from industnerf.methods.base import Method, Role
 from industnerf.report import paper
+from industnerf.report.formats import csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Lesson, Study
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
@@ -87,10 +85,15 @@ def scores_of(study: Study, method: str, split: str) -> list[PartScore]:
     ]
 
 
+def only(scores: list[PartScore], metric: str, protocol: str) -> list[PartScore]:
+    """Those of `scores` that are of one metric under one protocol."""
+    return [row for row in scores if (row.score.metric, row.score.protocol) == (metric, protocol)]
+
+
 def _row(
     study: Study, settings: ReportParams, method: Method, split: str, scores: list[PartScore]
 ) -> Row:
-    even = [row for row in scores if (row.score.metric, row.score.protocol) == ("emd", "P1-even")]
+    even = only(scores, "emd", "P1-even")
     values = [row.score.value for row in even]
     low, high = bootstrap_interval(
         values,
@@ -136,32 +139,22 @@ def inputs_of(method: Method) -> str:
 
 
 def _mean(scores: list[PartScore], protocol: str) -> float:
-    return fmean(
-        row.score.value
-        for row in scores
-        if (row.score.metric, row.score.protocol) == ("emd", protocol)
-    )
+    return fmean(row.score.value for row in only(scores, "emd", protocol))
 
 
 def table1_csv(rows: list[Row]) -> str:
     """`table1.csv`, one column a field of Row."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow([field.name for field in fields(Row)])
-    table.writerows(
+    lines = [
         [f"{cell:.6f}" if isinstance(cell, float) else cell for cell in astuple(row)]
         for row in rows
-    )
-    return text.getvalue()
+    ]
+    return csv_text([field.name for field in fields(Row)], lines)
 
 
 def without_failures(study: Study, row: Row) -> float | None:
     """Mean EMD (even) over the parts that did not fail."""
-    values = [
-        s.score.value
-        for s in scores_of(study, row.method, row.split)
-        if (s.score.metric, s.score.protocol, s.score.status) == ("emd", "P1-even", "ok")
-    ]
+    even = only(scores_of(study, row.method, row.split), "emd", "P1-even")
+    values = [s.score.value for s in even if s.score.status == "ok"]
     return fmean(values) if values else None
 
 
@@ -187,10 +180,6 @@ HELD_OUT = {"family": "of other families", "part": "others", "none": "and itself
 
 def cells(row: Row, extra: Extra) -> list[str]:
     """`row` as people read it, one text for each of COLUMNS."""
-
-    def short(value: float | None, digits: int = 4) -> str:
-        return "" if value is None else f"{value:.{digits}f}"
-
     return [
         row.method,
         row.inputs,
@@ -222,14 +211,8 @@ def _lesson(row: Row) -> str:
 
 def table1_md(rows: list[Row], extras: list[Extra], interval: float) -> str:
     """`table1.md`: Table 1 with the seconds of cost.csv."""
-    return markdown(COLUMNS, [cells(r, e) for r, e in zip(rows, extras, strict=True)], interval)
-
-
-def markdown(columns: Sequence[str], lines: list[list[str]], interval: float) -> str:
-    """A table whose column of intervals says which they are."""
-    heads = [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
-    table = [heads, ["---"] * len(heads), *lines]
-    return "".join(f"| {' | '.join(line)} |\n" for line in table)
+    lines = [cells(row, extra) for row, extra in zip(rows, extras, strict=True)]
+    return markdown(intervals_of(COLUMNS, interval), lines)
 
 
 SCORE_COLUMNS = (
@@ -251,26 +234,23 @@ SCORE_COLUMNS = (
 
 def scores_csv(study: Study) -> str:
     """`scores.csv`: every score with its family, split, preset and seed."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(SCORE_COLUMNS)
-    for row in study.scores:
-        score, method = row.score, study.methods[row.method]
-        table.writerow(
-            [
-                row.part_id,
-                study.parts[row.part_id].family,
-                row.method,
-                method.scope.value,
-                study.places[row.part_id].split,
-                study.preset,
-                study.seed,
-                score.metric,
-                score.protocol,
-                f"{score.value:.9g}",
-                f"{score.floor:.9g}",
-                score.unit,
-                score.status,
-            ]
-        )
-    return text.getvalue()
+    return csv_text(SCORE_COLUMNS, [_score_line(study, row) for row in study.scores])
+
+
+def _score_line(study: Study, row: PartScore) -> list[object]:
+    score = row.score
+    return [
+        row.part_id,
+        study.parts[row.part_id].family,
+        row.method,
+        study.methods[row.method].scope.value,
+        study.places[row.part_id].split,
+        study.preset,
+        study.seed,
+        score.metric,
+        score.protocol,
+        f"{score.value:.9g}",
+        f"{score.floor:.9g}",
+        score.unit,
+        score.status,
+    ]

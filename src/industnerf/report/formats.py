@@ -1,0 +1,32 @@
+"""Tables as text: for machines, and for people."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def csv_text(columns: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
+    """A header and `lines`; None is empty, a float has six digits."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    for line in lines:
+        table.writerow([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in line])
+    return text.getvalue()
+
+
+def markdown(columns: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    table = [columns, ["---"] * len(columns), *lines]
+    return "".join(f"| {' | '.join(line)} |\n" for line in table)
+
+
+def intervals_of(columns: Sequence[str], interval: float) -> list[str]:
+    """`columns` where that of the intervals, `95 %`, says which they are."""
+    return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """`value` with so many decimals, or nothing."""
+    return "" if value is None else f"{value:.{digits}f}"

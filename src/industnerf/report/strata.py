@@ -1,0 +1,90 @@
+"""How each method does on each kind of test part: thin ones, ones with pockets, and so on.
+
+The strata are formulas on the mesh (docs/dataset.md).  A part may be in several, or in none, so
+their means do not add up to that of `all`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, fields
+from statistics import fmean
+
+from industnerf.report.comparisons import even_by_part
+from industnerf.report.formats import csv_text, markdown
+from industnerf.report.gather import Study
+from industnerf.report.statistics import bootstrap_interval
+from industnerf.report.subsets import tested
+from industnerf.schema import ReportParams
+from industnerf.seeds import generator
+
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """One method over the test parts of one kind."""
+
+    stratum: str
+    method: str
+    emd_even: float
+    ci_low: float
+    ci_high: float
+    floor: float
+    ratio_to_floor: float
+    parts: int
+    families: int
+    failures: int
+
+
+def strata(study: Study, settings: ReportParams) -> list[Stratum]:
+    """`all` first, then the strata by name; within one, the best method first."""
+    names = {name for part in tested(study) for name in study.parts[part].strata}
+    rows = [
+        row
+        for name in (ALL, *sorted(names))
+        for method in study.methods
+        if (row := _row(study, settings, name, method))
+    ]
+    return sorted(rows, key=lambda row: (row.stratum != ALL, row.stratum, row.emd_even))
+
+
+def _row(study: Study, settings: ReportParams, stratum: str, method: str) -> Stratum | None:
+    scores = {
+        part: score
+        for part, score in even_by_part(study, method).items()
+        if stratum in (ALL, *study.parts[part].strata)
+    }
+    if not scores:
+        return None
+    values = [score.value for score in scores.values()]
+    families = [study.parts[part].family for part in scores]
+    mean, floor = fmean(values), fmean(score.floor for score in scores.values())
+    draws = generator(study.seed, "bootstrap")
+    return Stratum(
+        stratum,
+        method,
+        mean,
+        *bootstrap_interval(values, families, settings.resamples, settings.interval, draws),
+        floor,
+        mean / floor,
+        len(values),
+        len(set(families)),
+        sum(score.status != "ok" for score in scores.values()),
+    )
+
+
+def strata_csv(rows: Sequence[Stratum]) -> str:
+    """`strata.csv`, one column a field of Stratum."""
+    return csv_text([field.name for field in fields(Stratum)], map(astuple, rows))
+
+
+def strata_md(rows: Sequence[Stratum]) -> str:
+    """`strata.md`: a line a method, in the order of `all`, and a column a stratum."""
+    cells = {(row.method, row.stratum): row for row in rows}
+    sizes = {row.stratum: row.parts for row in rows}
+    methods = [row.method for row in rows if row.stratum == ALL]
+    lines = [[method, *(_cell(cells[method, stratum]) for stratum in sizes)] for method in methods]
+    return markdown(["EMD (even)", *(f"{name} ({parts})" for name, parts in sizes.items())], lines)
+
+
+def _cell(row: Stratum) -> str:
+    return f"{row.emd_even:.4f}, {row.ratio_to_floor:.2f} x floor"

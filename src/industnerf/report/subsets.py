@@ -1,0 +1,30 @@
+"""Fixed choices among parts, by hash: nobody picked them, and no result can move them.
+
+figure3    One test part of every family, the one whose hash is smallest.  The paper's section
+           4.6.2 scores what its Figure 3 shows, and does not say which parts that is nor how they
+           were chosen.  A figure shows a part of each kind, so ours does, whatever it looks like.
+seeds      The test parts with the smallest hashes, so many as asked for.
+"""
+
+from collections.abc import Iterable
+
+from industnerf.report.gather import Study
+from industnerf.seeds import seed_for
+
+
+def figure3(study: Study) -> set[str]:
+    """The part ids of the subset `figure3`."""
+    chosen: dict[str, str] = {}
+    for name in by_hash("figure3", tested(study)):
+        chosen.setdefault(study.parts[name].family, name)
+    return set(chosen.values())
+
+
+def tested(study: Study) -> list[str]:
+    """The ids of the parts that are reported."""
+    return [name for name in study.parts if study.places[name].split == "test"]
+
+
+def by_hash(purpose: str, part_ids: Iterable[str]) -> list[str]:
+    """`part_ids` in an order that depends on them and `purpose` alone, not on the study's seed."""
+    return sorted(part_ids, key=lambda name: (seed_for(0, purpose, name), name))

@@ -1,0 +1,85 @@
+"""Which methods are compared, on which parts, and what is said of them."""
+
+import csv
+import io
+
+import pytest
+
+from industnerf.methods import load_method
+from industnerf.report.comparisons import (
+    LEFT_OUT,
+    comparisons,
+    comparisons_csv,
+    comparisons_md,
+    pairs,
+)
+from tests.samples import unit_part
+from tests.studies import SETTINGS, study_of
+
+PARTS = [unit_part(name, family) for name, family in zip("abcdefg", "ffghijk", strict=True)]
+PLUS = [0.02, 0.04, 0.02, 0.02, 0.02, 0.02, 9.0]
+HULL = [0.03, 0.03, 0.05, 0.06, 0.07, 0.08, 0.0]
+
+
+@pytest.fixture
+def study():
+    """Six test parts of five families, the first two of one; g is a dev part."""
+    emds = {"hull": HULL, "oracle": [0.01] * 7, "industnerf_plus": PLUS}
+    return study_of(PARTS, emds, dev="g")
+
+
+def test_ours_meet_every_method_once_and_no_yardstick():
+    names = ["industnerf", "r2n2", "industnerf_plus", "hull", "ball", "oracle", "tsdf"]
+    assert pairs(map(load_method, names)) == [
+        ("industnerf_plus", "industnerf"),
+        ("industnerf_plus", "r2n2"),
+        ("industnerf_plus", "hull"),
+        ("industnerf", "r2n2"),
+        ("industnerf", "hull"),
+    ]
+
+
+def test_a_comparison_is_of_the_test_parts_by_family(study):
+    (found,) = comparisons(study, SETTINGS)
+    assert (found.method, found.other) == ("industnerf_plus", "hull")
+    assert found.difference == pytest.approx((0 - 0.03 - 0.04 - 0.05 - 0.06) / 6)
+    assert found.ci_low < found.difference < found.ci_high
+    assert found.win_rate == 5 / 6
+    assert (found.parts, found.families) == (6, 5)
+    # in family f the differences cancel, so flipping it changes nothing: 2 of 16 patterns
+    assert found.p == 2 / 16
+
+
+def test_a_failure_counts_with_its_score(study):
+    worse = study_of(PARTS, {"hull": HULL, "industnerf_plus": [float("inf"), *PLUS[1:]]}, dev="g")
+    (found,) = comparisons(worse, SETTINGS)
+    assert found.win_rate == 4 / 6
+    assert found.difference == pytest.approx((0.97 + 0.01 - 0.03 - 0.04 - 0.05 - 0.06) / 6)
+
+
+def test_all_comparisons_are_corrected_together():
+    emds = {"hull": HULL, "industnerf": [0.1] * 7, "industnerf_plus": PLUS}
+    found = comparisons(study_of(PARTS, emds, dev="g"), SETTINGS)
+    assert {each.p for each in found} == {2 / 16, 2 / 32}
+    # against each other and against the hull every family points one way: 2 of 32 patterns
+    assert {(each.p, each.p_holm) for each in found} == {(2 / 32, 6 / 32), (2 / 16, 6 / 32)}
+
+
+def test_the_files_hold_what_the_comparisons_do(study):
+    found = comparisons(study, SETTINGS)
+    (row,) = csv.DictReader(io.StringIO(comparisons_csv(found)))
+    assert list(row) == list(vars(found[0]))
+    assert (row["p"], row["win_rate"], row["families"]) == ("0.125", "0.833333", "5")
+    head, _, line = comparisons_md(found, 0.9).splitlines()
+    assert "| 90 % |" in head
+    assert line.startswith("| industnerf_plus | hull | -0.0300 |")
+    assert line.endswith("| 0.12 | 0.12 | 83 % | 6 in 5 families |")
+
+
+def test_with_nothing_to_compare_it_says_so():
+    lonely = study_of(PARTS, {"hull": HULL, "oracle": HULL})
+    untested = study_of(PARTS, {"hull": HULL, "industnerf": PLUS}, dev="abcdefg")
+    for study in (lonely, untested):
+        assert comparisons(study, SETTINGS) == []
+    assert comparisons_md([], 0.9) == f"{LEFT_OUT}\n"
+    assert len(comparisons_csv([]).splitlines()) == 1

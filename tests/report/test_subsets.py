@@ -1,0 +1,32 @@
+"""Choices by hash: fixed, and moved by nothing but the parts themselves."""
+
+from dataclasses import replace
+
+from industnerf.report.subsets import by_hash, figure3
+from tests.samples import unit_part
+from tests.studies import study_of
+
+PARTS = [unit_part(f"{family}{i}", family) for family in "fgh" for i in range(5)]
+
+
+def test_figure_3_shows_one_test_part_of_each_family():
+    study = study_of(PARTS, {"hull": [0.1] * 15}, dev=["f0", "f1", "g0"])
+    shown = figure3(study)
+    assert sorted(name[0] for name in shown) == list("fgh")
+    assert shown.isdisjoint({"f0", "f1", "g0"})
+
+
+def test_neither_results_nor_seed_nor_other_families_move_it():
+    study = study_of(PARTS, {"hull": [0.1] * 15})
+    assert figure3(replace(study, seed=7, scores=[])) == figure3(study)
+    fewer = study_of(PARTS[5:], {"hull": [0.1] * 10})
+    assert figure3(fewer) == {name for name in figure3(study) if name[0] != "f"}
+
+
+def test_a_part_that_goes_leaves_the_others_in_their_order():
+    names = [part.part_id for part in PARTS]
+    order = by_hash("seeds", names)
+    assert sorted(order) == names
+    assert order != names
+    assert by_hash("seeds", names[1:]) == [name for name in order if name != names[0]]
+    assert by_hash("figure3", names) != order
