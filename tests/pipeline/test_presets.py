@@ -11,9 +11,14 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
 from industnerf.config import build, load_params
+from industnerf.methods import load_method
+from industnerf.methods.base import Scope
+from industnerf.parts.split import assign
 from industnerf.report.leaves import leaves
+from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
+from tests.samples import unit_part
 
 CONF = Path(__file__).parents[2] / "conf"
 SWEEPS = ["leakage", *(path.stem for path in sorted(CONF.glob("experiment/sweep-*.yaml")))]
@@ -91,3 +96,28 @@ def test_sweeps_look_at_dev_parts_only(preset, monkeypatch):
         parts = composed(preset, monkeypatch, *point).parts.select
         assert parts
         assert set(parts) <= dev
+
+
+def test_the_parts_of_seeds_are_those_that_the_rule_chooses(monkeypatch):
+    params = composed("seeds", monkeypatch)
+    embedded = [unit_part(path.stem) for path in CONF.parent.glob("data/embedded/*.npz")]
+    tested = [name for name, at in assign(embedded, params.split).items() if at.split == "test"]
+    assert params.parts.select == sorted(by_hash("seeds", tested)[:SEED_PARTS])
+
+
+def test_every_random_method_has_its_seeds_varied_with_all_that_it_learns_from(monkeypatch):
+    alone, nets = composed("seeds", monkeypatch), composed("seeds_nets", monkeypatch)
+    assert nets.parts.select == []
+    for params, scope in ((alone, Scope.PART), (nets, Scope.DATASET)):
+        known = [load_method(name) for name in params.method.__dataclass_fields__]
+        wanted = {method.name for method in known if method.random and method.scope == scope}
+        assert set(params.methods) == wanted
+
+
+@pytest.mark.parametrize("preset", ["seeds", "seeds_nets"])
+def test_seeds_are_three_and_nothing_else_is_swept(preset, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_ROOT", str(CONF.parent))
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        config = compose("config", [f"experiment={preset}"], return_hydra_config=True)
+    assert config.hydra.sweeper.params == {"seed": "0,1,2"}
+    assert config.hydra.mode.name == "MULTIRUN"

@@ -1,0 +1,69 @@
+"""What a sweep over the seed says of each method."""
+
+import csv
+import io
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.report.spread import seeds_csv, seeds_md, spread, spreads
+from industnerf.report.subsets import SEED_PARTS, by_hash
+from industnerf.report.tables import scores_csv
+from tests.samples import unit_part
+from tests.studies import study_of
+
+EMDS = {0: {"a": 1.0, "b": 5.0}, 1: {"a": 2.0, "b": 6.0}, 2: {"a": 3.0, "b": 4.0}}
+
+
+def test_means_and_standard_deviations_by_hand():
+    found = spread("hull", EMDS)
+    assert found.means == {0: 3.0, 1: 4.0, 2: 3.5}
+    assert (found.parts, found.mean) == (2, 3.5)
+    assert found.sd == pytest.approx(0.5)
+    # both parts have three values that are 1 apart: variance 1
+    assert found.part_sd == pytest.approx(1.0)
+
+
+def test_one_seed_or_other_parts_are_refused():
+    with pytest.raises(BadArtifact, match=r"hull: a spread needs two seeds or more, found \[0\]"):
+        spread("hull", {0: EMDS[0]})
+    with pytest.raises(BadArtifact, match="hull: seed 1 has not the same parts: b"):
+        spread("hull", EMDS | {1: {"a": 2.0}})
+
+
+def sweep(folder, names, methods, dev=()):
+    """Two points; with seed 1 every EMD is 0.02 more."""
+    for seed in (0, 1):
+        emds = {method: [0.1 + 0.02 * seed] * len(names) for method in methods}
+        study = study_of([unit_part(name) for name in names], emds, dev=dev, seed=seed)
+        path = folder / str(seed) / "reports" / "scores.csv"
+        path.parent.mkdir(parents=True)
+        path.write_text(scores_csv(study))
+    return folder
+
+
+def test_sweeps_over_few_parts_and_over_all_are_read_on_the_same_ones(tmp_path):
+    everything = [f"part-{i}" for i in range(40)]
+    dev = by_hash("seeds", everything)[:3]  # would be the first, were they test parts
+    fixed = by_hash("seeds", set(everything) - set(dev))[:SEED_PARTS]
+    few = sweep(tmp_path / "few", fixed, ["hull"])
+    many = sweep(tmp_path / "many", everything, ["r2n2"], dev)
+    found = spreads([few, many])
+    assert [row.method for row in found] == ["hull", "r2n2"]
+    assert {row.parts for row in found} == {SEED_PARTS}
+    assert [row.sd for row in found] == pytest.approx([0.02 / 2**0.5] * 2)
+
+
+def test_a_folder_without_a_finished_point_is_refused(tmp_path):
+    with pytest.raises(BadArtifact, match="no finished point of a sweep"):
+        spreads([tmp_path])
+
+
+def test_the_files_hold_what_the_rows_do():
+    rows = [spread("hull", EMDS), spread("ball", {0: EMDS[0], 5: EMDS[1]})]
+    hull, ball = csv.DictReader(io.StringIO(seeds_csv(rows)))
+    assert list(hull.values()) == ["hull", "2", "3", "4", "3.5", "", "3.5", "0.5", "1"]
+    assert (ball["seed_5"], ball["seed_1"], ball["mean"]) == ("4", "", "3.5")
+    assert seeds_md(rows).splitlines()[2] == (
+        "| hull | 2 | 3.00000 | 4.00000 | 3.50000 |  | 3.50000 | 0.50000 | 1.00000 |"
+    )
