@@ -12,7 +12,7 @@ TEXT = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
 
 
 def test_the_table_is_up_to_date():
-    """If not: python -m pipeline.publish"""
+    """If not: python -m pipeline.sweeps"""
     (block,) = re.findall(r"<!-- sweeps -->\n(.*)<!-- end sweeps -->", TEXT, re.DOTALL)
     assert block == index(ROOT)
 

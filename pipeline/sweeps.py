@@ -1,7 +1,7 @@
 """Bring a finished sweep into docs/sweeps/, and its row into the table of docs/sweeps.md.
 
-python -m pipeline.publish runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
-python -m pipeline.publish        only writes the table anew
+python -m pipeline.sweeps runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
+python -m pipeline.sweeps        only writes the table anew
 """
 
 import re

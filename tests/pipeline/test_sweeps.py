@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from industnerf.errors import BadArtifact
-from pipeline.publish import main
+from pipeline.sweeps import main
 
 
 @pytest.fixture
