@@ -3,7 +3,7 @@ PYTHON ?= python3
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 INSTALLED := .venv/.installed
 
-.PHONY: demo test smoke repro ui lint readme clean
+.PHONY: demo test smoke repro ui lint readme results clean
 
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
@@ -27,6 +27,9 @@ lint: $(INSTALLED)  ## style and import contracts
 
 readme: demo  ## bring the demo's table and picture into the README
 	@python -m pipeline.readme
+
+results: $(INSTALLED)  ## copy the finished study's numbers to results/study and the README
+	@python -m pipeline.publish
 
 clean:  ## remove the environment, the store and every result
 	rm -rf .venv .store runs reports mlruns mlflow.db mlflow.db.lock

@@ -1,12 +1,12 @@
 """Bring the demo's table and picture, as they are now, into the README: `make readme`."""
 
-import re
 from pathlib import Path
 
 from PIL import Image
 
 from industnerf.cli import exit_with_message
 from industnerf.errors import BadArtifact
+from industnerf.report.readme import replace_block
 
 WIDTH = 2200  # px of the picture
 README, DEMO = Path("README.md"), Path("runs/demo/reports")
@@ -16,10 +16,7 @@ def main() -> None:
     if not (DEMO / "table1.md").exists():
         raise BadArtifact(f"{DEMO}/table1.md is missing; `make demo` writes it")
     table = (DEMO / "table1.md").read_text()
-    block = f"<!-- demo -->\n{table}<!-- end demo -->"
-    README.write_text(
-        re.sub(r"<!-- demo -->.*<!-- end demo -->", block, README.read_text(), flags=re.S)
-    )
+    README.write_text(replace_block(README.read_text(), "demo", table))
     with Image.open(DEMO / "contact_sheet.png") as sheet:
         sheet.thumbnail((WIDTH, WIDTH))
         sheet.save("docs/demo.png", optimize=True)

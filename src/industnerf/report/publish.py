@@ -1,0 +1,60 @@
+"""A finished report as files small enough to be committed, so that a clone shows its numbers."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from industnerf.artifacts.files import write_json, write_text
+from industnerf.errors import BadArtifact
+from industnerf.report.formats import markdown
+from industnerf.report.provenance import environment
+from industnerf.report.shrink import shrunk
+
+COPIED = {
+    "table1.csv": "every method: EMD, floor, failures, size, what it learned from",
+    "table1.md": "the same, with seconds",
+    "table2.csv": "the paper's three losses, on all test parts and on one of each family",
+    "table2.md": "the same, with all that belongs beside them",
+    "comparisons.csv": "paired tests between methods",
+    "comparisons.md": "the same",
+    "strata.csv": "each method on thin parts, on parts with pockets, and so on",
+    "strata.md": "the same, a line a method",
+    "scores.csv": "every score of every part: what all tables are made of",
+    "cost.csv": "seconds and peak memory of every result",
+}
+WRITTEN = {
+    "environment.json": "the machine and the versions",
+    "made.json": "command, day, commit, and what differed from it",
+}
+PICTURES = 1_400_000  # bytes of all together
+
+
+def publish(report: Path, out: Path, made: dict[str, Any]) -> None:
+    """Fill `out` anew from the folder `report`; `made` says where that comes from.
+
+    Raises BadArtifact that names the first file that `report` lacks, and leaves `out` as it is.
+    """
+    for name in COPIED:
+        if not (report / name).exists():
+            raise BadArtifact(f"{report / name} is missing; `dvc repro -f report` writes it")
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    for name in COPIED:
+        shutil.copyfile(report / name, out / name)
+    pictures = sorted(report.glob("*.png"))
+    for path in pictures:
+        (out / path.name).write_bytes(shrunk(path.read_bytes(), PICTURES // len(pictures)))
+    write_json(out / "environment.json", environment())
+    write_json(out / "made.json", made)
+    write_text(out / "README.md", _about(made, [path.name for path in pictures]))
+
+
+def _about(made: dict[str, Any], pictures: list[str]) -> str:
+    files = [[f"`{name}`", text] for name, text in (COPIED | WRITTEN).items()]
+    return (
+        f"# Results of `{made['command']}`\n\n"
+        "Copied from `reports/` by `make results`; not to be edited.  docs/protocol.md says what "
+        "the numbers are.\n\n"
+        f"{markdown(['file', 'what'], files)}\n"
+        + "".join(f"![{name}]({name})\n" for name in pictures)
+    )

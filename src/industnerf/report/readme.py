@@ -1,0 +1,105 @@
+"""Tables for the README, made of what is published: only the columns that a reader needs there."""
+
+import csv
+import json
+import re
+from collections import defaultdict
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.errors import BadArtifact
+from industnerf.report.formats import markdown, short
+from industnerf.report.table2 import LOSSES
+
+Cells = dict[str, str]
+
+
+def replace_block(text: str, name: str, content: str) -> str:
+    """`text` with `content` between `<!-- name -->` and `<!-- end name -->`.
+
+    Raises BadArtifact if there is not just one such place.
+    """
+    head, _, tail = _split(text, name)
+    return f"{head}{content}{tail}"
+
+
+def block(text: str, name: str) -> str:
+    """What stands between `<!-- name -->` and `<!-- end name -->`."""
+    return _split(text, name)[1]
+
+
+def _split(text: str, name: str) -> tuple[str, str, str]:
+    found = re.fullmatch(rf"(.*<!-- {name} -->\n)(.*)(<!-- end {name} -->.*)", text, re.DOTALL)
+    if found is None or text.count(f"<!-- {name} -->") != 1:
+        raise BadArtifact(
+            f"README.md must have one place between <!-- {name} --> and <!-- end {name} -->"
+        )
+    return found[1], found[2], found[3]
+
+
+def study_block(folder: Path) -> str:
+    """Tables 1 and 2 of the study published in `folder`, and where they come from."""
+    rows = [row for row in _rows(folder / "table1.csv") if row["split"] == "test"]
+    scores = [row for row in _rows(folder / "scores.csv") if row["split"] == "test"]
+    made = json.loads((folder / "made.json").read_text())
+    machine = json.loads((folder / "environment.json").read_text())
+    parts, families = ({row[name] for row in scores} for name in ("part_id", "family"))
+    where = f"results/{folder.name}"
+    return (
+        f"{len(parts)} test parts of {len(families)} families, {machine['cores']} cores of "
+        f"{machine['cpu']}, {made['date']}, commit {made['commit'][:7]}"
+        f"{'' if made['clean'] else ' with changes'}; every number is in [{where}]({where}).\n\n"
+        f"{_table1(rows, _seconds(folder), made['interval'])}"
+        f"{_table2(_rows(folder / 'table2.csv'))}"
+    )
+
+
+def _rows(path: Path) -> list[Cells]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _seconds(folder: Path) -> dict[str, float]:
+    """Mean seconds of each method for a part."""
+    found = defaultdict(list)
+    for row in _rows(folder / "cost.csv"):
+        if row["stage"] == "reconstruct":
+            found[row["method"]].append(float(row["seconds"]))
+    return {method: fmean(seconds) for method, seconds in found.items()}
+
+
+def _table1(rows: list[Cells], seconds: dict[str, float], interval: float) -> str:
+    heads = ["method", "inputs", "EMD (even)", f"{100 * interval:g} %", "x floor", "failed"]
+    lines = [
+        [
+            row["method"] + (" (undertrained)" if row["undertrained"] else ""),
+            row["inputs"],
+            short(float(row["emd_even"])),
+            f"{float(row['ci_low']):.4f} to {float(row['ci_high']):.4f}",
+            short(float(row["ratio_to_floor"]), 2),
+            row["failures"],
+            short(seconds.get(row["method"]), 1),
+            short(float(row["paper_emd"])) if row["paper_emd"] else "",
+        ]
+        for row in rows
+    ]
+    return markdown([*heads, "s a part", "paper"], lines)
+
+
+def _table2(rows: list[Cells]) -> str:
+    """A line a method and loss, a column a subset; empty if no method renders."""
+    if not rows:
+        return ""
+    values = {(row["method"], row["loss"], row["subset"]): row["value"] for row in rows}
+    papers = {(row["method"], row["loss"]): row["paper"] for row in rows}
+    names = {loss.metric: loss.name for loss in LOSSES}
+    lines = [
+        [
+            key[0],
+            names[key[1]],
+            *(f"{float(values[(*key, name)]):#.3g}" for name in ("all", "figure3")),
+            f"{float(published):#.3g}",
+        ]
+        for key, published in papers.items()
+    ]
+    return "\n" + markdown(["method", "loss", "all test parts", "one a family", "paper"], lines)

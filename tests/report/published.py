@@ -1,0 +1,154 @@
+"""A small report, and whether what is published agrees with the scores published beside it."""
+
+import csv
+from math import isclose
+from pathlib import Path
+from statistics import fmean
+
+import numpy as np
+
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.report.comparisons import comparisons, comparisons_csv, comparisons_md
+from industnerf.report.gather import Study
+from industnerf.report.statistics import holm, sign_flip_p
+from industnerf.report.strata import strata, strata_csv, strata_md
+from industnerf.report.table2 import table2, table2_csv, table2_md
+from industnerf.report.tables import Extra, scores_csv, table1, table1_csv, table1_md
+from tests.report.test_shrink import png
+from tests.samples import unit_part
+from tests.studies import SETTINGS, study_of
+
+NAMES, FAMILIES = "abcdefg", "ffghijk"
+
+
+def small_study() -> Study:
+    """Six test parts of five families, and the dev part g; a method renders, and one fails once."""
+    parts = [
+        unit_part(name, family, strata=("pockets",) if name in "abc" else ())
+        for name, family in zip(NAMES, FAMILIES, strict=True)
+    ]
+    draws = np.random.default_rng(0)
+    names = ("industnerf_plus", "industnerf", "hull", "oracle")
+    emds = {name: draws.uniform(0.01, 0.2, 7).tolist() for name in names}
+    emds["hull"][2] = float("inf")
+    study = study_of(parts, emds, dev="g")
+    for name in NAMES:
+        for metric in ("rgb_mse", "depth_mse"):
+            score = Score(metric, "P1-union", draws.uniform(0.01, 0.2), 0.0, "1", "ok")
+            study.scores.append(PartScore(name, "industnerf_plus", score))
+    return study
+
+
+def write_report(folder: Path) -> Path:
+    """What the report stage writes of `small_study`, but the page."""
+    study, interval = small_study(), SETTINGS.interval
+    rows, lines = table1(study, SETTINGS), table2(study, SETTINGS)
+    compared, kinds = comparisons(study, SETTINGS), strata(study, SETTINGS)
+    texts = {
+        "table1.csv": table1_csv(rows),
+        "table1.md": table1_md(rows, [Extra(None, None)] * len(rows), interval),
+        "table2.csv": table2_csv(lines),
+        "table2.md": table2_md(lines, interval),
+        "comparisons.csv": comparisons_csv(compared),
+        "comparisons.md": comparisons_md(compared, interval),
+        "strata.csv": strata_csv(kinds),
+        "strata.md": strata_md(kinds),
+        "scores.csv": scores_csv(study),
+        "cost.csv": "stage,method,part_id,seconds,peak_mb,device\n"
+        "reconstruct,hull,a,1.0,5,cpu\nreconstruct,hull,b,2.0,5,cpu\nevaluate,hull,a,9.0,5,cpu\n",
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    (folder / "contact_sheet.png").write_bytes(png(np.zeros((30, 40, 3), np.uint8)))
+    return folder
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def disagreements(folder: Path) -> list[str]:
+    """Each number in the tables of `folder` that is not what its scores.csv makes of it."""
+    scores = rows_of(folder / "scores.csv")
+    wanted = {
+        "table1.csv": [(row, _table1(row, scores)) for row in rows_of(folder / "table1.csv")],
+        "table2.csv": [
+            (row, {"value": _mean(_of(scores, row["method"], row["loss"]))})
+            for row in rows_of(folder / "table2.csv")
+            if row["subset"] == "all"
+        ],
+        "strata.csv": [
+            (row, _stratum(row, scores))
+            for row in rows_of(folder / "strata.csv")
+            if row["stratum"] == "all"
+        ],
+        "comparisons.csv": _comparisons(rows_of(folder / "comparisons.csv"), scores),
+    }
+    return [
+        f"{name}: {list(row.values())[:3]} {column} is {row[column]}, the scores say {value}"
+        for name, pairs in wanted.items()
+        for row, values in pairs
+        for column, value in values.items()
+        # six decimals in table1.csv, six digits elsewhere
+        if not isclose(float(row[column]), value, rel_tol=6e-6, abs_tol=6e-7)
+    ]
+
+
+def _of(scores, method, metric="emd", split="test", protocol=None):
+    protocol = protocol or ("P1-even" if metric == "emd" else "P1-union")
+    wanted = (method, metric, split, protocol)
+    return [
+        row
+        for row in scores
+        if (row["method"], row["metric"], row["split"], row["protocol"]) == wanted
+    ]
+
+
+def _mean(rows, column="value"):
+    return fmean(float(row[column]) for row in rows)
+
+
+def _table1(row, scores):
+    even = _of(scores, row["method"], split=row["split"])
+    others = {
+        f"emd_{name}": _mean(_of(scores, row["method"], "emd", row["split"], f"P1-{name}"))
+        for name in ("even", "iid", "full")
+    }
+    return others | {
+        "floor": _mean(even, "floor"),
+        "ratio_to_floor": _mean(even) / _mean(even, "floor"),
+        "parts": len(even),
+        "failures": sum(score["status"] != "ok" for score in even),
+    }
+
+
+def _stratum(row, scores):
+    even = _of(scores, row["method"])
+    return {"emd_even": _mean(even), "floor": _mean(even, "floor"), "parts": len(even)}
+
+
+def _comparisons(rows, scores):
+    found = [_comparison(row, scores) for row in rows]
+    raised = holm([values["p"] for values in found])
+    return [
+        (row, values | {"p_holm": p}) for row, values, p in zip(rows, found, raised, strict=True)
+    ]
+
+
+def _comparison(row, scores):
+    ours, theirs = (
+        {each["part_id"]: float(each["value"]) for each in _of(scores, row[name])}
+        for name in ("method", "other")
+    )
+    family = {each["part_id"]: each["family"] for each in scores}
+    differences = [ours[part] - theirs[part] for part in ours]
+    families = [family[part] for part in ours]
+    return {
+        "difference": fmean(differences),
+        "p": sign_flip_p(differences, families, np.random.default_rng(0)),
+        "win_rate": fmean(difference < 0 for difference in differences),
+        "parts": len(differences),
+        "families": len(set(families)),
+    }

@@ -1,0 +1,143 @@
+"""What is published agrees with itself, and the README with it; so does what is committed."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.report.publish import COPIED, publish
+from industnerf.report.readme import block, replace_block, study_block
+from tests.report.published import disagreements, rows_of, write_report
+
+MADE = {
+    "schema": 1,
+    "command": "make repro",
+    "date": "2026-01-02",
+    "commit": "0123456789abcdef",
+    "clean": True,
+    "changed": [],
+    "preset": "study",
+    "interval": 0.9,
+}
+STUDY = Path(__file__).parents[2] / "results" / "study"
+
+
+@pytest.fixture
+def published(tmp_path):
+    report, out = write_report(tmp_path / "reports"), tmp_path / "results" / "study"
+    publish(report, out, MADE)
+    return out
+
+
+def committed_studies():
+    return [STUDY] if STUDY.exists() else []
+
+
+def test_it_holds_the_tables_the_machine_and_the_commit(published):
+    names = {path.name for path in published.iterdir()}
+    extra = {"README.md", "made.json", "environment.json", "contact_sheet.png"}
+    assert names == set(COPIED) | extra
+    assert json.loads((published / "made.json").read_text()) == MADE
+    about = (published / "README.md").read_text()
+    assert "# Results of `make repro`" in about
+    assert all(f"`{name}`" in about for name in COPIED)
+    assert "![contact_sheet.png](contact_sheet.png)" in about
+
+
+def test_what_was_there_before_goes(published):
+    (published / "old.csv").touch()
+    publish(published.parents[1] / "reports", published, MADE)
+    assert not (published / "old.csv").exists()
+
+
+def test_a_report_that_lacks_a_file_changes_nothing(published):
+    report = published.parents[1] / "reports"
+    (report / "strata.csv").unlink()
+    with pytest.raises(BadArtifact, match=r"strata\.csv is missing"):
+        publish(report, published, MADE)
+    assert (published / "strata.csv").exists()
+
+
+def test_published_tables_are_those_of_the_published_scores(published):
+    for folder in [published, *committed_studies()]:
+        assert disagreements(folder) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "column"),
+    [
+        ("table1.csv", "emd_even"),
+        ("table1.csv", "emd_full"),
+        ("table1.csv", "failures"),
+        ("table2.csv", "value"),
+        ("comparisons.csv", "difference"),
+        ("comparisons.csv", "p"),
+        ("comparisons.csv", "p_holm"),
+        ("comparisons.csv", "win_rate"),
+        ("strata.csv", "floor"),
+    ],
+)
+def test_a_number_that_was_touched_is_found(published, name, column):
+    lines = (published / name).read_text().splitlines()
+    at = lines[0].split(",").index(column)
+    cells = lines[1].split(",")
+    cells[at] = str(float(cells[at]) + 0.001)
+    (published / name).write_text("\n".join([lines[0], ",".join(cells), *lines[2:]]))
+    (found,) = disagreements(published)
+    assert found.startswith(f"{name}: ")
+    assert f" {column} is {cells[at]}" in found
+
+
+def test_the_block_shows_few_columns_of_the_test_parts(published):
+    text = study_block(published)
+    assert text.startswith("6 test parts of 5 families, ")
+    assert "2026-01-02, commit 0123456; every number is in [results/study]" in text
+    head = "| method | inputs | EMD (even) | 90 % | x floor | failed | s a part | paper |"
+    lines = text.splitlines()
+    assert lines[2] == head
+    order = [row["method"] for row in rows_of(published / "table1.csv") if row["split"] == "test"]
+    assert [line.split(" | ")[0] for line in lines[4:8]] == [f"| {name}" for name in order]
+    (hull,) = [line for line in lines if line.startswith("| hull |")]
+    assert hull.endswith(" | 1 | 1.5 |  |")  # failures, mean seconds, no number of the paper's
+    assert "| industnerf_plus | RGB 2D (MSE) | " in text
+    assert text.endswith(" | 0.0118 |\n")
+
+
+def test_a_tree_that_was_not_clean_is_said_to_be(published):
+    made = MADE | {"clean": False, "changed": ["code.py"]}
+    (published / "made.json").write_text(json.dumps(made))
+    assert "commit 0123456 with changes; " in study_block(published)
+
+
+def test_a_net_that_is_undertrained_is_marked(published):
+    path = published / "table1.csv"
+    path.write_text(path.read_text().replace(",,0,,\n", ",,0,,still learning\n", 1))
+    first = study_block(published).splitlines()[4]
+    assert first.split(" | ")[0].endswith(" (undertrained)")
+
+
+def test_a_block_is_put_where_its_marks_are():
+    text = "a\n<!-- study -->\nold\n<!-- end study -->\nb\n<!-- demo -->\n<!-- end demo -->\n"
+    new = replace_block(text, "study", "new \\1\n")
+    assert new == text.replace("old", "new \\1")
+    assert (block(new, "study"), block(new, "demo")) == ("new \\1\n", "")
+
+
+@pytest.mark.parametrize(
+    "text", ["no marks", "<!-- study -->\nx", 2 * "<!-- study -->\n<!-- end study -->\n"]
+)
+def test_missing_or_double_marks_are_refused(text):
+    with pytest.raises(BadArtifact, match="one place between <!-- study --> and"):
+        replace_block(text, "study", "new")
+
+
+def test_the_readme_shows_the_committed_study_or_none(root):
+    """Run `make results` if this fails."""
+    wanted = "".join(study_block(folder) for folder in committed_studies())
+    assert block((root / "README.md").read_text(), "study") == wanted
+
+
+def test_committed_results_are_small_enough_for_a_repository():
+    for folder in committed_studies():
+        assert sum(path.stat().st_size for path in folder.glob("*.png")) < 1_500_000
