@@ -1,0 +1,95 @@
+"""From a finished run to what is committed; and what is committed belongs together."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+import yaml
+
+from industnerf.report.readme import block, study_block
+from tests.pipeline.conftest import Project
+from tests.pipeline.locks import lock_disagreements
+
+MARKS = "<!-- study -->\n<!-- end study -->\n"
+
+
+@pytest.fixture
+def project(root, tmp_path, finished_run):
+    """A repository of its own with nothing run yet, but a store that has everything."""
+    project = Project(root, tmp_path / "project")
+    project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
+    (project.folder / "README.md").write_text(MARKS)
+    (project.folder / ".gitignore").write_text("/.dvc\n/data\n/reports\n__pycache__\n")
+    names = ("-c", "user.name=n", "-c", "user.email=e@example.org")
+    for command in (["init", "-q"], ["add", "-A"], [*names, "commit", "-q", "-m", "first"]):
+        subprocess.run(["git", *command], cwd=project.folder, check=True)
+    return project
+
+
+def test_a_study_is_published_when_it_is_finished_and_not_before(project):
+    code, output = project.run("python", "-m", "pipeline.publish")
+    assert code == 1
+    assert "the study is not finished: " in output
+    assert "Traceback" not in output
+    out = project.folder / "results" / "study"
+    assert not out.exists()
+
+    code, output = project.run()
+    assert code == 0, output
+    for _ in range(2):  # what the first wrote is no change to the second
+        code, output = project.run("python", "-m", "pipeline.publish")
+        assert code == 0, output
+        made = json.loads((out / "made.json").read_text())
+        assert (made["clean"], made["changed"]) == (True, [])
+    readme = (project.folder / "README.md").read_text()
+    assert block(readme, "study") == study_block(out)
+    assert "2 test parts of 2 families" in readme
+    for name in ("table1.csv", "scores.csv"):
+        assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
+
+
+@pytest.fixture
+def locked(finished_run, tmp_path):
+    """What git has of a finished run."""
+    for name in ("dvc.lock", "dvc.yaml", "params.yaml"):
+        shutil.copy(finished_run.folder / name, tmp_path / name)
+    return tmp_path
+
+
+def test_the_lock_of_a_run_belongs_to_its_params_and_pipeline(locked):
+    assert lock_disagreements(locked) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "found"),
+    [
+        ("params.yaml", "seed: 0", "seed: 1", "views: ran with seed 0"),
+        ("params.yaml", "count: 6", "count: 7", "report: ran with views.count 6"),
+        ("params.yaml", "- hull\n", "", "reconstruct@hull: in one file alone"),
+        ("params.yaml", "path: data/embedded", "path: mine", "parts: other deps"),
+        ("dvc.yaml", "data/views data/truth data/clouds", "data/truth", "evaluate@hull: ran "),
+        ("dvc.yaml", "params: [split]", "params: [split, seed]", "split: ran with seed None"),
+        ("dvc.yaml", "outs: [data/truth]", "outs: [data/t]", "truth: other outs"),
+    ],
+)
+def test_a_lock_of_something_else_is_found_out(locked, file, old, new, found):
+    text = (locked / file).read_text()
+    assert old in text
+    (locked / file).write_text(text.replace(old, new))
+    assert any(line.startswith(found) for line in lock_disagreements(locked))
+
+
+def test_a_lock_of_two_runs_is_found_out(locked):
+    lock = yaml.safe_load((locked / "dvc.lock").read_text())
+    for each in lock["stages"]["views"]["deps"]:
+        if each["path"] == "data/parts/index.json":
+            each["md5"] = "of another run"
+    (locked / "dvc.lock").write_text(yaml.safe_dump(lock))
+    assert any("another data/parts/index.json" in line for line in lock_disagreements(locked))
+
+
+def test_the_committed_lock_is_that_of_the_committed_study(root):
+    """`make repro` and `make results`, and commit dvc.lock with what they wrote."""
+    if (root / "results" / "study").exists():
+        assert lock_disagreements(root) == []
