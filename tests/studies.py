@@ -19,7 +19,7 @@ PROTOCOLS = ("P1-even", "P1-iid", "P1-full")
 def study_of(
     parts: list[Part], emds: dict[str, list[float]], dev: Collection[str] = (), **changes: Any
 ) -> Study:
-    """`emds` of each method on `parts`, in their order, under every protocol.
+    """`emds` of each method on `parts`, in their order: 0.1 more under `P1-iid`, 0.2 `P1-full`.
 
     A part in `dev` is tuned on.  A part on which the EMD is infinite failed, with the EMD 1.
     """
@@ -43,8 +43,10 @@ def study_of(
 
 def _scores(method: str, names: list[str], emds: list[float]) -> list[PartScore]:
     return [
-        PartScore(name, method, Score("emd", protocol, min(emd, 1.0), FLOOR, "diagonal", status))
+        PartScore(
+            name, method, Score("emd", protocol, min(emd, 1.0) + 0.1 * i, FLOOR, "diagonal", status)
+        )
         for name, emd in zip(names, emds, strict=True)
-        for protocol in PROTOCOLS
+        for i, protocol in enumerate(PROTOCOLS)
         for status in ["failed" if emd == float("inf") else "ok"]
     ]

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from statistics import fmean
 
 import pytest
 
@@ -32,9 +33,10 @@ def test_one_seed_or_other_parts_are_refused():
 
 
 def sweep(folder, names, methods, dev=()):
-    """Two points; with seed 1 every EMD is 0.02 more."""
+    """Two points; with seed 1 every EMD is 0.02 more.  A part's EMD is as it is called."""
     for seed in (0, 1):
-        emds = {method: [0.1 + 0.02 * seed] * len(names) for method in methods}
+        values = [0.01 * int(name.removeprefix("part-")) + 0.02 * seed for name in names]
+        emds = dict.fromkeys(methods, values)
         study = study_of([unit_part(name) for name in names], emds, dev=dev, seed=seed)
         path = folder / str(seed) / "reports" / "scores.csv"
         path.parent.mkdir(parents=True)
@@ -49,8 +51,11 @@ def test_sweeps_over_few_parts_and_over_all_are_read_on_the_same_ones(tmp_path):
     few = sweep(tmp_path / "few", fixed, ["hull"])
     many = sweep(tmp_path / "many", everything, ["r2n2"], dev)
     found = spreads([few, many])
-    assert [row.method for row in found] == ["hull", "r2n2"]
+    assert {row.method for row in found} == {"hull", "r2n2"}
     assert {row.parts for row in found} == {SEED_PARTS}
+    mean = fmean(0.01 * int(name.removeprefix("part-")) for name in fixed)
+    for row in found:
+        assert row.means == pytest.approx({0: mean, 1: mean + 0.02})
     assert [row.sd for row in found] == pytest.approx([0.02 / 2**0.5] * 2)
 
 

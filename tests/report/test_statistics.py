@@ -72,12 +72,17 @@ def test_the_p_value_of_equal_differences_is_a_sign_tests():
 
 def test_one_sided_families_have_the_least_p_and_one_family_proves_nothing():
     differences = [0.1, 0.3, 0.02, 0.4, 0.05, 0.6]
-    # nothing but all signs, or none, is as far from 0: although 0.1 + 0.3 is no sum that a
-    # computer has, and is another one in another order
     assert sign_flip_p(differences, list("abcdef"), rng()) == 2 / 2**6
     assert sign_flip_p(differences, list("aabbcc"), rng()) == 2 / 2**3
     assert sign_flip_p(differences, ["a"] * 6, rng()) == 1
     assert sign_flip_p([0.0] * 6, list("abcdef"), rng()) == 1
+
+
+def test_sums_that_differ_by_rounding_are_ties():
+    """All signs, and none, are as far from 0 as what was found, in whatever order it was summed."""
+    for seed in range(20):
+        differences = np.random.default_rng(seed).uniform(0.1, 1, 10)
+        assert sign_flip_p(list(differences), list("abcdefghij"), rng()) == 2 / 2**10
 
 
 def test_neither_scale_nor_sign_nor_order_of_the_parts_moves_p():

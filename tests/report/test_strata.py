@@ -9,7 +9,7 @@ from industnerf.report.strata import strata, strata_csv, strata_md
 from tests.samples import unit_part
 from tests.studies import SETTINGS, study_of
 
-KINDS = [("pockets",), ("holes", "pockets"), (), ("thin",)]
+KINDS = [("pockets",), ("aged", "pockets"), (), ("thin",)]
 PARTS = [
     unit_part(name, family, strata=kinds)
     for name, family, kinds in zip("abcd", "fghi", KINDS, strict=True)
@@ -26,7 +26,7 @@ def study():
 def test_a_row_a_stratum_and_method_all_first_and_the_best_leads(study):
     rows = strata(study, SETTINGS)
     assert [(row.stratum, row.method) for row in rows] == [
-        (stratum, method) for stratum in ("all", "holes", "pockets") for method in ("nerf", "hull")
+        (stratum, method) for stratum in ("all", "aged", "pockets") for method in ("nerf", "hull")
     ]
 
 
@@ -47,7 +47,7 @@ def test_the_files_hold_what_the_rows_do(study):
     assert [row["method"] for row in read] == [row.method for row in rows]
     assert (read[0]["emd_even"], read[0]["parts"]) == ("0.04", "3")
     assert strata_md(rows).splitlines() == [
-        "| EMD (even) | all (3) | holes (1) | pockets (2) |",
+        "| EMD (even) | all (3) | aged (1) | pockets (2) |",
         "| --- | --- | --- | --- |",
         "| nerf | 0.0400, 4.00 x floor | 0.0400, 4.00 x floor | 0.0300, 3.00 x floor |",
         "| hull | 0.3500, 35.00 x floor | 1.0000, 100.00 x floor | 0.5100, 51.00 x floor |",

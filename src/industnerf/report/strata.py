@@ -12,7 +12,6 @@ from industnerf.report.comparisons import even_by_part
 from industnerf.report.formats import csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.statistics import bootstrap_interval
-from industnerf.report.subsets import tested
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 
@@ -37,14 +36,15 @@ class Stratum:
 
 def strata(study: Study, settings: ReportParams) -> list[Stratum]:
     """`all` first, then the strata by name; within one, the best method first."""
-    names = {name for part in tested(study) for name in study.parts[part].strata}
+    names = {name for part in study.parts.values() for name in part.strata}
     rows = [
         row
-        for name in (ALL, *sorted(names))
+        for stratum in (ALL, *sorted(names))
         for method in study.methods
-        if (row := _row(study, settings, name, method))
+        if (row := _row(study, settings, stratum, method))
     ]
-    return sorted(rows, key=lambda row: (row.stratum != ALL, row.stratum, row.emd_even))
+    order = {row.stratum: place for place, row in enumerate(rows)}
+    return sorted(rows, key=lambda row: (order[row.stratum], row.emd_even))
 
 
 def _row(study: Study, settings: ReportParams, stratum: str, method: str) -> Stratum | None:

@@ -16,15 +16,11 @@ SEED_PARTS = 20
 
 def figure3(study: Study) -> set[str]:
     """The part ids of the subset `figure3`."""
+    tested = [name for name in study.parts if study.places[name].split == "test"]
     chosen: dict[str, str] = {}
-    for name in by_hash("figure3", tested(study)):
+    for name in by_hash("figure3", tested):
         chosen.setdefault(study.parts[name].family, name)
     return set(chosen.values())
-
-
-def tested(study: Study) -> list[str]:
-    """The ids of the parts that are reported."""
-    return [name for name in study.parts if study.places[name].split == "test"]
 
 
 def by_hash(purpose: str, part_ids: Iterable[str]) -> list[str]:
