@@ -121,3 +121,4 @@ def test_seeds_are_three_and_nothing_else_is_swept(preset, monkeypatch):
         config = compose("config", [f"experiment={preset}"], return_hydra_config=True)
     assert config.hydra.sweeper.params == {"seed": "0,1,2"}
     assert config.hydra.mode.name == "MULTIRUN"
+    assert config.hydra.sweep.dir == f"runs/sweeps/{preset}"  # what pipeline.spread is told

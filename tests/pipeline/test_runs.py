@@ -31,6 +31,9 @@ TABLE1 = (
     "size,learned_from,hold_out,undertrained"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
+TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
+COMPARISONS = "method,other,difference,ci_low,ci_high,p,p_holm,win_rate,parts,families"
+STRATA = "stratum,method,emd_even,ci_low,ci_high,floor,ratio_to_floor,parts,families,failures"
 COST = "stage,method,part_id,seconds,peak_mb,device"
 
 
@@ -43,7 +46,14 @@ def test_a_run_ends_with_the_report(finished_run):
     reports = finished_run.folder / "reports"
     assert {path.name for path in reports.iterdir()} == REPORT
     heads = {name: (reports / name).read_text().splitlines()[0] for name in REPORT if "csv" in name}
-    assert heads == {"table1.csv": TABLE1, "scores.csv": SCORES, "cost.csv": COST}
+    assert heads == {
+        "table1.csv": TABLE1,
+        "table2.csv": TABLE2,
+        "comparisons.csv": COMPARISONS,
+        "strata.csv": STRATA,
+        "scores.csv": SCORES,
+        "cost.csv": COST,
+    }
     assert "is left out" in (reports / "table2.md").read_text()
     page = (reports / "report.html").read_text()
     assert "http" not in page.replace("http-equiv", "")  # nothing is fetched: it opens offline
