@@ -27,9 +27,9 @@ def project(root, tmp_path):
 
 
 def bring_results(run, project):
-    """What `run` wrote, and DVC's record of it."""
+    """What `run` wrote, and DVC's record and copies of it."""
     catalogue = shutil.ignore_patterns("embedded", "organic")  # links, which are there already
-    for name in ("data", "reports"):
+    for name in ("data", "reports", ".dvc/cache"):
         folders = run.folder / name, project.folder / name
         shutil.copytree(*folders, ignore=catalogue, dirs_exist_ok=True)
     shutil.copy(run.folder / "dvc.lock", project.folder)
