@@ -14,12 +14,11 @@ from industnerf.config import load_params
 from industnerf.errors import BadArtifact
 from industnerf.metrics.gridded import SCHEMA, measure_grid
 from industnerf.report.grid import grid_csv, grid_md, lines
+from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.schema import Params
-from industnerf.seeds import seed_for
 from industnerf.stage import Task, read_index, run_stage
 
 SUBJECTS = ("industnerf", "hull")
-FEW = 20  # test parts, chosen by hash, that are asked with many points too
 DATA, OUT, RESULTS = Path("data"), Path("runs/grid"), Path("results/grid")
 
 
@@ -29,7 +28,7 @@ def main() -> None:
     tested = [p for p in set.intersection(*known) if places[p].split == "test"]
     if not tested:
         raise BadArtifact(f"no test part has a cloud of {' and '.join(SUBJECTS)}: `make repro`")
-    few = set(sorted(tested, key=lambda part: seed_for(0, "few", part))[:FEW])
+    few = set(by_hash("seeds", tested)[:SEED_PARTS])  # those are asked with many points too
     tasks = [_task(part, part in few, params) for part in sorted(tested)]
     run_stage("grid", tasks, OUT, "report")
     cells = {p: read_json(OUT / p / "grid.json", SCHEMA, "grid")["cells"] for p in read_index(OUT)}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from statistics import fmean
 
 from industnerf.report import paper
-from industnerf.report.tables import markdown
+from industnerf.report.formats import markdown
 
 CELL = ("points", "reduction", "surface", "cost", "scale")
 FLOOR = "floor"
@@ -69,4 +69,4 @@ def grid_md(found: list[Line]) -> str:
         ]
         for line in found
     ]
-    return markdown(heads, rows, 0.95)
+    return markdown(heads, rows)
