@@ -24,12 +24,9 @@ DATA, OUT, RESULTS = Path("data"), Path("runs/grid"), Path("results/grid")
 
 def main() -> None:
     params, places = load_params(), load_split(DATA / "split.json")
-    known = [set(read_index(DATA / "clouds" / name)) for name in SUBJECTS]
-    tested = [p for p in set.intersection(*known) if places[p].split == "test"]
-    if not tested:
-        raise BadArtifact(f"no test part has a cloud of {' and '.join(SUBJECTS)}: `make repro`")
+    tested = sorted(part for part in _reconstructed() if places[part].split == "test")
     few = set(by_hash("seeds", tested)[:SEED_PARTS])  # those are asked with many points too
-    tasks = [_task(part, part in few, params) for part in sorted(tested)]
+    tasks = [_task(part, part in few, params) for part in tested]
     run_stage("grid", tasks, OUT, "report")
     cells = {p: read_json(OUT / p / "grid.json", SCHEMA, "grid")["cells"] for p in read_index(OUT)}
     found = lines(cells)
@@ -37,6 +34,14 @@ def main() -> None:
     write_text(RESULTS / "grid.csv", grid_csv(found))
     write_text(RESULTS / "grid.md", grid_md(found))
     print(f"{RESULTS / 'grid.md'}, {RESULTS / 'grid.csv'}")
+
+
+def _reconstructed() -> set[str]:
+    """The parts of which every subject made a cloud."""
+    folders = [DATA / "clouds" / name for name in SUBJECTS]
+    if absent := [folder.name for folder in folders if not (folder / "index.json").exists()]:
+        raise BadArtifact(f"{DATA} holds no cloud of {', '.join(absent)}: `make repro`")
+    return set.intersection(*(set(read_index(folder)) for folder in folders))
 
 
 def _task(part: str, many: bool, params: Params) -> Task:

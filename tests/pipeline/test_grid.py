@@ -1,0 +1,53 @@
+"""The grid of protocols over what a finished run left."""
+
+import csv
+import os
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.metrics import gridded
+from industnerf.report.grid import CELL
+from pipeline import grid
+
+
+@pytest.fixture
+def study(finished_run, tmp_path, monkeypatch):
+    """The finished run's data and parameters, with two of its methods as subjects."""
+    for name in ("data", "params.yaml", "dvc.yaml"):
+        os.symlink(finished_run.folder / name, tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")  # workers would not hear of these:
+    monkeypatch.setattr(grid, "SUBJECTS", ("oracle", "hull"))
+    monkeypatch.setattr(gridded, "POINTS", (32, 64))
+    monkeypatch.setattr(gridded, "MANY", 96)
+    return tmp_path
+
+
+def test_a_study_becomes_a_table_of_protocols(study):
+    grid.main()
+    with (study / "results" / "grid" / "grid.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {row["subject"] for row in rows} == {"floor", "oracle", "hull"}
+    # 3 numbers of points, 2 reductions, 2 surfaces, 2 costs, 2 scales, 3 subjects
+    assert len(rows) == 3 * 2 * 2 * 2 * 2 * 3
+    at = {(*(r[name] for name in r if name in CELL), r["subject"]): r for r in rows}
+    usual = ("64", "even", "visible", "distance", "diagonal")
+    assert float(at[*usual, "hull"]["mean"]) > float(at[*usual, "floor"]["mean"]) > 0
+    # what is the truth itself scores as its floor does: both are samples of it
+    ratio = float(at[*usual, "oracle"]["mean"]) / float(at[*usual, "floor"]["mean"])
+    assert ratio == pytest.approx(1, abs=0.2)
+    assert (study / "results" / "grid" / "grid.md").read_text().count("\n") == 2 + 48
+
+
+def test_what_is_done_is_done_once(study, capsys):
+    grid.main()
+    assert "2 made, 0 reused" in capsys.readouterr().out
+    grid.main()
+    assert "0 made, 2 reused" in capsys.readouterr().out
+
+
+def test_without_clouds_it_says_what_to_run(study, monkeypatch):
+    monkeypatch.setattr(grid, "SUBJECTS", ("oracle", "nobody"))
+    with pytest.raises(BadArtifact, match=r"no cloud of nobody: `make repro`"):
+        grid.main()
