@@ -6,7 +6,7 @@ comparisons.csv .md        what is better than what, beyond chance
 strata.csv .md             which kinds of parts suit which method
 contact_sheet.png report.html
 summary.json               the means, for `dvc metrics` and MLflow
-cost.csv table1.md         with timings, so they differ from run to run
+cost.csv table1.md pareto.png   with timings, so they differ from run to run
 """
 
 from pathlib import Path
@@ -18,8 +18,10 @@ from rich.table import Table
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.report.comparisons import comparisons, comparisons_csv, comparisons_md
 from industnerf.report.costs import costs_csv, read_costs, seconds_per_part
+from industnerf.report.exhibits import exhibits
 from industnerf.report.gather import Study
 from industnerf.report.page import page
+from industnerf.report.pareto import pareto
 from industnerf.report.sheet import choose_parts, contact_sheet
 from industnerf.report.strata import strata, strata_csv, strata_md
 from industnerf.report.table2 import Line, means, table2, table2_csv, table2_md
@@ -49,7 +51,9 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
         Extra(without_failures(study, row), seconds_per_part(costs, row.method)) for row in rows
     ]
     untimed = [Extra(extra.emd_without_failures, None) for extra in extras]
-    sheet = contact_sheet(study, choose_parts(study, settings.sheet_parts))
+    chosen = choose_parts(study, settings.sheet_parts)
+    sheet = contact_sheet(study, chosen)
+    shown = exhibits(study, chosen, sheet)
     write_text(out / "table1.csv", table1_csv(rows))
     write_text(out / "table1.md", table1_md(rows, extras, settings.interval))
     write_text(out / "table2.csv", table2_csv(lines))
@@ -57,7 +61,8 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     _write_statistics(study, settings, out)
     write_text(out / "scores.csv", scores_csv(study))
     write_text(out / "cost.csv", costs_csv(costs))
-    write_text(out / "report.html", page(study, rows, untimed, lines, sheet))
+    write_text(out / "report.html", page(study, rows, untimed, lines, shown, settings.interval))
+    (out / "pareto.png").write_bytes(pareto(rows, extras))
     (out / "contact_sheet.png").write_bytes(sheet)
     write_json(out / "summary.json", _summary(study, rows, lines, out))
     _show(rows, extras, out)

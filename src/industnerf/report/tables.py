@@ -194,12 +194,12 @@ def cells(row: Row, extra: Extra) -> list[str]:
         str(row.failures),
         short(extra.emd_without_failures),
         short(extra.seconds, 2),
-        _lesson(row),
+        lesson(row),
         short(row.paper_emd),
     ]
 
 
-def _lesson(row: Row) -> str:
+def lesson(row: Row) -> str:
     """Such as `78 parts of other families, cpu: 1.2 M numbers, 4000 steps; undertrained: ...`."""
     if not row.learned_from:
         return ""

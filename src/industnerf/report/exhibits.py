@@ -1,0 +1,32 @@
+"""What the page shows of the chosen parts: their clouds, and pictures of them."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PIL import Image
+
+from industnerf.artifacts.part import Part
+from industnerf.report.gather import Study
+from industnerf.report.scenes import Scene, scene
+from industnerf.report.snapshots import Snapshots, jpeg, snapshots
+
+SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is larger
+
+
+@dataclass(frozen=True)
+class Exhibits:
+    """All that the page shows beside numbers."""
+
+    sheet: bytes  # JPEG
+    scenes: Sequence[Scene]
+    snapshots: Snapshots
+
+
+def exhibits(study: Study, parts: list[Part], sheet: bytes) -> Exhibits:
+    """Exhibits of `parts`; `sheet` is their contact sheet, PNG.
+
+    Raises BadArtifact if a file is torn.
+    """
+    small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX)
+    return Exhibits(small, [scene(study, part) for part in parts], snapshots(study, parts))
