@@ -15,6 +15,7 @@ REPORT = {
     "comparisons.md",
     "contact_sheet.png",
     "cost.csv",
+    "pareto.png",
     "report.html",
     "scores.csv",
     "strata.csv",

@@ -9,8 +9,10 @@ import pytest
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
+from industnerf.report.exhibits import Exhibits
 from industnerf.report.gather import Folders, Study
 from industnerf.report.page import page
+from industnerf.report.snapshots import Snapshots
 from industnerf.report.subsets import figure3
 from industnerf.report.table2 import (
     LEFT_OUT,
@@ -79,7 +81,8 @@ def study_of(rendering: bool) -> Study:
 
 def show(study: Study) -> str:
     rows = table1(study, SETTINGS)
-    return page(study, rows, [Extra(None, None)] * len(rows), table2(study, SETTINGS), b"")
+    lines, nothing = table2(study, SETTINGS), Exhibits(b"", [], Snapshots([], []))
+    return page(study, rows, [Extra(None, None)] * len(rows), lines, nothing, SETTINGS.interval)
 
 
 def test_every_loss_of_whoever_renders_and_nobody_else():
@@ -120,8 +123,12 @@ def test_the_file_and_the_page_hold_the_lines():
     assert len(text.splitlines()) == 2 + 3 * len(LOSSES)
     line = "| hull | RGB 2D (MSE) | all | 0.01500 | "
     assert line in text
-    assert "<h2>Table 2</h2>" in show(study)
-    assert "<td>RGB 2D (MSE)<td>all<td>0.01500<td>" in show(study)
+    shown = show(study)
+    assert "<h2>Table 2</h2>" in shown
+    assert "90 %</button>" in shown
+    assert "<td class=text>RGB 2D (MSE)<td class=text>all<td>0.01500<td>" in shown
+    for folded in ("One part of every family", "The dev parts"):
+        assert f"<details><summary>{folded}" in shown
 
 
 def test_figure_3_has_one_part_of_every_family():
@@ -155,7 +162,6 @@ def test_without_a_method_that_renders_it_is_left_out_and_said():
     assert table2(study, SETTINGS) == []
     assert len(table2_csv([]).splitlines()) == 1
     assert table2_md([], SETTINGS.interval) == f"{LEFT_OUT}\n"
-    assert "Table 2</h2>" not in show(study)
     assert LEFT_OUT in show(study)
 
 

@@ -1,0 +1,36 @@
+"""A small study, and its page."""
+
+import pytest
+from PIL import Image
+
+from industnerf.report.exhibits import Exhibits
+from industnerf.report.gather import Study
+from industnerf.report.page import page
+from industnerf.report.scenes import scene
+from industnerf.report.snapshots import Snapshots, jpeg
+from industnerf.report.table2 import table2
+from industnerf.report.tables import Extra, table1
+from industnerf.schema import ReportParams
+from tests.report import gallery
+
+SETTINGS = ReportParams(resamples=50, interval=0.9, sheet_parts=4)
+
+
+@pytest.fixture(scope="session")
+def study(tmp_path_factory) -> Study:
+    """Two balls; see gallery.py."""
+    folder = tmp_path_factory.mktemp("gallery")
+    for name in gallery.PARTS:
+        gallery.lay_out(folder, name)
+    return gallery.study(folder)
+
+
+@pytest.fixture(scope="session")
+def report_page(study) -> str:
+    """The page of `study`, both of whose parts are in the viewer."""
+    rows = table1(study, SETTINGS)
+    grey = jpeg(Image.new("RGB", (8, 8), "grey"))
+    taken = Snapshots(["hull"], [(study.parts["near-ball"], [[grey, None]])])
+    exhibits = Exhibits(grey, [scene(study, part) for part in study.parts.values()], taken)
+    extras = [Extra(row.emd_even, None) for row in rows]
+    return page(study, rows, extras, table2(study, SETTINGS), exhibits, SETTINGS.interval)

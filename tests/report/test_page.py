@@ -1,0 +1,128 @@
+"""The page as a file: complete, self-contained, equal from run to run, and nothing unescaped."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from industnerf.report.exhibits import Exhibits
+from industnerf.report.markup import Column, Line, brief, part_link, table
+from industnerf.report.page import page
+from industnerf.report.scenes import scene
+from industnerf.report.snapshots import Snapshots
+from industnerf.report.tables import Extra, table1
+from tests.report import gallery
+from tests.report.conftest import SETTINGS
+
+
+def bare(study) -> str:
+    """A page without exhibits."""
+    rows = table1(study, SETTINGS)
+    extras = [Extra(row.emd_even, None) for row in rows]
+    return page(study, rows, extras, [], Exhibits(b"", [], Snapshots([], [])), 0.9)
+
+
+class Links(HTMLParser):
+    """What a page points at, and what it can be pointed at."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.targets, self.places = set(), set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        self.targets |= {given[name] for name in ("href", "src") if name in given}
+        self.places |= {given["id"]} if "id" in given else set()
+
+
+def test_every_link_leads_somewhere_within_the_page(report_page):
+    links = Links(report_page)
+    inside = {target[1:] for target in links.targets if target.startswith("#")} - {""}
+    assert inside <= links.places
+    assert {f"part={name}" for name in gallery.PARTS} <= inside
+    others = {target for target in links.targets if target and not target.startswith("#")}
+    assert all(target.startswith("data:") for target in others)
+
+
+def test_equal_results_give_equal_bytes(study, report_page):
+    again = scene(study, study.parts["near-ball"])
+    assert again == scene(study, study.parts["near-ball"])
+    assert bare(study) == bare(study)
+
+
+def test_what_others_wrote_stays_text(study):
+    broken = "<script>alert(1)</script>"
+    parts = {name: replace(part, designation=broken) for name, part in study.parts.items()}
+    shown = bare(replace(study, parts=parts, failures={"hull": {"near-ball": broken}}))
+    assert shown.count(broken) == 0
+    assert shown.count("&lt;script&gt;alert") >= 3
+
+
+def test_a_name_cannot_end_the_element_that_holds_the_clouds(study):
+    failures = {"box": {"near-ball": "</script><b>"}}
+    told = replace(study, failures=failures)
+    one = scene(told, told.parts["near-ball"])
+    rows = table1(told, SETTINGS)
+    extras = [Extra(None, None)] * len(rows)
+    shown = page(told, rows, extras, [], Exhibits(b"", [one], Snapshots([], [])), 0.9)
+    assert shown.count("</script><b>") == 0
+
+
+def test_emd_stands_in_mm_beside_diagonals(report_page):
+    """0.02 diagonals of 34.64 mm."""
+    row = re.search(r"<td class=text>hull<td class=text>mask(.*?)<tr", report_page)[1]
+    assert row.split("<td>")[1:] == [
+        "0.0200",
+        "0.0200 to 0.0200",
+        "0.693",
+        "0.0100",
+        "2.00",
+        "0.0200",
+        "0.0200",
+        "2",
+        "0",
+        "",  # without failures: it has none
+    ]
+
+
+def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
+    section = report_page.split("id='part=near-ball'")[1].split("</section>")[0]
+    for text in ("EMD (even)", "mm", "within 0.5 mm, share", "Hausdorff-95, mm"):
+        assert f"<button>{text}</button>" in section
+    assert "<tr class=failed><td class=text>box<td>0.2000 (failed)<td>6.93" in section
+    assert "no silhouette &lt;seen&gt;" in section
+
+
+def test_failures_are_listed_also_of_parts_that_never_became_one(report_page):
+    assert "<b>parts</b>, torn-part: torn.step: no solid" in report_page
+    assert report_page.count("<h2>Failures</h2>") == 1
+
+
+def test_what_there_is_nothing_of_is_left_out(study):
+    shown = bare(
+        replace(study, failures={}, scores=[s for s in study.scores if s.score.metric == "emd"])
+    )
+    assert shown.count("Failures") == 0
+    assert shown.count("Is the confidence right?") == 0
+    assert shown.count("Held-out views") == 0
+    assert "nothing to show" in shown
+
+
+def test_a_table_leaves_out_the_columns_that_no_line_fills():
+    columns = [Column("a", True), Column("b"), Column("c")]
+    text = table(columns, [Line(["x", "", "1"]), Line(["y", "", ""], "failed")])
+    assert re.findall(r"<button>(\w)", text) == ["a", "c"]
+    assert "<tr class=failed><td class=text>y<td></tbody>" in text
+
+
+def test_a_link_survives_any_id():
+    assert part_link("a b#'c", "<x>") == "<a href='#part=a%20b%23%27c'>&lt;x&gt;</a>"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.0123456, "0.0123"), (2.0, "2.00"), (34.64, "34.6"), (1234.5, "1234")]
+)
+def test_lengths_have_three_digits(value, text):
+    assert brief(value) == text
