@@ -58,22 +58,19 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     write_text(out / "table1.md", table1_md(rows, extras, settings.interval))
     write_text(out / "table2.csv", table2_csv(lines))
     write_text(out / "table2.md", table2_md(lines, settings.interval))
-    _write_statistics(study, settings, out)
-    write_text(out / "scores.csv", scores_csv(study))
-    write_text(out / "cost.csv", costs_csv(costs))
-    write_text(out / "report.html", page(study, rows, untimed, lines, shown, settings.interval))
-    (out / "pareto.png").write_bytes(pareto(rows, extras))
-    (out / "contact_sheet.png").write_bytes(sheet)
-    write_json(out / "summary.json", _summary(study, rows, lines, out))
-    _show(rows, extras, out)
-
-
-def _write_statistics(study: Study, settings: ReportParams, out: Path) -> None:
     compared, kinds = comparisons(study, settings), strata(study, settings)
     write_text(out / "comparisons.csv", comparisons_csv(compared))
     write_text(out / "comparisons.md", comparisons_md(compared, settings.interval))
     write_text(out / "strata.csv", strata_csv(kinds))
     write_text(out / "strata.md", strata_md(kinds))
+    write_text(out / "scores.csv", scores_csv(study))
+    write_text(out / "cost.csv", costs_csv(costs))
+    shown_page = page(study, rows, untimed, lines, shown, settings.interval, compared, kinds)
+    write_text(out / "report.html", shown_page)
+    (out / "pareto.png").write_bytes(pareto(rows, extras))
+    (out / "contact_sheet.png").write_bytes(sheet)
+    write_json(out / "summary.json", _summary(study, rows, lines, out))
+    _show(rows, extras, out)
 
 
 def _summary(study: Study, rows: list[Row], lines: list[Line], out: Path) -> dict:

@@ -96,10 +96,11 @@ def comparisons_md(found: list[Comparison], interval: float) -> str:
     """`comparisons.md`: the table, or why there is none."""
     if not found:
         return f"{LEFT_OUT}\n"
-    return markdown(intervals_of(COLUMNS, interval), map(_cells, found))
+    return markdown(intervals_of(COLUMNS, interval), map(cells, found))
 
 
-def _cells(each: Comparison) -> list[str]:
+def cells(each: Comparison) -> list[str]:
+    """`each` as people read it, one text for each of COLUMNS."""
     return [
         each.method,
         each.other,

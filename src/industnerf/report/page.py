@@ -5,6 +5,7 @@ from html import escape
 from importlib.resources import files
 
 from industnerf.report import table2, texts
+from industnerf.report.comparisons import Comparison
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.figures import calibration, distribution, failures, renderings
 from industnerf.report.gather import Study
@@ -12,7 +13,9 @@ from industnerf.report.headline import by_part, table1, table2_html
 from industnerf.report.lookup import Scores
 from industnerf.report.markup import note, picture
 from industnerf.report.part_pages import part_pages
+from industnerf.report.strata import Stratum
 from industnerf.report.tables import Extra, Row
+from industnerf.report.verdicts import comparisons_html, strata_html
 from industnerf.report.viewer import viewer
 
 SCRIPTS = ("sort.js", "camera.js", "draw.js", "colours.js", "viewer.js")
@@ -27,6 +30,8 @@ def page(
     lines: Sequence[table2.Line],
     exhibits: Exhibits,
     interval: float,
+    compared: Sequence[Comparison] = (),
+    kinds: Sequence[Stratum] = (),
 ) -> str:
     """`report.html`; `interval` is what the tables' intervals cover, such as 0.95."""
     scores = Scores.of(study)
@@ -38,6 +43,8 @@ def page(
         + note(texts.SHEET),
         "Table 2": _table2(lines, interval),
         "Held-out views": renderings(exhibits.snapshots),
+        "More than chance?": comparisons_html(compared, interval),
+        "By kind of part": strata_html(kinds),
         "Every part against its floor": distribution(study, scores),
         "Is the confidence right?": calibration(study, scores),
         "What it costs": note(texts.COST),

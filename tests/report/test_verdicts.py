@@ -1,0 +1,47 @@
+"""Comparisons and strata on the page, from values that are known."""
+
+import re
+
+from industnerf.report.comparisons import Comparison
+from industnerf.report.strata import ALL, Stratum
+from industnerf.report.verdicts import comparisons_html, strata_html
+
+ONE = Comparison("industnerf", "hull<b>", -0.0123, -0.02, -0.001, 0.004, 0.008, 0.75, 96, 16)
+
+
+def texts(html: str) -> list[list[str]]:
+    """The cells of every row, without their tags."""
+    rows = re.findall(r"<tr[^>]*>(.*?)(?=<tr|</tbody|</thead)", html, re.DOTALL)
+    return [
+        [re.sub("<[^>]*>", "", cell) for cell in re.split("<t[hd][^>]*>", row)[1:]] for row in rows
+    ]
+
+
+def a_stratum(name: str, method: str, emd: float, parts: int) -> Stratum:
+    return Stratum(name, method, emd, emd, emd, 0.01, emd / 0.01, parts, 2, 0)
+
+
+def test_a_comparison_is_a_row_with_its_interval_named():
+    heads, row = texts(comparisons_html([ONE], 0.9))
+    said = dict(zip(heads, row, strict=True))
+    assert said["difference"] == "-0.0123"
+    assert said["90 %"] == "-0.0200 to -0.0010"
+    assert said["p (Holm)"] == "0.008"
+    assert said["against"] == "hull&lt;b&gt;"
+
+
+def test_a_stratum_is_a_column_and_a_method_a_row():
+    rows = [
+        a_stratum(ALL, "hull", 0.02, 9),
+        a_stratum(ALL, "box", 0.2, 9),
+        a_stratum("pockets", "box", 0.3, 4),
+        a_stratum("pockets", "hull", 0.05, 4),
+    ]
+    heads, first, second = texts(strata_html(rows))
+    assert heads == ["method", f"{ALL} (9)", "pockets (4)"]
+    assert first == ["hull", "0.0200", "0.0500"]
+    assert second == ["box", "0.2000", "0.3000"]
+
+
+def test_of_nothing_there_is_nothing():
+    assert comparisons_html([], 0.95) == strata_html([]) == ""
