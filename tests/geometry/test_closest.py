@@ -54,3 +54,8 @@ def test_any_triangles_do_closed_or_not(points):
 def test_a_point_however_far_has_a_distance():
     box, far = trimesh.creation.box([1.0] * 3), np.array([[1e6, 0.0, 0.0]])
     assert distance_to_surface(far, box.vertices, box.faces)[0] == pytest.approx(1e6, rel=1e-6)
+
+
+def test_of_no_points_there_are_no_distances():
+    box = trimesh.creation.box([1.0] * 3)
+    assert distance_to_surface(np.zeros((0, 3)), box.vertices, box.faces).shape == (0,)

@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.part import Part
+from industnerf.artifacts.part import Mesh, Part, save_part
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.artifacts.truth import Truth
@@ -42,6 +43,12 @@ def points(count: int, radius: float) -> np.ndarray:
     return (CENTRE + radius * fibonacci_sphere(count)).astype(np.float32)
 
 
+def surface(true: np.ndarray) -> Mesh:
+    """The polyhedron whose corners are the points `true`."""
+    hull = trimesh.convex.convex_hull(true.astype(np.float64))
+    return Mesh.plain(hull.vertices, hull.faces.astype(np.int32))
+
+
 def cloud(name: str, where: np.ndarray, *, telling: bool) -> Cloud:
     """A cloud whose points differ in all that is said of them, or in nothing."""
     count = len(where)
@@ -64,6 +71,8 @@ def lay_out(folder: Path, name: str, count: int = 2000) -> None:
     clouds = {"hull": (RADIUS + FAR, True), "oracle": (RADIUS, False)}
     (folder / "truth" / name).mkdir(parents=True)
     Truth(true, visible, {}).save(folder / "truth" / name)
+    (folder / "parts" / name).mkdir(parents=True)
+    save_part(folder / "parts" / name, part(name), surface(true))
     for method, (radius, telling) in clouds.items():
         (folder / method / name).mkdir(parents=True)
         cloud(name, points(count, radius), telling=telling).save(folder / method / name)
@@ -107,5 +116,5 @@ def study(folder: Path) -> Study:
         dict.fromkeys(EMD, (0, 0)),
         {},
         dict.fromkeys(PARTS, 0.9),
-        Folders(nowhere, nowhere, nowhere, folder / "truth", nowhere, folder, nowhere),
+        Folders(folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere),
     )

@@ -51,14 +51,14 @@ def test_points_are_where_they_were_to_half_a_step_in_one_frame(packed):
         assert np.abs(found - centre).max() < 0.55 * STEP
 
 
-def test_distances_both_ways_are_those_to_the_whole_cloud(study, packed):
+def test_distances_are_to_the_surface_and_back_to_the_whole_cloud(study, packed):
     true = gallery.points(2000, 10.0)
     hull = decode(packed["hull"])
-    exact = cKDTree(true).query(gallery.points(2000, 10.2))[0]
-    found = distances_mm(hull["error"])
-    limit = WORST * gallery.DIAGONAL
-    # of a root in 255ths, half a step of the root at the exact distance
-    assert np.all(np.abs(found - exact) <= limit * (np.sqrt(exact / limit) + 1 / 510) / 255 + 1e-6)
+    found, limit = distances_mm(hull["error"]), WORST * gallery.DIAGONAL
+    # the surface is a polyhedron: between its corners, 0.8 mm apart, it is up to 0.02 mm deeper
+    slack = limit * (np.sqrt(gallery.FAR / limit) + 1 / 510) / 255
+    assert found.min() > gallery.FAR - slack
+    assert found.max() < gallery.FAR + 0.02 + slack
     missed = cKDTree(gallery.points(2000, 10.2)).query(true)[0]
     assert distances_mm(hull["missed"]).mean() == pytest.approx(missed.mean(), rel=0.02)
     assert decode(packed["oracle"])["error"].max() == 0

@@ -37,7 +37,9 @@ def distance_to_surface(
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     about, corners = ((x - centre).astype(np.float32) for x in (points, vertices))
     # the search is bounded by more than any distance can be
-    farthest = 2 * (1 + np.linalg.norm(about, axis=1).max() + np.linalg.norm(corners, axis=1).max())
+    farthest = 2 * (
+        1 + np.linalg.norm(about, axis=1).max(initial=0) + np.linalg.norm(corners, axis=1).max()
+    )
     where = wp.get_device("cpu")
     mesh = wp.Mesh(
         wp.array(corners, dtype=wp.vec3, device=where),

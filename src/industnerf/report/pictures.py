@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float, Int64, UInt8
 from scipy.spatial import cKDTree
 
+from industnerf.artifacts.part import Mesh
 from industnerf.geometry.cameras import Cameras, project
 
 PAPER = np.array([255, 255, 255], np.uint8)
@@ -59,9 +60,17 @@ def relief(depth: Float[np.ndarray, "h w"], span: float) -> Float[np.ndarray, "h
     return np.where(np.isfinite(depth), shade, 1.0)
 
 
-def distance_to(
-    points_mm: Float[np.ndarray, "n 3"], truth_mm: Float[np.ndarray, "m 3"], at_most_mm: float
-) -> Float[np.ndarray, "n"]:
-    """Distance (mm) of each point to the nearest sample of the truth, cut off at `at_most_mm`."""
-    found, _ = cKDTree(truth_mm).query(points_mm, distance_upper_bound=at_most_mm)
+def missed_by(
+    truth_mm: Float[np.ndarray, "m 3"], points_mm: Float[np.ndarray, "n 3"], at_most_mm: float
+) -> Float[np.ndarray, "m"]:
+    """Distance (mm) of each sample of the truth to the nearest point, cut off at `at_most_mm`."""
+    found, _ = cKDTree(points_mm).query(truth_mm, distance_upper_bound=at_most_mm)
     return np.minimum(found, at_most_mm)  # a search without result returns infinity
+
+
+def deviation(points_mm: Float[np.ndarray, "n 3"], surface: Mesh) -> Float[np.ndarray, "n"]:
+    """Distance (mm) of each point to the true surface itself."""
+    # late: a report without a picture need not wait for Warp
+    from industnerf.geometry.closest import distance_to_surface
+
+    return distance_to_surface(points_mm, surface.vertices, surface.faces)

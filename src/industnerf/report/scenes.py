@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float, Float32, Int64, UInt8
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.part import Part
+from industnerf.artifacts.part import Mesh, Part, load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.report.gather import Study
-from industnerf.report.pictures import distance_to
+from industnerf.report.pictures import deviation, missed_by
 from industnerf.seeds import generator
 
 POINTS = 6000  # of each cloud
@@ -41,6 +41,7 @@ def scene(study: Study, part: Part) -> Scene:
     Raises BadArtifact if a file is torn.
     """
     truth = Truth.load(study.folders.truth / part.part_id)
+    surface = load_mesh(study.folders.parts / part.part_id)
     centre = (truth.points_mm.min(axis=0) + truth.points_mm.max(axis=0)) / 2
     box = Box(centre.astype(np.float64), part.diagonal_mm)
     few = _evenly(truth.points_mm, study.seed, part.part_id)
@@ -49,7 +50,7 @@ def scene(study: Study, part: Part) -> Scene:
     for method in study.methods:
         folder = study.folders.clouds / method / part.part_id
         if folder.is_dir():
-            clouds[method] = _cloud(Cloud.load(folder), truth, shown, box, study.seed)
+            clouds[method] = _cloud(Cloud.load(folder), surface, shown, box, study.seed)
         else:
             why = study.failures.get(method, {}).get(part.part_id, "it made no cloud")
             clouds[method] = {"failed": why, "count": 0, "says": "", "arrays": {}}
@@ -88,7 +89,7 @@ def _truth(truth: Truth, few: np.ndarray, box: Box) -> dict:
     return {"count": len(few), "says": says, "arrays": _text(arrays)}
 
 
-def _cloud(cloud: Cloud, truth: Truth, shown: np.ndarray, box: Box, seed: int) -> dict:
+def _cloud(cloud: Cloud, surface: Mesh, shown: np.ndarray, box: Box, seed: int) -> dict:
     worst = WORST * box.diagonal_mm
     few = _evenly(cloud.points_mm, seed, cloud.part_id)
     steps = np.rint(box.steps(cloud.points_mm[few]))
@@ -96,8 +97,8 @@ def _cloud(cloud: Cloud, truth: Truth, shown: np.ndarray, box: Box, seed: int) -
     few, points = few[inside], cloud.points_mm[few[inside]]
     arrays = {
         "place": steps[inside].astype(np.uint16),
-        "error": box.roots(distance_to(points, truth.points_mm, worst)),
-        "missed": box.roots(distance_to(shown, cloud.points_mm, worst)),
+        "error": box.roots(deviation(points, surface)),
+        "missed": box.roots(missed_by(shown, cloud.points_mm, worst)),
     } | _said(cloud, few)
     says = f"{len(few)} of {len(cloud.points_mm)} points"
     outside = len(inside) - len(few)

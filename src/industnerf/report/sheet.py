@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import UInt8
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.part import Part
+from industnerf.artifacts.part import Part, load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.report.gather import Study
-from industnerf.report.pictures import distance_to, nicest_view, splat
+from industnerf.report.pictures import deviation, nicest_view, splat
 
 SIZE = 260  # px of one picture
 CELL = 2.0  # inches of one picture
@@ -58,6 +58,7 @@ def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h
     views = load_views(study.folders.views / part.part_id)
     view = nicest_view(views.cameras[views.train])
     truth = Truth.load(study.folders.truth / part.part_id)
+    surface = load_mesh(study.folders.parts / part.part_id)
     shown = np.where(truth.visible[:, None], SEEN, HIDDEN)
     pictures = [splat(truth.points_mm, shown, views.cameras, view, SIZE)]
     pictures.append(views.rgb(np.array([view]))[0])
@@ -68,8 +69,7 @@ def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h
             continue
         points = Cloud.load(folder).points_mm
         worst = WORST * part.diagonal_mm
-        error = distance_to(points, truth.points_mm, worst)
-        colours = colour_map(error / worst, bytes=True)[:, :3]
+        colours = colour_map(deviation(points, surface) / worst, bytes=True)[:, :3]
         pictures.append(splat(points, colours, views.cameras, view, SIZE))
     return pictures
 

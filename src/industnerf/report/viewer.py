@@ -23,9 +23,9 @@ LIMITS = (0.005, 0.01, 0.02, 0.05)  # ends of the colour scale, in diagonals
 MAPS = {"error": "turbo", "confidence": "viridis"}  # matplotlib's names
 HELP = (
     "Drag to turn, shift-drag to shift; once clicked, the wheel zooms and the arrow keys turn; "
-    "a double click goes back. Both sides have one camera. Error is the distance to the nearest "
-    "sample of the whole true surface; on the truth's own side it is the distance to the other "
-    "side's cloud: what that one misses. Points are spread evenly, up to 6000 a cloud."
+    "a double click goes back. Both sides have one camera. Error is the distance to the true "
+    "surface; on the truth's own side it is the distance to the nearest point of the other side's "
+    "cloud: what that one misses. Points are spread evenly, up to 6000 a cloud."
 )
 
 
