@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from industnerf.report.subsets import by_hash, figure3
+from industnerf.report.gather import Folders
+from industnerf.report.subsets import by_hash, exhibited, figure3
 from tests.samples import unit_part
 from tests.studies import study_of
 
@@ -30,3 +31,18 @@ def test_a_part_that_goes_leaves_the_others_in_their_order():
     assert order != names
     assert by_hash("seeds", names[1:]) == [name for name in order if name != names[0]]
     assert by_hash("figure3", names) != order
+
+
+def test_one_part_of_each_family_is_exhibited_before_a_second(tmp_path):
+    study = study_of(PARTS, {"hull": [0.1] * 15}, dev=["f0", "f1", "g0"])
+    study = replace(study, folders=Folders(*[tmp_path] * 7))
+    for part in PARTS:
+        (tmp_path / part.part_id).mkdir()
+    (missing,) = (name for name in figure3(study) if name[0] == "h")
+    assert {part.part_id for part in exhibited(study, 3)} == figure3(study)
+    assert [part.part_id for part in exhibited(study, 99)] == [part.part_id for part in PARTS]
+    four = exhibited(study, 4)
+    assert [part.family for part in four] == sorted(part.family for part in four)
+    assert figure3(study) < {part.part_id for part in four}
+    (tmp_path / missing).rmdir()
+    assert missing not in {part.part_id for part in exhibited(study, 99)}

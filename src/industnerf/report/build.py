@@ -22,8 +22,9 @@ from industnerf.report.exhibits import exhibits
 from industnerf.report.gather import Study
 from industnerf.report.page import page
 from industnerf.report.pareto import pareto
-from industnerf.report.sheet import choose_parts, contact_sheet
+from industnerf.report.sheet import contact_sheet
 from industnerf.report.strata import strata, strata_csv, strata_md
+from industnerf.report.subsets import exhibited
 from industnerf.report.table2 import Line, means, table2, table2_csv, table2_md
 from industnerf.report.tables import (
     COLUMNS,
@@ -51,7 +52,7 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
         Extra(without_failures(study, row), seconds_per_part(costs, row.method)) for row in rows
     ]
     untimed = [Extra(extra.emd_without_failures, None) for extra in extras]
-    chosen = choose_parts(study, settings.sheet_parts)
+    chosen = exhibited(study, settings.sheet_parts)
     sheet = contact_sheet(study, chosen)
     shown = exhibits(study, chosen, sheet)
     write_text(out / "table1.csv", table1_csv(rows))

@@ -72,16 +72,3 @@ def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h
         colours = colour_map(deviation(points, surface) / worst, bytes=True)[:, :3]
         pictures.append(splat(points, colours, views.cameras, view, SIZE))
     return pictures
-
-
-def choose_parts(study: Study, count: int) -> list[Part]:
-    """Up to `count` parts that every stage reached, spread evenly over the list by family."""
-    ready = [
-        part
-        for part in study.parts.values()
-        if (study.folders.views / part.part_id).is_dir()
-        and (study.folders.truth / part.part_id).is_dir()
-    ]
-    ready.sort(key=lambda part: (part.family, part.part_id))
-    chosen = np.unique(np.linspace(0, len(ready) - 1, min(count, len(ready))).round().astype(int))
-    return [ready[i] for i in chosen]
