@@ -50,10 +50,18 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
         made = json.loads((out / "made.json").read_text())
         assert (made["clean"], made["changed"]) == (True, [])
     readme = (project.folder / "README.md").read_text()
-    assert block(readme, "study") == study_block(out)
+    assert block(readme, "study") == study_block(out, project.folder / "params.yaml")
     assert "2 test parts of 2 families" in readme
     for name in ("table1.csv", "scores.csv"):
         assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
+    assert lock_disagreements(out) == []
+
+    params = project.folder / "params.yaml"
+    params.write_text(params.read_text().replace("sheet_parts: ", "sheet_parts: 1"))
+    code, output = project.run("python", "-m", "pipeline.publish", "readme")
+    assert code == 0, output
+    assert "has changed" in block((project.folder / "README.md").read_text(), "study")
+    assert lock_disagreements(out) == []
 
 
 @pytest.fixture
@@ -97,6 +105,11 @@ def test_a_lock_of_two_runs_is_found_out(locked):
 
 
 def test_the_committed_lock_is_that_of_the_committed_study(root):
-    """`make repro` and `make results`, and commit dvc.lock with what they wrote."""
-    if (root / "results" / "study").exists():
-        assert lock_disagreements(root) == []
+    """`make repro` and `make results`, and commit dvc.lock with what they wrote.
+
+    What was run stands beside the results: settings may have changed since, and the README says so.
+    """
+    study = root / "results" / "study"
+    if study.exists():
+        assert lock_disagreements(study) == []
+        assert (root / "dvc.lock").read_bytes() == (study / "dvc.lock").read_bytes()

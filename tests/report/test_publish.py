@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.report.publish import COPIED, publish
+from industnerf.report.publish import COPIED, RECORD, publish
 from industnerf.report.readme import block, replace_block, study_block
 from tests.report.published import disagreements, rows_of, write_report
 
@@ -26,8 +26,14 @@ STUDY = Path(__file__).parents[2] / "results" / "study"
 @pytest.fixture
 def published(tmp_path):
     report, out = write_report(tmp_path / "reports"), tmp_path / "results" / "study"
-    publish(report, out, MADE)
+    for name in RECORD:
+        (tmp_path / name).write_text("seed: 0\nviews: {count: 40, fov_deg: 30.0}\n")
+    publish(report, out, MADE, tmp_path)
     return out
+
+
+def shown(published):
+    return study_block(published, published.parents[1] / "params.yaml")
 
 
 def committed_studies():
@@ -37,7 +43,7 @@ def committed_studies():
 def test_it_holds_the_tables_the_machine_and_the_commit(published):
     names = {path.name for path in published.iterdir()}
     extra = {"README.md", "made.json", "environment.json", "contact_sheet.png"}
-    assert names == set(COPIED) | extra
+    assert names == set(COPIED) | set(RECORD) | extra
     assert json.loads((published / "made.json").read_text()) == MADE
     about = (published / "README.md").read_text()
     assert "# Results of `make repro`" in about
@@ -47,7 +53,7 @@ def test_it_holds_the_tables_the_machine_and_the_commit(published):
 
 def test_what_was_there_before_goes(published):
     (published / "old.csv").touch()
-    publish(published.parents[1] / "reports", published, MADE)
+    publish(published.parents[1] / "reports", published, MADE, published.parents[1])
     assert not (published / "old.csv").exists()
 
 
@@ -55,7 +61,7 @@ def test_a_report_that_lacks_a_file_changes_nothing(published):
     report = published.parents[1] / "reports"
     (report / "strata.csv").unlink()
     with pytest.raises(BadArtifact, match=r"strata\.csv is missing"):
-        publish(report, published, MADE)
+        publish(report, published, MADE, published.parents[1])
     assert (published / "strata.csv").exists()
 
 
@@ -90,7 +96,7 @@ def test_a_number_that_was_touched_is_found(published, name, column):
 
 
 def test_the_block_shows_few_columns_of_the_test_parts(published):
-    text = study_block(published)
+    text = shown(published)
     assert text.startswith("6 test parts of 5 families, ")
     assert "2026-01-02, commit 0123456; every number is in [results/study]" in text
     head = "| method | inputs | EMD (even) | 90 % | x floor | failed | s a part | paper |"
@@ -107,13 +113,21 @@ def test_the_block_shows_few_columns_of_the_test_parts(published):
 def test_a_tree_that_was_not_clean_is_said_to_be(published):
     made = MADE | {"clean": False, "changed": ["code.py"]}
     (published / "made.json").write_text(json.dumps(made))
-    assert "commit 0123456 with changes; " in study_block(published)
+    assert "commit 0123456 with changes; " in shown(published)
+
+
+def test_settings_that_changed_since_are_named(published):
+    assert "Since then" not in shown(published)
+    today = published.parents[1] / "params.yaml"
+    today.write_text("seed: 1\nviews: {count: 40, held_out: 8, fov_deg: 30.0}\n")
+    last = shown(published).splitlines()[-1]
+    assert last.endswith("a run of today would differ, in `seed`, `views.held_out`.")
 
 
 def test_a_net_that_is_undertrained_is_marked(published):
     path = published / "table1.csv"
     path.write_text(path.read_text().replace(",,0,,\n", ",,0,,still learning\n", 1))
-    first = study_block(published).splitlines()[4]
+    first = shown(published).splitlines()[4]
     assert first.split(" | ")[0].endswith(" (undertrained)")
 
 
@@ -133,8 +147,8 @@ def test_missing_or_double_marks_are_refused(text):
 
 
 def test_the_readme_shows_the_committed_study_or_none(root):
-    """Run `make results` if this fails."""
-    wanted = "".join(study_block(folder) for folder in committed_studies())
+    """Run `make results` if this fails, or `python -m pipeline.publish readme`."""
+    wanted = "".join(study_block(folder, root / "params.yaml") for folder in committed_studies())
     assert block((root / "README.md").read_text(), "study") == wanted
 
 

@@ -22,6 +22,11 @@ COPIED = {
     "scores.csv": "every score of every part: what all tables are made of",
     "cost.csv": "seconds and peak memory of every result",
 }
+RECORD = {
+    "params.yaml": "the values it was run with",
+    "dvc.yaml": "the pipeline that was run",
+    "dvc.lock": "what DVC noted of it",
+}
 WRITTEN = {
     "environment.json": "the machine and the versions",
     "made.json": "command, day, commit, and what differed from it",
@@ -29,8 +34,10 @@ WRITTEN = {
 PICTURES = 1_400_000  # bytes of all together
 
 
-def publish(report: Path, out: Path, made: dict[str, Any]) -> None:
+def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> None:
     """Fill `out` anew from the folder `report`; `made` says where that comes from.
+
+    `project` has what was run beside it: settings go on to change, a published result does not.
 
     Raises BadArtifact that names the first file that `report` lacks, and leaves `out` as it is.
     """
@@ -41,6 +48,8 @@ def publish(report: Path, out: Path, made: dict[str, Any]) -> None:
     out.mkdir(parents=True)
     for name in COPIED:
         shutil.copyfile(report / name, out / name)
+    for name in RECORD:
+        shutil.copyfile(project / name, out / name)
     pictures = sorted(report.glob("*.png"))
     for path in pictures:
         (out / path.name).write_bytes(shrunk(path.read_bytes(), PICTURES // len(pictures)))
@@ -50,7 +59,7 @@ def publish(report: Path, out: Path, made: dict[str, Any]) -> None:
 
 
 def _about(made: dict[str, Any], pictures: list[str]) -> str:
-    files = [[f"`{name}`", text] for name, text in (COPIED | WRITTEN).items()]
+    files = [[f"`{name}`", text] for name, text in (COPIED | RECORD | WRITTEN).items()]
     return (
         f"# Results of `{made['command']}`\n\n"
         "Copied from `reports/` by `make results`; not to be edited.  docs/protocol.md says what "

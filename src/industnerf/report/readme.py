@@ -7,6 +7,7 @@ from collections import defaultdict
 from pathlib import Path
 from statistics import fmean
 
+from industnerf.config import flat, read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.formats import markdown, short
 from industnerf.report.table2 import LOSSES
@@ -37,8 +38,11 @@ def _split(text: str, name: str) -> tuple[str, str, str]:
     return found[1], found[2], found[3]
 
 
-def study_block(folder: Path) -> str:
-    """Tables 1 and 2 of the study published in `folder`, and where they come from."""
+def study_block(folder: Path, params: Path) -> str:
+    """Tables 1 and 2 of the study published in `folder`, and where they come from.
+
+    `params` is params.yaml as it is now: what has changed in it since is named.
+    """
     rows = [row for row in _rows(folder / "table1.csv") if row["split"] == "test"]
     scores = [row for row in _rows(folder / "scores.csv") if row["split"] == "test"]
     made = json.loads((folder / "made.json").read_text())
@@ -51,6 +55,20 @@ def study_block(folder: Path) -> str:
         f"{'' if made['clean'] else ' with changes'}; every number is in [{where}]({where}).\n\n"
         f"{_table1(rows, _seconds(folder), made['interval'])}"
         f"{_table2(_rows(folder / 'table2.csv'))}"
+        f"{_since(folder / 'params.yaml', params)}"
+    )
+
+
+def _since(then: Path, now: Path) -> str:
+    """A sentence on what of params.yaml is no longer as the study had it, or nothing."""
+    old, new = (flat(read_yaml(path)) for path in (then, now))
+    changed = {key for key in old.keys() | new.keys() if old.get(key, ...) != new.get(key, ...)}
+    if not changed:
+        return ""
+    sections = sorted({".".join(key.split(".")[:2]) for key in changed})
+    return (
+        "\nSince then params.yaml has changed, and a run of today would differ, in "
+        f"{', '.join(f'`{section}`' for section in sections)}.\n"
     )
 
 
