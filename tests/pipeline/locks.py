@@ -8,10 +8,13 @@ from typing import Any
 from industnerf.config import is_matrix, load_stages, read_yaml, stage
 
 
-def lock_disagreements(project: Path) -> list[str]:
-    """What `dvc.lock` has otherwise: stages, commands, parameters, files of several stages."""
-    locked, params = read_yaml(project / "dvc.lock")["stages"], read_yaml(project / "params.yaml")
-    declared = dict(_declared(project / "dvc.yaml", params["methods"]))
+def lock_disagreements(folder: Path, name: str = "dvc") -> list[str]:
+    """What `dvc.lock` has otherwise: stages, commands, parameters, files of several stages.
+
+    `name` is what it and `dvc.yaml` are called in `folder`.
+    """
+    locked, params = read_yaml(folder / f"{name}.lock")["stages"], read_yaml(folder / "params.yaml")
+    declared = dict(_declared(folder / f"{name}.yaml", params["methods"]))
     found = [f"{name}: in one file alone" for name in sorted(declared.keys() ^ locked.keys())]
     for name in declared.keys() & locked.keys():
         one, entry = declared[name], locked[name]

@@ -54,14 +54,14 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     assert "2 test parts of 2 families" in readme
     for name in ("table1.csv", "scores.csv"):
         assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
-    assert lock_disagreements(out) == []
+    assert lock_disagreements(out, "pipeline") == []
 
     params = project.folder / "params.yaml"
     params.write_text(params.read_text().replace("sheet_parts: ", "sheet_parts: 1"))
     code, output = project.run("python", "-m", "pipeline.publish", "readme")
     assert code == 0, output
     assert "has changed" in block((project.folder / "README.md").read_text(), "study")
-    assert lock_disagreements(out) == []
+    assert lock_disagreements(out, "pipeline") == []
 
 
 @pytest.fixture
@@ -111,5 +111,5 @@ def test_the_committed_lock_is_that_of_the_committed_study(root):
     """
     study = root / "results" / "study"
     if study.exists():
-        assert lock_disagreements(study) == []
-        assert (root / "dvc.lock").read_bytes() == (study / "dvc.lock").read_bytes()
+        assert lock_disagreements(study, "pipeline") == []
+        assert (root / "dvc.lock").read_bytes() == (study / "pipeline.lock").read_bytes()

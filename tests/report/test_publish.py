@@ -26,7 +26,7 @@ STUDY = Path(__file__).parents[2] / "results" / "study"
 @pytest.fixture
 def published(tmp_path):
     report, out = write_report(tmp_path / "reports"), tmp_path / "results" / "study"
-    for name in RECORD:
+    for name in RECORD.values():
         (tmp_path / name).write_text("seed: 0\nviews: {count: 40, fov_deg: 30.0}\n")
     publish(report, out, MADE, tmp_path)
     return out

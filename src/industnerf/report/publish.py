@@ -22,10 +22,12 @@ COPIED = {
     "scores.csv": "every score of every part: what all tables are made of",
     "cost.csv": "seconds and peak memory of every result",
 }
-RECORD = {
+# By other names than DVC's: below one of its own it would take the folder for a second pipeline.
+RECORD = {"params.yaml": "params.yaml", "pipeline.yaml": "dvc.yaml", "pipeline.lock": "dvc.lock"}
+KEPT = {
     "params.yaml": "the values it was run with",
-    "dvc.yaml": "the pipeline that was run",
-    "dvc.lock": "what DVC noted of it",
+    "pipeline.yaml": "the dvc.yaml that was run",
+    "pipeline.lock": "the dvc.lock of the run",
 }
 WRITTEN = {
     "environment.json": "the machine and the versions",
@@ -48,8 +50,8 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
     out.mkdir(parents=True)
     for name in COPIED:
         shutil.copyfile(report / name, out / name)
-    for name in RECORD:
-        shutil.copyfile(project / name, out / name)
+    for name, source in RECORD.items():
+        shutil.copyfile(project / source, out / name)
     pictures = sorted(report.glob("*.png"))
     for path in pictures:
         (out / path.name).write_bytes(shrunk(path.read_bytes(), PICTURES // len(pictures)))
@@ -59,7 +61,7 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
 
 
 def _about(made: dict[str, Any], pictures: list[str]) -> str:
-    files = [[f"`{name}`", text] for name, text in (COPIED | RECORD | WRITTEN).items()]
+    files = [[f"`{name}`", text] for name, text in (COPIED | KEPT | WRITTEN).items()]
     return (
         f"# Results of `{made['command']}`\n\n"
         "Copied from `reports/` by `make results`; not to be edited.  docs/protocol.md says what "
