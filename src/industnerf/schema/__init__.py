@@ -4,7 +4,6 @@ from industnerf.schema.industnerf import (
     IndustnerfSettings,
     LevelSettings,
     ReliefSettings,
-    SchoolSettings,
     SoftnessSettings,
     WarmUpSettings,
 )
@@ -66,7 +65,6 @@ __all__ = [
     "ReportParams",
     "RetrievalSettings",
     "SampleSettings",
-    "SchoolSettings",
     "SensorParams",
     "SoftnessSettings",
     "SplitParams",
