@@ -53,7 +53,7 @@ def quick(name: str, params: Params) -> Any:
     """The settings of params.yaml, of methods that train with few points and steps."""
     if load_method(name).scope == Scope.DATASET:
         return getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
-    if name not in ("industnerf", "industnerf_plus", "nerf"):
+    if not name.startswith("industnerf") and name != "nerf":
         return getattr(params.method, name)
     level = {"image_px": 48, "steps": 100, "points": 2000}
     return industnerf_settings(

@@ -58,12 +58,15 @@ def test_gradients_are_the_twins(scene):
     back_colour = scene.background.float().requires_grad_()
     pull = torch.linspace(-1, 1, 3 * len(rays)).reshape(-1, 3)
     seen = renderer.look(rays, sigma, rgb)
-    ((seen.over(back_colour) * pull).sum() + seen.through @ pull[:, 0]).backward()
+    solid = seen.through < 0.99  # above, 1 - T cancels in float32
+    depths = (seen.depth * pull[:, 1])[solid].sum()
+    ((seen.over(back_colour) * pull).sum() + seen.through @ pull[:, 0] + depths).backward()
 
     leaves = [x.clone().requires_grad_() for x in scene.inputs[6:9]]
     twin = render_twin(*scene.inputs[:6], *leaves, **scene.settings)
     pull = pull.double()
-    ((twin.rgb * pull).sum() + (1 - twin.opacity) @ pull[:, 0]).backward()
+    depths = (twin.depth * pull[:, 1])[solid].sum()
+    ((twin.rgb * pull).sum() + (1 - twin.opacity) @ pull[:, 0] + depths).backward()
     ours = back(renderer, sigma.grad), back(renderer, rgb.grad), back_colour.grad.double()
     for mine, leaf in zip(ours, leaves, strict=True):
         largest = leaf.grad.abs().max().item()

@@ -8,6 +8,7 @@ from industnerf.methods.base import Method
 MODULES = {
     "industnerf": "industnerf.methods.industnerf",
     "industnerf_plus": "industnerf.methods.industnerf",
+    "industnerf_depth": "industnerf.methods.industnerf",
     "nerf": "industnerf.methods.industnerf",
     "r2n2": "industnerf.methods.r2n2",
     "atlasnet": "industnerf.methods.atlasnet",

@@ -126,6 +126,7 @@ def forward(
                 share = T * (1.0 - kept)
                 c += share * mean
                 z += share * t
+                met.at[slot] = t
                 if T * kept < 0.5 and middle < 0.0:
                     middle = t + (wp.log(2.0 * T) / tau - 0.5) * march.step
                 T = T * kept
@@ -150,8 +151,10 @@ def backward(
     met: Met,
     colour: wp.array(dtype=wp.vec3),
     through: wp.array(dtype=wp.float32),
+    depth: wp.array(dtype=wp.float32),
     d_colour: wp.array(dtype=wp.vec3),
     d_through: wp.array(dtype=wp.float32),
+    d_depth: wp.array(dtype=wp.float32),
     d_values: wp.array(dtype=wp.float32),
     d_rgb: wp.array(dtype=wp.vec3),
 ):
@@ -160,13 +163,15 @@ def backward(
     With w_q = T_q alpha_q and v_q = dL/d w_q, what a sample adds to the loss by being seen,
         dL/d sigma_q = step (T_{q+1} v_q - sum_{p>q} w_p v_p - T_end dL/d T_end)
         dL/d c_q = w_q dL/d colour
-        v_q = c_q . dL/d colour
-    What lies behind a sample is the total less what lies before.
+        v_q = c_q . dL/d colour + (t_q - depth) / (1 - T_end) dL/d depth
+    What lies behind a sample is the total less what lies before.  Of the depth the total is 0: it
+    is the mean of t_q, weighted with w_q.
     """
     r = wp.tid()
     g = d_colour[r]
     behind = wp.dot(g, colour[r])
     ending = d_through[r] * through[r]
+    deeper = d_depth[r] / wp.max(1.0 - through[r], 1.0e-8)
     T = wp.float32(1.0)
     for q in range(met.count[r]):
         slot = r * march.room + q
@@ -180,7 +185,7 @@ def backward(
         kept = wp.exp(-density(march, s) * march.step)
         share = T * (1.0 - kept)
         T = T * kept
-        here = wp.dot(g, mean)
+        here = wp.dot(g, mean) + deeper * (met.at[slot] - depth[r])
         behind -= share * here
         ds = slope(march, s) * march.step * (T * here - behind - ending)
         for i in range(first, last):

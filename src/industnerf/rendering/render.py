@@ -67,7 +67,7 @@ class Renderer:
         """What `rays` see of points that hold `values` and colour `rgb`, differentiable in both.
 
         Values are densities, or signed distances where `beta` is above 0: `rendering.distance`.
-        Not differentiable are depth and median.
+        Not differentiable is the median.
         """
         return Seen(*_Look.apply(values, rgb, self, rays))
 
@@ -119,12 +119,13 @@ class Renderer:
             like = {"device": self.points.positions.device}
             kept = [
                 torch.empty(rays, dtype=torch.int32, **like),
+                torch.empty(slots, dtype=torch.float32, **like),
                 torch.empty(slots, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.int32, **like),
                 torch.empty(slots * self.points.k, dtype=torch.float32, **like),
             ]
             met = Met()
-            met.count, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
+            met.count, met.at, met.sizes, met.ids, met.weights = map(wp.from_torch, kept)
             self._met = (rays, met, kept)
         return self._met[1]
 
@@ -156,7 +157,7 @@ class Renderer:
         self, values: Tensor, rgb: Tensor, seen: Sequence[Tensor], d_seen: Sequence[Tensor]
     ) -> tuple[Tensor, Tensor]:
         d_values, d_rgb = torch.zeros_like(values), torch.zeros_like(rgb)
-        (colour, through), (d_colour, d_through) = seen, d_seen
+        (colour, through, depth), (d_colour, d_through, d_depth) = seen, d_seen
         wp.launch(
             kernels.backward,
             dim=len(colour),
@@ -168,8 +169,10 @@ class Renderer:
                 self._met[1],
                 _vectors(colour),
                 _numbers(through),
+                _numbers(depth),
                 _vectors(d_colour),
                 _numbers(d_through),
+                _numbers(d_depth),
                 _numbers(d_values),
                 _vectors(d_rgb),
             ],
@@ -184,15 +187,16 @@ class _Look(torch.autograd.Function):
     @staticmethod
     def forward(ctx, values, rgb, renderer, rays):
         colour, through, depth, median = renderer._forward(values, rgb, rays)
-        ctx.save_for_backward(values, rgb, colour, through)
+        ctx.save_for_backward(values, rgb, colour, through, depth)
         ctx.renderer = renderer
-        ctx.mark_non_differentiable(depth, median)
+        ctx.mark_non_differentiable(median)
         return colour, through, depth, median
 
     @staticmethod
     def backward(ctx, d_colour, d_through, d_depth, d_median):
         values, rgb, *seen = ctx.saved_tensors
-        return *ctx.renderer._backward(values, rgb, seen, (d_colour, d_through)), None, None
+        d_seen = d_colour, d_through, d_depth
+        return *ctx.renderer._backward(values, rgb, seen, d_seen), None, None
 
 
 def _numbers(values: Tensor) -> wp.array:

@@ -1,4 +1,4 @@
-"""`method.industnerf`, `industnerf_plus` and `nerf`: the same settings with other values."""
+"""`method.industnerf`, `_plus`, `_depth` and `nerf`: the same settings with other values."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -127,6 +127,7 @@ class IndustnerfSettings:
     stop: float
     emptiness: float
     veil: float
+    depth: float
     least_confidence: float
     spacing: float
 
@@ -162,6 +163,7 @@ class IndustnerfSettings:
             self.initial,
             "below ceiling",
         )
+        require(self.depth >= 0, f"{WHERE}.depth", self.depth, "at least 0")
         require(
             0 <= self.least_confidence < 1,
             f"{WHERE}.least_confidence",

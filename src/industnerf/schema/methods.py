@@ -182,6 +182,7 @@ class MeanShapeSettings:
 class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
+    industnerf_depth: IndustnerfSettings
     nerf: IndustnerfSettings
     r2n2: R2n2Settings
     atlasnet: AtlasNetSettings

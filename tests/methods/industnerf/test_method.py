@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from industnerf.methods import load_method
 from industnerf.methods.base import Input, Reconstruction, hand_over
 from tests.methods.industnerf.scenes import settings
 
-NAMES = ("industnerf", "industnerf_plus", "nerf")
+NAMES = ("industnerf", "industnerf_plus", "industnerf_depth", "nerf")
 every_name = pytest.mark.parametrize("name", NAMES)
 QUICK = {"grid_res": 16, "rays": 512, "spacing": 0.05, "least_confidence": 0.02}
 
@@ -27,8 +28,8 @@ def reconstructed(name: str, folder: Path, cloud: str = "confident") -> Reconstr
 @every_name
 def test_only_what_is_declared_is_handed_over(name, photographed):
     given = hand_over(load_method(name), photographed / "part", photographed / "views")
-    behind = {Input.BACKGROUND} if name == "industnerf_plus" else set()
-    assert set(given.handed) == {Input.RGB} | behind
+    more = {"industnerf_plus": {Input.BACKGROUND}, "industnerf_depth": {Input.DEPTH}}
+    assert set(given.handed) == {Input.RGB} | more.get(name, set())
 
 
 def with_background(source: Path, target: Path, colour: list[float]) -> Path:
@@ -55,6 +56,23 @@ def test_the_other_one_does(photographed, tmp_path):
     told_lies = with_background(photographed, tmp_path / "grey", [0.5, 0.5, 0.5])
     here, there = (reconstructed("industnerf_plus", folder) for folder in (photographed, told_lies))
     assert here.points_mm.tobytes() != there.points_mm.tobytes()
+
+
+def test_with_readings_nowhere_depth_is_the_papers_method_and_with_some_another(photographed):
+    name = "industnerf_depth"
+    given = hand_over(load_method(name), photographed / "part", photographed / "views")
+    blind = {**given.handed, Input.DEPTH: np.zeros_like(given.depth_mm)}
+    ways = settings(name, **QUICK, levels=[{"steps": 30, "image_px": 64}])
+    told, untold, plain = (
+        load_method(method).reconstruct(shown, ways, None, 1)
+        for method, shown in (
+            (name, given),
+            (name, replace(given, handed=blind)),
+            ("industnerf", replace(given, handed={Input.RGB: given.rgb})),
+        )
+    )
+    assert untold.points_mm.tobytes() == plain.points_mm.tobytes()
+    assert told.points_mm.tobytes() != plain.points_mm.tobytes()
 
 
 @every_name
@@ -88,6 +106,6 @@ def test_confident_points_are_of_the_candidates(name, cloud, photographed):
     result = reconstructed(name, photographed, cloud)
     known = {tuple(point) for point in result.candidates.points_mm.tolist()}
     same = [tuple(p) in known for p in result.points_mm.astype(np.float32).tolist()]
-    # the densities of nerf end without a slope: more of its points stand beside matter
-    least = 0.5 if name == "nerf" else 0.95
+    # where densities end without much of a slope, more of the points stand beside matter
+    least = {"nerf": 0.5, "industnerf_depth": 0.9}.get(name, 0.95)
     assert np.mean(same) > least if cloud == "confident" else not any(same)

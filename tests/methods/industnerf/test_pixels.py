@@ -1,6 +1,7 @@
 """Which pixels are looked at: all that can show a point, and what they say."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from industnerf.geometry.cameras import look_at
-from industnerf.methods.industnerf.pixels import Pixels, averaged, footprint, size_of
+from industnerf.methods.industnerf.pixels import STEEP, Pixels, averaged, footprint, read, size_of
 from industnerf.methods.industnerf.scene import Eyes, Scene
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer
@@ -166,7 +167,8 @@ def test_only_pixels_that_are_shown_are_drawn_all_of_them_and_by_seed():
     pixels = Pixels(full, 24, shown)
 
     def drawn(seed: int):
-        rays, colours, background = pixels.draw(200, torch.Generator().manual_seed(seed))
+        rays, *rest = pixels.rays(*pixels.draw(200, torch.Generator().manual_seed(seed)))
+        colours, background = rest
         return torch.cat([rays.origins, rays.directions, colours, background], dim=1), rays.offsets
 
     first, offsets = drawn(0)
@@ -179,3 +181,27 @@ def test_only_pixels_that_are_shown_are_drawn_all_of_them_and_by_seed():
     assert offsets.std() > 0.2  # even: 0.29
     assert torch.equal(first, drawn(0)[0])
     assert not torch.equal(first, drawn(1)[0])
+
+
+def test_a_reading_of_several_pixels_is_their_mean_unless_they_are_not_of_one_surface():
+    depth = torch.full((1, 4, 6), 2.0)
+    depth[0, :2, :2] = torch.tensor([[2.0, 2.004], [2.008, 2.012]])
+    depth[0, 0, 2] = 2.0 + 1.01 * STEEP  # an edge
+    depth[0, 3, 5] = 0.0  # no reading
+    expected = torch.tensor([[[2.006, 0.0, 2.0], [2.0, 2.0, 0.0]]])
+    torch.testing.assert_close(read(depth, 2, 3), expected, rtol=0, atol=1e-6)
+
+
+def test_distances_are_along_the_ray_and_not_along_the_axis():
+    """A wall 3 before a camera that looks at it squarely: depth 3 everywhere."""
+    wall = a_scene()
+    full = replace(wall, depth=torch.full((4, 24, 24), 3.0))
+    pixels = Pixels(full, 24, torch.ones(4, 24, 24, dtype=torch.bool))
+    chosen = torch.tensor([[1, 0, 0], [2, 11, 11], [3, 23, 4]])
+    rays, *_ = pixels.rays(chosen, torch.zeros(3))
+    away = pixels.distances(chosen, rays)
+    ahead = rays.origins + away[:, None] * rays.directions - full.eyes.c2w[chosen[:, 0], :3, 3]
+    along = (ahead * full.eyes.c2w[chosen[:, 0], :3, 2]).sum(dim=1)
+    torch.testing.assert_close(along, torch.full((3,), 3.0))
+    assert away[0] > 1.05 * away[1]
+    assert Pixels(wall, 24, pixels.shown.new_ones(4, 24, 24).bool()).distances(chosen, rays) is None

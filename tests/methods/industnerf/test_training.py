@@ -12,6 +12,7 @@ from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.run import run
 from industnerf.methods.industnerf.training import DECAY, Training
+from industnerf.rendering.render import Seen
 from industnerf.schema import IndustnerfSettings, SoftnessSettings
 from tests.methods.industnerf.scenes import BOTH, CPU, FREE, ball, posed, scene, settings
 
@@ -48,6 +49,11 @@ def a_training(
 def pixels_of(training: Training, rays: tuple) -> torch.Tensor:
     sigma, rgb = training.values()
     return training.renderer.look(rays[0], sigma, rgb).over(rays[2])
+
+
+def some_rays(training: Training, count: int) -> tuple:
+    pixels = training.pixels
+    return pixels.rays(*pixels.draw(count, torch.Generator().manual_seed(5)))
 
 
 class Inside(torch.nn.Module):
@@ -159,7 +165,7 @@ def test_points_start_where_they_are_told_to():
 def test_a_sweep_changes_no_pixel():
     training = a_training(settings("industnerf", grid_res=RES, **PLAIN))
     training.field.network = Inside()
-    rays = training.pixels.draw(2000, torch.Generator().manual_seed(5))
+    rays = some_rays(training, 2000)
     before, count = pixels_of(training, rays), len(training.points)
     assert (before - rays[2]).abs().max() > 0.5
     training._adam.param_groups[0]["params"] = list(training.field.network.parameters())
@@ -173,7 +179,7 @@ def test_sweeping_free_points_skips_space_and_forgets_none():
     training = a_training(settings_of("free", initial=1.0))
     with torch.no_grad():
         training.field.raw[training.points.positions[:, 0] > -0.2] = -8.0
-    rays = training.pixels.draw(2000, torch.Generator().manual_seed(5))
+    rays = some_rays(training, 2000)
     before, count = pixels_of(training, rays), len(training.points)
     training._sweep()
     assert len(training.points) == count
@@ -289,7 +295,7 @@ def test_points_that_were_skipped_stay_skipped():
         whole.field.raw[empty] = 1.0
     other = a_training(ways, points=whole.points.positions)
     other.restore(copy.deepcopy(whole.state()))
-    rays = whole.pixels.draw(500, torch.Generator().manual_seed(5))
+    rays = some_rays(whole, 500)
     assert torch.equal(pixels_of(whole, rays), pixels_of(other, rays))
 
 
@@ -328,3 +334,14 @@ def test_a_single_view_that_is_left_out_is_said_to_be_too_few():
     ways = settings(readings={"signal": "left_out"})
     with pytest.raises(ReconstructionFailed, match="are there views enough"):
         run(posed(ball(18.0), 1, 32), ways, 0)
+
+
+def test_what_is_seen_is_held_against_the_readings_of_depth():
+    """Four pixels: seen where the reading is, 0.3 behind it, half of it missed, and no reading."""
+    training = a_training(settings_of("free", depth=2.0))
+    through, depth = torch.tensor([0.0, 0.0, 0.5, 1.0]), torch.tensor([3.0, 3.3, 3.1, 0.0])
+    seen = Seen(torch.zeros(4, 3), through, depth, depth)
+    expected = 2.0 * (0.0 + 0.3 + (0.5 * 0.1 + 0.5) + 0.0) / 4
+    off = training._off_depth(seen, torch.tensor([3.0, 3.0, 3.0, 0.0]))
+    assert off.item() == pytest.approx(expected, rel=1e-5)
+    assert training._off_depth(seen, None) == 0

@@ -1,8 +1,9 @@
 """IndustNeRF, the paper's method: a point cloud whose radiance re-renders the source views.
 
 `industnerf` is the paper; `industnerf_plus` the same code with other settings, which also takes
-the background's colour; `nerf` a baseline, again with other settings: free densities and colours
-at the nodes of a grid.  The flow of figure 2, a file a step: levels (3.1, 3.2), sources and
+the background's colour; `industnerf_depth` is given depth beside the images, which the paper names
+as future work; `nerf` is a baseline, again with other settings: free densities and colours at the
+nodes of a grid.  The flow of figure 2, a file a step: levels (3.1, 3.2), sources and
 field (4), training (3.3), witnesses and extraction (3.4); `run` strings them together.
 """
 
@@ -22,25 +23,38 @@ def reconstruct(
     given: Given, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
     """The paper's method, or the plain baseline: images and cameras, nothing else."""
-    return _reconstruct(given, None, settings, seed)
+    return _reconstruct(given, settings, seed)
 
 
 def reconstruct_plus(
     given: Given, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
     """The same, told of the colour behind the part."""
-    return _reconstruct(given, given.background, settings, seed)
+    return _reconstruct(given, settings, seed, background=given.background)
+
+
+def reconstruct_depth(
+    given: Given, settings: IndustnerfSettings, state: None, seed: int
+) -> Reconstruction:
+    """The paper's method, given depth as well."""
+    return _reconstruct(given, settings, seed, depth=given.depth_mm)
 
 
 def _reconstruct(
-    given: Given, background: np.ndarray | None, settings: IndustnerfSettings, seed: int
+    given: Given,
+    settings: IndustnerfSettings,
+    seed: int,
+    *,
+    background: np.ndarray | None = None,
+    depth: np.ndarray | None = None,
 ) -> Reconstruction:
     # late: a report that names the method need not wait for torch
     from industnerf.methods.industnerf.run import run
     from industnerf.methods.industnerf.scene import Posed
 
     centre, radius = framed_ball(given.cameras)
-    outcome = run(Posed(given.rgb, given.cameras, background, centre, radius), settings, seed)
+    posed = Posed(given.rgb, given.cameras, background, centre, radius, depth)
+    outcome = run(posed, settings, seed)
     return Reconstruction(
         outcome.points.astype(np.float64),
         outcome.colours,
@@ -73,6 +87,13 @@ METHODS = {
         Scope.PART,
         frozenset({Input.RGB, Input.BACKGROUND}),
         reconstruct_plus,
+        random=True,
+    ),
+    "industnerf_depth": Method(
+        "industnerf_depth",
+        Scope.PART,
+        frozenset({Input.RGB, Input.DEPTH}),
+        reconstruct_depth,
         random=True,
     ),
     "nerf": Method("nerf", Scope.PART, frozenset({Input.RGB}), reconstruct, random=True),

@@ -3,11 +3,13 @@
 import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
-from torch.nn.functional import adaptive_avg_pool2d, max_pool2d
+from torch.nn.functional import adaptive_avg_pool2d, adaptive_max_pool2d, max_pool2d
 
 from industnerf.methods.industnerf.projection import project
 from industnerf.methods.industnerf.scene import Eyes, Scene
 from industnerf.rendering.render import Rays
+
+STEEP = 0.02  # of the unit ball: readings of one pixel that differ more are of an edge
 
 
 class Pixels:
@@ -21,6 +23,7 @@ class Pixels:
         self._eyes, self._background = scene.eyes, scene.background
         self.height, self.width = footprint.shape[1:]
         self.colours = averaged(scene, self.height, self.width)
+        self._depths = None if scene.depth is None else read(scene.depth, self.height, self.width)
         self.shown = footprint.nonzero()  # view, row, column
         self._scale = torch.tensor(
             [scene.eyes.width / self.width, scene.eyes.height / self.height],
@@ -29,20 +32,28 @@ class Pixels:
 
     def draw(
         self, count: int, generator: torch.Generator
-    ) -> tuple[Rays, Float32[Tensor, "r 3"], Float32[Tensor, "r 3"]]:
-        """Random rays, the colours of their pixels, and the background behind them."""
+    ) -> tuple[Int64[Tensor, "r 3"], Float32[Tensor, "r"]]:
+        """Random pixels (view, row, column), and how far each one's samples are shifted."""
         which = torch.randint(len(self.shown), (count,), generator=generator)
         offsets = torch.rand(count, generator=generator).to(self.colours.device)
-        return self.rays(self.shown[which.to(self.shown.device)], offsets)
+        return self.shown[which.to(self.shown.device)], offsets
 
     def rays(
         self, pixels: Int64[Tensor, "r 3"], offsets: Float32[Tensor, "r"]
     ) -> tuple[Rays, Float32[Tensor, "r 3"], Float32[Tensor, "r 3"]]:
-        """The same of the given pixels: view, row, column."""
+        """The rays through these pixels, their colours, and the background behind them."""
         view, row, column = pixels.unbind(1)
         uv = (torch.stack([column, row], dim=1) + 0.5) * self._scale
         rays = self._eyes.rays(view, uv, offsets)
         return rays, self.colours[view, row, column], self._background[view]
+
+    def distances(self, pixels: Int64[Tensor, "r 3"], rays: Rays) -> Float32[Tensor, "r"] | None:
+        """How far along its ray each pixel's reading of depth is; 0 or None: there is none."""
+        if self._depths is None:
+            return None
+        view, row, column = pixels.unbind(1)
+        axis = self._eyes.c2w[view, :3, 2]
+        return self._depths[view, row, column] / (rays.directions * axis).sum(dim=1)
 
 
 def size_of(eyes: Eyes, longest: int) -> tuple[int, int]:
@@ -58,6 +69,14 @@ def averaged(scene: Scene, height: int, width: int) -> Float32[Tensor, "n h w 3"
         for image in scene.images
     ]
     return torch.stack(small)
+
+
+def read(depth: Float32[Tensor, "n h w"], height: int, width: int) -> Float32[Tensor, "n sh sw"]:
+    """Mean depth of the pixels that each one stands for; 0 unless all are of one surface."""
+    size = (height, width)
+    farthest, nearest = adaptive_max_pool2d(depth, size), -adaptive_max_pool2d(-depth, size)
+    whole = (nearest > 0) & (farthest - nearest < STEEP)
+    return torch.where(whole, adaptive_avg_pool2d(depth, size), 0.0)
 
 
 def footprint(

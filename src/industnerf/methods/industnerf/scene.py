@@ -21,6 +21,7 @@ class Posed:
     background: Float[np.ndarray, "n 3"] | None  # in [0, 1]; None: estimated from the images
     centre: Float[np.ndarray, "3"]  # of the region of interest
     radius: float
+    depth: Float32[np.ndarray, "n h w"] | None = None  # along the axis; 0: no reading
 
 
 @dataclass(frozen=True)
@@ -66,12 +67,14 @@ class Scene:
     images: UInt8[Tensor, "n h w 3"]
     eyes: Eyes
     background: Float32[Tensor, "n 3"]
+    depth: Float32[Tensor, "n h w"] | None = None  # along the axis; 0: no reading
 
     def __len__(self) -> int:
         return len(self.images)
 
     def __getitem__(self, which: Tensor | slice) -> "Scene":
-        return Scene(self.images[which], self.eyes[which], self.background[which])
+        depth = None if self.depth is None else self.depth[which]
+        return Scene(self.images[which], self.eyes[which], self.background[which], depth)
 
 
 def scene_of(posed: Posed, device: torch.device) -> Scene:
@@ -83,7 +86,9 @@ def scene_of(posed: Posed, device: torch.device) -> Scene:
         if known is None
         else torch.tensor(known, dtype=torch.float32, device=device)
     )
-    return Scene(images, eyes(posed.cameras, posed.centre, posed.radius, device), background)
+    seen = eyes(posed.cameras, posed.centre, posed.radius, device)
+    depth = None if posed.depth is None else torch.from_numpy(posed.depth / posed.radius)
+    return Scene(images, seen, background, None if depth is None else depth.float().to(device))
 
 
 def border_colour(images: UInt8[Tensor, "n h w 3"]) -> Float32[Tensor, "n 3"]:

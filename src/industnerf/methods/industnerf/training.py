@@ -165,11 +165,13 @@ class Training:
         self._harden()
         if self._encodes():
             self.field.sources.refresh(self._some_views())
-        rays, target, background = self.pixels.draw(self.ways.rays, self._generator)
+        drawn, offsets = self.pixels.draw(self.ways.rays, self._generator)
+        rays, target, background = self.pixels.rays(drawn, offsets)
         seen = self.renderer.look(rays, *self.field())
         loss = ((seen.over(background) - target) ** 2).mean()
         self._adam.zero_grad()
-        (loss + self._preference(seen)).backward()
+        read = self.pixels.distances(drawn, rays)
+        (loss + self._preference(seen) + self._off_depth(seen, read)).backward()
         self._adam.step()
         self.field.settle()
         self.taken += 1
@@ -195,6 +197,18 @@ class Training:
         """
         matter = self.ways.emptiness * (1 - seen.through).mean()
         return matter + self.ways.veil * (seen.through * (1 - seen.through)).mean()
+
+    def _off_depth(
+        self, seen: Seen, read: Float32[Tensor, "r"] | None
+    ) -> Float32[Tensor, ""] | float:
+        """How far what is seen is from the readings of depth, if the method was given any.
+
+        Light that passes where there is a surface counts as a radius of the region of interest.
+        """
+        if read is None:
+            return 0.0
+        off = (1 - seen.through) * (seen.depth - read).abs() + seen.through
+        return self.ways.depth * torch.where(read > 0, off, 0.0).mean()
 
     def _encodes(self) -> bool:
         sources = self.field.sources
