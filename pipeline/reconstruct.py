@@ -22,10 +22,12 @@ def main(cfg: Masked, name: str, parts: str, views: str, split: str, states: str
         if state is not None and net in unlearned:
             failed[part_id] = f"its net, {net}, was not trained: {unlearned[net]}"
             continue
-        how = {"settings": settings, "seed": cfg.seed}
+        count = cfg.reconstruct.views
+        how = {"settings": settings, "seed": cfg.seed, "count": count}
         make = partial(reconstruct_part, method, part, taken, state, **how)
         inputs = (*files_of(method, part, taken), *([state / "state.npz"] if state else []))
-        tasks.append(Task(part_id, make, [name, settings, cfg.seed], inputs, (method.module,)))
+        key = [name, settings, cfg.seed, count]
+        tasks.append(Task(part_id, make, key, inputs, (method.module,)))
     limits = {"limit_s": cfg.reconstruct.time_limit_s, "needs_one": False}
     run_stage("reconstruct", tasks, Path(out), cfg.on_failure, failed_before=failed, **limits)
 

@@ -12,7 +12,8 @@ from industnerf.tracking import log_report
 
 def main(cfg: Masked, *paths: str) -> None:
     *folders, out = map(Path, paths)
-    about = (cfg.preset, cfg.seed, cfg.views.count, cfg.split.hold_out, cfg.methods)
+    views = cfg.reconstruct.views or cfg.views.count
+    about = (cfg.preset, cfg.seed, views, cfg.split.hold_out, cfg.methods)
     study = gather(Folders(*folders), *about)
     build_report(study, cfg.report, out)
 

@@ -41,6 +41,7 @@ def test_params_yaml_is_a_whole_set_of_values(values):
         ("views.count", True, "views.count is True, must be a whole number"),
         ("views.count", 0, "views.count is 0, must be at least 1"),
         ("views.count", ..., "views.count is missing"),
+        ("reconstruct.views", 41, "reconstruct.views is 41, must be at most the 40 of views.count"),
         ("views.cuont", 40, "views.cuont is unknown"),
         ("views", 3, "views is 3, must be a section with keys"),
         ("views.fov_deg", "wide", "views.fov_deg is 'wide', must be a number"),

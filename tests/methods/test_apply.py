@@ -14,7 +14,7 @@ from industnerf.errors import ReconstructionFailed, UndeclaredInput
 from industnerf.methods import load_method
 from industnerf.methods.answers import answered
 from industnerf.methods.apply import files_to_learn_from, learn, reconstruct_part
-from industnerf.methods.base import Example, Input, Method, Scope
+from industnerf.methods.base import Example, Input, Method, Reconstruction, Scope, hand_over
 from industnerf.schema import SampleSettings
 from tests.methods.caster import CASTER
 
@@ -120,3 +120,24 @@ def test_a_net_depends_on_what_is_declared_of_its_parts(photographed):
     assert files_to_learn_from(Example("p", part, views, INPUTS)) == (mesh,)
     with_rgb = Example("p", part, views, INPUTS | {Input.RGB})
     assert files_to_learn_from(with_rgb) == (views / "cameras.json", views / "rgb", mesh)
+
+
+def witness(given, settings, state, seed):
+    """Three points: of the first view handed over, of the last, and of none."""
+    view = np.array([0, len(given.rgb) - 1, -1])
+    return Reconstruction(np.eye(3), view=view)
+
+
+def test_few_of_the_views_are_those_with_their_own_cameras_and_numbers(photographed, tmp_path):
+    part, views = photographed / "part", photographed / "views"
+    method = Method("witness", Scope.PART, frozenset({Input.RGB, Input.BACKGROUND}), witness)
+    every, few = (hand_over(method, part, views, count) for count in (0, 5))
+    assert len(every.rgb) == 12
+    assert every.chosen is None
+    np.testing.assert_array_equal(few.rgb, every.rgb[few.chosen])
+    np.testing.assert_array_equal(few.cameras.c2w, every.cameras.c2w[few.chosen])
+    np.testing.assert_array_equal(few.held_out.c2w, every.held_out.c2w)
+    assert len(few.background) == 5
+    reconstruct_part(method, part, views, None, tmp_path, settings=None, seed=0, count=5)
+    assert Cloud.load(tmp_path).view.tolist() == [few.chosen[0], few.chosen[-1], -1]
+    assert few.chosen[-1] > 4

@@ -64,26 +64,30 @@ def reconstruct_part(
     *,
     settings: Any,
     seed: int,
+    count: int = 0,
 ) -> None:
     """Write the cloud of one part into `target`, and whatever else the method returned.
 
-    `state` is the folder of what the method has learned from other parts.
+    `state` is the folder of what the method has learned from other parts; `count` is how many of
+    the training views it is given, 0: all.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
     """
-    given = hand_over(method, part, views)
+    given = hand_over(method, part, views, count)
     own_seed = seed_for(seed, "reconstruct", method.name, part.name)
     learned = None if state is None else State.load(state)
     result = checked(method.reconstruct(given, settings, learned, own_seed), given)
     n = len(result.points_mm)
     grey, certain = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
-    unknown = np.full(n, -1, np.int16)
+    view = np.full(n, -1) if result.view is None else result.view
+    if given.chosen is not None:  # a point names its view as the photographs are numbered
+        view = np.where(view >= 0, given.chosen[view], -1)
     Cloud(
         part.name,
         result.points_mm.astype(np.float32),
         grey if result.colours is None else result.colours,
         certain if result.confidence is None else result.confidence.astype(np.float32),
-        unknown if result.view is None else result.view.astype(np.int16),
+        view.astype(np.int16),
         result.parameters,
         result.steps,
     ).save(target)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int, Int32, UInt8
+from jaxtyping import Bool, Float, Float32, Int, Int32, Int64, UInt8
 
 from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.history import History
@@ -26,6 +26,7 @@ from industnerf.artifacts.views import load_views
 from industnerf.errors import UndeclaredInput
 from industnerf.geometry.boxes import Cube
 from industnerf.geometry.cameras import Cameras
+from industnerf.geometry.nested import nested
 from industnerf.learning.pictures import evenly, scaled
 
 
@@ -93,6 +94,7 @@ class Given:
     cameras: Cameras  # of the training views, as the calibration has them
     held_out: Cameras  # exact, poses only: from where to re-render
     handed: Mapping[Input, Any]
+    chosen: Int64[np.ndarray, "n"] | None = None  # which of the training views these are; None: all
 
     @property
     def rgb(self) -> UInt8[np.ndarray, "n h w 3"]:
@@ -163,17 +165,23 @@ class Method:
         return self.reconstruct.__module__
 
 
-def hand_over(method: Method, part: Path, views: Path) -> Given:
-    """Read from disk what `method` declares of one part, and nothing else."""
+def hand_over(method: Method, part: Path, views: Path, count: int = 0) -> Given:
+    """Read from disk what `method` declares of one part, and nothing else.
+
+    Of its training views `count`, evenly spread and among those of any larger count; 0: all.
+    """
     taken = load_views(views)
+    cameras, train, chosen = taken.cameras, taken.train, None
+    if count:
+        chosen = nested(cameras[train].c2w[:, :3, 3], count)
+        train = train[chosen]
     readers: dict[Input, Callable[[], Any]] = {
-        Input.RGB: lambda: taken.rgb(taken.train),
-        Input.BACKGROUND: lambda: taken.background[taken.train],
-        Input.MASK: lambda: taken.mask(taken.train),
-        Input.DEPTH: lambda: taken.depth_mm(taken.train),
+        Input.RGB: lambda: taken.rgb(train),
+        Input.BACKGROUND: lambda: taken.background[train],
+        Input.MASK: lambda: taken.mask(train),
+        Input.DEPTH: lambda: taken.depth_mm(train),
         Input.FRAME: lambda: Cube.of(load_mesh(part).vertices),
         Input.OWN_MESH: lambda: load_mesh(part),
     }
     handed = {name: readers[name]() for name in sorted(method.inputs) if name in readers}
-    cameras = taken.cameras
-    return Given(method.name, cameras[taken.train], cameras[taken.held_out], handed)
+    return Given(method.name, cameras[train], cameras[taken.held_out], handed, chosen)

@@ -30,9 +30,11 @@ class TrainParams:
 
 @dataclass(frozen=True)
 class ReconstructParams:
+    views: int
     time_limit_s: float
 
     def __post_init__(self) -> None:
+        require(self.views >= 0, "reconstruct.views", self.views, "at least 0")
         require(self.time_limit_s > 0, "reconstruct.time_limit_s", self.time_limit_s, "more than 0")
 
 
@@ -91,3 +93,6 @@ class Params:
         require(len(self.methods) > 0, "methods", self.methods, "a list of at least one method")
         for name in self.methods:
             require(name in known, "methods", name, f"one of {', '.join(known)}")
+        most = self.views.count
+        given = self.reconstruct.views
+        require(given <= most, "reconstruct.views", given, f"at most the {most} of views.count")
