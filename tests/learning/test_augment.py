@@ -27,8 +27,8 @@ def pictures(n=2, size=8):
     return torch.from_numpy(np.random.default_rng(0).random((n, 3, size, size), np.float32))
 
 
-def changed(images, roll_deg=0.0, zoom=0.0, colour=0.0, rng=None):
-    return augmented(images, AugmentSettings(roll_deg, zoom, colour), rng or Always())
+def changed(images, roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0, rng=None):
+    return augmented(images, AugmentSettings(roll_deg, zoom, colour, noise), rng or Always())
 
 
 def ramp(size=16):
@@ -108,7 +108,9 @@ def test_no_picture_is_ever_mirrored():
     assert (handedness(found.flip(3)) != handedness(image)).all()
 
 
-@pytest.mark.parametrize("some", [{"roll_deg": 30.0}, {"zoom": 0.1}, {"colour": 0.2}])
+@pytest.mark.parametrize(
+    "some", [{"roll_deg": 30.0}, {"zoom": 0.1}, {"colour": 0.2}, {"noise": 0.1}]
+)
 def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them(some):
     images = pictures(1).expand(3, -1, -1, -1)
     first, again = (changed(images, **some, rng=np.random.default_rng(5)) for _ in range(2))
@@ -124,3 +126,12 @@ def test_as_tensor_puts_channels_first_and_white_at_1():
     assert tensor.shape == (1, 3, 2, 3)
     np.testing.assert_allclose(tensor[0, :, 1, 2], [1.0, 0.2, 0.0], rtol=1e-6)
     assert tensor.sum() == pytest.approx(1.2)
+
+
+def test_noise_has_its_deviation_and_pictures_stay_in_range():
+    images = torch.full((4, 3, 64, 64), 0.5)
+    found = changed(images, noise=0.1, rng=np.random.default_rng(0))
+    assert found.std().item() == pytest.approx(0.1, rel=0.02)  # of 49 152 draws: 0.3 %
+    assert found.mean().item() == pytest.approx(0.5, abs=0.002)
+    white = changed(torch.ones(4, 3, 8, 8), noise=0.1, rng=np.random.default_rng(0))
+    assert white.max() == 1

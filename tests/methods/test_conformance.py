@@ -51,9 +51,9 @@ def given_to(name: str, folder: Path) -> Given:
 
 def quick(name: str, params: Params) -> Any:
     """The settings of params.yaml, of methods that train with few points and steps."""
-    if load_method(name).scope == Scope.DATASET:
-        return getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
     if not name.startswith("industnerf") and name != "nerf":
+        if load_method(name).scope == Scope.DATASET:
+            return getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
         return getattr(params.method, name)
     level = {"image_px": 48, "steps": 100, "points": 2000}
     return industnerf_settings(
@@ -62,6 +62,7 @@ def quick(name: str, params: Params) -> Any:
         network={"rate": 0.01},
         grid_res=16,
         rays=512,
+        warm_up={"steps": 20 if name == "industnerf_shared" else 0},
         levels=[level],
         spacing=0.05,
         emptiness=0.003,

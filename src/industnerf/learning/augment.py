@@ -20,10 +20,11 @@ def as_tensor(images: UInt8[np.ndarray, "n h w 3"]) -> Float[Tensor, "n 3 h w"]:
 def augmented(
     images: Float[Tensor, "n 3 h w"], settings: AugmentSettings, rng: np.random.Generator
 ) -> Float[Tensor, "n 3 h w"]:
-    """Every image rolled, zoomed and shifted in brightness and contrast by a draw of its own.
+    """Every image rolled, zoomed and shifted in brightness and contrast, each as drawn for it.
 
     A roll of the camera about its axis by up to `roll_deg`, a zoom by a factor of up to
-    1 +- `zoom`, and colours c -> a c + b with a in 1 +- `colour` and b in +- `colour` / 2.
+    1 +- `zoom`, and colours c -> a c + b with a in 1 +- `colour` and b in +- `colour` / 2; then
+    noise of the standard deviation `noise`, if any.
     """
     n = len(images)
     angle = np.deg2rad(rng.uniform(-settings.roll_deg, settings.roll_deg, n))
@@ -39,4 +40,8 @@ def augmented(
     gain = rng.uniform(1 - settings.colour, 1 + settings.colour, n)
     shift = rng.uniform(-settings.colour / 2, settings.colour / 2, n)
     factors = [torch.from_numpy(x).to(images).view(n, 1, 1, 1) for x in (gain, shift)]
-    return (turned * factors[0] + factors[1]).clamp(0, 1)
+    coloured = turned * factors[0] + factors[1]
+    if settings.noise:
+        grain = rng.normal(0.0, settings.noise, tuple(images.shape))
+        coloured = coloured + torch.from_numpy(grain).to(images)
+    return coloured.clamp(0, 1)

@@ -9,6 +9,7 @@ MODULES = {
     "industnerf": "industnerf.methods.industnerf",
     "industnerf_plus": "industnerf.methods.industnerf",
     "industnerf_depth": "industnerf.methods.industnerf",
+    "industnerf_shared": "industnerf.methods.industnerf",
     "nerf": "industnerf.methods.industnerf",
     "r2n2": "industnerf.methods.r2n2",
     "atlasnet": "industnerf.methods.atlasnet",

@@ -4,6 +4,7 @@ from industnerf.schema.industnerf import (
     IndustnerfSettings,
     LevelSettings,
     ReliefSettings,
+    SchoolSettings,
     SoftnessSettings,
     WarmUpSettings,
 )
@@ -65,6 +66,7 @@ __all__ = [
     "ReportParams",
     "RetrievalSettings",
     "SampleSettings",
+    "SchoolSettings",
     "SensorParams",
     "SoftnessSettings",
     "SplitParams",

@@ -54,13 +54,27 @@ class NetworkSettings:
     straight_rate: float
     encoder_rate: float
     gain: float
+    pruned: float
 
     def __post_init__(self) -> None:
+        require(0 <= self.pruned < 1, f"{WHERE}.network.pruned", self.pruned, "in [0, 1)")
         require(self.every >= 1, f"{WHERE}.network.every", self.every, "at least 1")
         require(self.views >= 1, f"{WHERE}.network.views", self.views, "at least 1")
         for name in ("rate", "straight_rate", "encoder_rate", "gain"):
             value = getattr(self, name)
             require(value > 0, f"{WHERE}.network.{name}", value, "above 0")
+
+
+@dataclass(frozen=True)
+class SchoolSettings:
+    """What E and N learn from other parts: R14 `shared`."""
+
+    parts: int
+    terms: int
+
+    def __post_init__(self) -> None:
+        require(self.parts >= 1, f"{WHERE}.school.parts", self.parts, "at least 1")
+        require(self.terms >= 1, f"{WHERE}.school.terms", self.terms, "at least 1")
 
 
 @dataclass(frozen=True)
@@ -113,6 +127,7 @@ class IndustnerfSettings:
     refine: Literal["sampled", "divided"]
     carve: bool
     network: NetworkSettings
+    school: SchoolSettings
     residual: ResidualSettings
     softness: SoftnessSettings
     relief: ReliefSettings
@@ -128,6 +143,7 @@ class IndustnerfSettings:
     emptiness: float
     veil: float
     depth: float
+    noise: float
     least_confidence: float
     spacing: float
 
@@ -164,6 +180,7 @@ class IndustnerfSettings:
             "below ceiling",
         )
         require(self.depth >= 0, f"{WHERE}.depth", self.depth, "at least 0")
+        require(0 <= self.noise < 1, f"{WHERE}.noise", self.noise, "in [0, 1)")
         require(
             0 <= self.least_confidence < 1,
             f"{WHERE}.least_confidence",

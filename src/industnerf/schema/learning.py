@@ -34,9 +34,11 @@ class AugmentSettings:
     roll_deg: float
     zoom: float
     colour: float
+    noise: float
 
     def __post_init__(self) -> None:
         at = "method.*.augment"
         require(0 <= self.roll_deg <= 180, f"{at}.roll_deg", self.roll_deg, "in [0, 180]")
         require(0 <= self.zoom < 1, f"{at}.zoom", self.zoom, "in [0, 1)")
         require(0 <= self.colour < 1, f"{at}.colour", self.colour, "in [0, 1)")
+        require(0 <= self.noise < 1, f"{at}.noise", self.noise, "in [0, 1)")

@@ -183,6 +183,7 @@ class MethodSettings:
     industnerf: IndustnerfSettings
     industnerf_plus: IndustnerfSettings
     industnerf_depth: IndustnerfSettings
+    industnerf_shared: IndustnerfSettings
     nerf: IndustnerfSettings
     r2n2: R2n2Settings
     atlasnet: AtlasNetSettings
@@ -196,3 +197,15 @@ class MethodSettings:
     ball: SampleSettings
     box: SampleSettings
     oracle: SampleSettings
+
+    def __post_init__(self) -> None:
+        for name in ("industnerf", "industnerf_plus", "industnerf_depth", "nerf"):
+            encoder = getattr(self, name).readings.encoder
+            key = f"method.{name}.readings.encoder"
+            require(encoder != "shared", key, encoder, "another: industnerf_shared has that one")
+        learns = self.industnerf_shared
+        key = "method.industnerf_shared"
+        encoder = learns.readings.encoder
+        require(encoder == "shared", f"{key}.readings.encoder", encoder, "shared")
+        steps = learns.warm_up.steps
+        require(steps >= 1, f"{key}.warm_up.steps", steps, "at least 1: E learns in warm-ups")

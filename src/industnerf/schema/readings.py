@@ -14,7 +14,7 @@ ScaleReading = Literal["max", "unit", "contrast"]
 TransmittanceReading = Literal["shared", "own"]
 SignalReading = Literal["sources", "left_out"]
 CloudReading = Literal["confident", "surface"]
-EncoderReading = Literal["per_part", "frozen", "none"]
+EncoderReading = Literal["per_part", "shared", "frozen", "none"]
 OpacityReading = Literal["without", "with"]
 ReduceReading = Literal["max", "sum"]
 

@@ -134,7 +134,7 @@ def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
 def test_the_cpu_sizes_learn_one_part_by_heart(root, examples, tmp_path):
     settings = load_params(root / "params.yaml").method.atlasnet
     training = replace(settings.training, steps=630, batch=4, rate=2e-3, validate_every=30)
-    plain = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0)
+    plain = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0)
     settings = replace(settings, views=4, patch_points=24, training=training, augment=plain)
     state = METHOD.fit(examples[:1], settings, 0, tmp_path)
     # What is known by heart is nearer by far than a ball that is as large as the part on average.

@@ -132,7 +132,7 @@ def settings(
     The paper's method has densities, whose closed forms are known, unless distances are asked for.
     """
     shipped = getattr(load_params(Path(__file__).parents[3] / "params.yaml").method, name)
-    if name in ("industnerf", "industnerf_depth"):
+    if name.startswith("industnerf") and name != "industnerf_plus":
         readings = {"activation": "cut_exp"} | (readings or {})
         dense = readings["activation"] != "distance"
         others = ({"initial": -4.0} if dense else {}) | others

@@ -79,3 +79,27 @@ def test_densities_are_finite_and_not_negative_with_finite_gradients(reading):
 def test_gradients_are_right_away_from_kinks(reading):
     raw = torch.tensor([-8.0, -5, -0.5, 0.7, 3.9, 6], dtype=torch.float64, requires_grad=True)
     assert torch.autograd.gradcheck(lambda raw: activate(raw, reading, 0.5, 4.0), raw)
+
+
+def test_pruning_sets_the_smallest_weights_to_0_for_good():
+    torch.manual_seed(0)
+    net = Network(10, 16, 2, initial=-1.0, gain=3.0)
+    with torch.no_grad():
+        net.straight.weight += 0.5  # large: these stay
+        net.head.weight += 1e-4  # small: these go
+    weights = 10 * 16 + 16 * 16 + 16 * 4 + 10 * 4
+    assert net.pruned == 0
+    net.prune(0.5)
+    assert net.pruned == weights // 2
+    assert (net.head.weight == 0).all()
+    assert (net.straight.weight != 0).all()
+    assert net.head.bias[0].item() == pytest.approx(-1 / 3)
+    optimiser = torch.optim.Adam(net.parameters(), 0.1)
+    for _ in range(3):
+        raw, rgb = net(torch.randn(30, 10), torch.rand(30, 3))
+        optimiser.zero_grad()
+        (raw.sum() + rgb.sum()).backward()
+        optimiser.step()
+    net(torch.randn(1, 10), torch.rand(1, 3))
+    assert (net.head.weight == 0).all()
+    assert (net.straight.weight != 0.5).any()

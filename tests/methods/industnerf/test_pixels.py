@@ -10,7 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from industnerf.geometry.cameras import look_at
-from industnerf.methods.industnerf.pixels import STEEP, Pixels, averaged, footprint, read, size_of
+from industnerf.methods.industnerf.pixels import (
+    STEEP,
+    Pixels,
+    averaged,
+    footprint,
+    noisier,
+    read,
+    size_of,
+)
 from industnerf.methods.industnerf.scene import Eyes, Scene
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer
@@ -205,3 +213,13 @@ def test_distances_are_along_the_ray_and_not_along_the_axis():
     torch.testing.assert_close(along, torch.full((3,), 3.0))
     assert away[0] > 1.05 * away[1]
     assert Pixels(wall, 24, pixels.shown.new_ones(4, 24, 24).bool()).distances(chosen, rays) is None
+
+
+def test_noise_has_its_deviation_and_none_draws_nothing():
+    generator = torch.Generator().manual_seed(0)
+    before, plain = generator.get_state(), torch.full((20_000, 3), 0.5)
+    assert torch.equal(noisier(plain, 0.0, generator), plain)
+    assert torch.equal(generator.get_state(), before)
+    noisy = noisier(plain, 0.05, generator)
+    assert noisy.std().item() == pytest.approx(0.05, rel=0.02)  # of 60 000 draws: 0.3 %
+    assert noisy.mean().item() == pytest.approx(0.5, abs=1e-3)

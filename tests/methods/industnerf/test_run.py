@@ -217,3 +217,20 @@ def test_photographs_of_nothing_fail(name):
     blank = replace(given, rgb=np.full_like(given.rgb, 255))
     with pytest.raises(ReconstructionFailed, match=r"no point is left|the field is empty"):
         run(blank, settings(name, **SMALL, levels=[{"steps": 100}]), 1)
+
+
+def test_a_pruned_network_stays_so_and_goes_on_from_any_state():
+    given = posed(SOLIDS["ball"], 6, 32)
+    sparse = settings(
+        **SMALL, levels=LEVELS, readings={"encoder": "frozen"}, network={"pruned": 0.8}
+    )
+    dense = settings(**SMALL, levels=LEVELS, readings={"encoder": "frozen"})
+    watch = Recorder()
+    whole, plain = run(given, sparse, 1, watch), run(given, dense, 1)
+    assert whole.losses[:6] == plain.losses[:6]  # it is pruned after the first level
+    assert whole.losses[6:] != plain.losses[6:]
+    assert whole.parameters < 0.3 * plain.parameters  # biases stay
+    for step in (2, 8):
+        rest = run(given, sparse, 1, None, watch.states[step])
+        assert bytes_of(rest) == bytes_of(whole)
+        assert rest.parameters == whole.parameters

@@ -186,3 +186,15 @@ def test_only_an_encoder_of_this_part_learns(readings, learns):
 def test_the_images_own_colours_come_along_if_asked_for():
     with_rgb, without = sources_of(), sources_of({"rgb_skip": False})
     assert with_rgb.columns == without.columns + 4 * 4  # statistics of colours and contrast
+
+
+def test_e_learns_from_noisier_images_only_where_asked():
+    sources, generator = sources_of(), torch.Generator().manual_seed(0)
+    before = pooled(sources)
+    sources.refresh(torch.arange(VIEWS), generator)
+    torch.testing.assert_close(pooled(sources).detach(), before, **CLOSE)
+    sources._noise = 0.2
+    sources.refresh(torch.arange(VIEWS), generator)
+    assert (pooled(sources).detach() - before).abs().max() > 0.05
+    sources.encode_anew()
+    torch.testing.assert_close(pooled(sources), before, **CLOSE)

@@ -19,7 +19,7 @@ from tests.methods.conftest import PLACE, SIZE
 from tests.methods.test_conformance import merged
 
 SMALL = merged("params.yaml", "conf/experiment/smoke.yaml").method.occupancy
-STRONG = replace(SMALL, augment=AugmentSettings(roll_deg=180.0, zoom=0.5, colour=0.5))
+STRONG = replace(SMALL, augment=AugmentSettings(roll_deg=180.0, zoom=0.5, colour=0.5, noise=0.0))
 
 
 def lesson(settings: OccupancySettings) -> Lesson:

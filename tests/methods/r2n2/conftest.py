@@ -10,7 +10,7 @@ import trimesh
 from industnerf.methods.base import Example
 from industnerf.schema import AugmentSettings, R2n2Settings, TrainingSettings
 
-STILL = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0)
+STILL = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0)
 
 
 @pytest.fixture

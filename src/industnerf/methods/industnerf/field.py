@@ -135,6 +135,11 @@ class Field(nn.Module):
                 # at 0 a density that is cut off below still has its gradient, below it has none
                 self.raw.clamp_(0 if activation == "relu" else EMPTY, self._settings.ceiling)
 
+    def numbers(self) -> int:
+        """How many numbers are learned: of E, of N, and of the points themselves."""
+        learned = sum(p.numel() for p in self.parameters() if p.requires_grad)
+        return learned - (self.network.pruned if self.network is not None else 0)
+
     def own(self) -> list[nn.Parameter]:
         """What points learn by themselves, a row a point."""
         return [self.raw, self.rgb] if self._settings.residual.use else []

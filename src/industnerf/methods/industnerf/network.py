@@ -8,6 +8,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import softplus
+from torch.nn.utils import prune
 
 from industnerf.schema.readings import ActivationReading
 
@@ -40,6 +41,17 @@ class Network(nn.Module):
         with torch.no_grad():
             self.head.bias[0] = initial / gain
         self._gain = gain
+
+    def prune(self, share: float) -> None:
+        """The `share` of all weights that are the smallest are 0 from now on; biases stay."""
+        layers = [(layer, "weight") for layer in self.modules() if isinstance(layer, nn.Linear)]
+        prune.global_unstructured(layers, prune.L1Unstructured, amount=share)
+
+    @property
+    def pruned(self) -> int:
+        """How many weights are 0 for good."""
+        masks = [mask for name, mask in self.named_buffers() if name.endswith("_mask")]
+        return sum(int((mask == 0).sum()) for mask in masks)
 
     def deep_parameters(self) -> list[nn.Parameter]:
         """All but those of the straight way."""

@@ -56,6 +56,15 @@ class Pixels:
         return self._depths[view, row, column] / (rays.directions * axis).sum(dim=1)
 
 
+def noisier(
+    colours: Float32[Tensor, "*any"], deviation: float, generator: torch.Generator
+) -> Float32[Tensor, "*any"]:
+    """`colours` with fresh noise of this standard deviation; 0 draws nothing."""
+    if not deviation:
+        return colours
+    return colours + deviation * torch.randn(colours.shape, generator=generator).to(colours)
+
+
 def size_of(eyes: Eyes, longest: int) -> tuple[int, int]:
     """Height and width of an image whose longer side is brought down to `longest` px."""
     share = min(1.0, longest / max(eyes.width, eyes.height))

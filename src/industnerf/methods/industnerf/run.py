@@ -1,6 +1,6 @@
 """The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -18,6 +18,7 @@ from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.extraction import final_cloud
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
+from industnerf.methods.industnerf.pair import Pair
 from industnerf.methods.industnerf.refine import refined
 from industnerf.methods.industnerf.relief import MARGIN
 from industnerf.methods.industnerf.rerender import rerender
@@ -78,13 +79,14 @@ def run(
     seed: int,
     watch: Watch | None = None,
     resume: dict[str, Any] | None = None,
+    learned: Mapping[str, np.ndarray] | None = None,
 ) -> Outcome:
-    """Reconstruct one part from its images.
+    """Reconstruct one part from its images; `learned` are the weights that E and N start from.
 
     Raises ReconstructionFailed if a field becomes empty.  Same seed, same bytes on a CPU.
     """
     torch.set_num_threads(1)  # parts are what runs side by side
-    work = _Work(posed, settings, seed, watch or Watch())
+    work = _Work(posed, settings, seed, watch or Watch(), learned)
     if resume:
         work.restore(resume)
     while not work.finished:
@@ -96,16 +98,25 @@ def run(
 class _Work:
     """A run between two of its steps."""
 
-    def __init__(self, posed: Posed, settings: IndustnerfSettings, seed: int, watch: Watch) -> None:
+    def __init__(
+        self,
+        posed: Posed,
+        settings: IndustnerfSettings,
+        seed: int,
+        watch: Watch,
+        learned: Mapping[str, np.ndarray] | None,
+    ) -> None:
         self._posed, self._settings, self._watch = posed, settings, watch
         self._scene = scene_of(posed, device())
         self._generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self._field = Field(self._scene, settings).to(self._scene.images.device)
+        if learned:
+            Pair(self._field).load(learned)
         self._silhouettes = Silhouettes(self._scene) if settings.carve else None
         self._losses, self._first_steps = [], {}
-        self._level = WARM_UP if settings.warm_up.steps else 0
+        self._level = self._first = WARM_UP if settings.warm_up.steps else 0
         self.finished = False
         spacing = spacing_of(settings.grid_res, self._level)
         self._training = self._start(Layer(grid(spacing, self._scene.images.device), spacing))
@@ -153,8 +164,15 @@ class _Work:
         self.told = self._training.testimony()
         if not self.finished:
             layer = refined(self._training, self.told, self._generator)
+            self._prune()
             self._level += 1
             self._training = self._start(layer)
+
+    def _prune(self) -> None:
+        """Once, when the first points have been learned from."""
+        share, network = self._settings.network.pruned, self._field.network
+        if share and network is not None and not network.pruned:
+            network.prune(share)
 
     def outcome(self) -> Outcome:
         """The cloud, of the last level."""
@@ -165,14 +183,13 @@ class _Work:
             points, rgb, self.told, ways.least_confidence, ways.spacing, ways.readings.cloud
         )
         dense = sigma > 0
-        own = sum(p.numel() for p in self._field.parameters() if p.requires_grad)
         return Outcome(
             self._in_world(cloud.points),
             (cloud.rgb * 255).round().to(torch.uint8).cpu().numpy(),
             cloud.confidence.cpu().numpy(),
             cloud.view.to(torch.int16).cpu().numpy(),
             len(self._losses),
-            own,
+            self._field.numbers(),
             self._in_world(points[dense]),
             self.told.confidence[dense].cpu().numpy(),
             self._losses,
@@ -205,6 +222,8 @@ class _Work:
         """Go on from `state`."""
         self._level = state["level"]
         self._losses, self._first_steps = state["losses"], state["first_steps"]
+        if self._level > self._first:
+            self._prune()  # which weights, its state says
         trained = state["training"]
         self._training = self._start(
             Layer(trained["points"], trained["spacing"], trust=trained["trust"])

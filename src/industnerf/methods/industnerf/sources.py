@@ -6,7 +6,7 @@ from torch import Tensor, nn
 
 from industnerf.methods.industnerf.encoder import STRIDE, Encoder
 from industnerf.methods.industnerf.encoding import encode, encoded_channels, encoding_frame
-from industnerf.methods.industnerf.pixels import averaged, size_of
+from industnerf.methods.industnerf.pixels import averaged, noisier, size_of
 from industnerf.methods.industnerf.pooling import felt, pool, pooled_channels, weights_of
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
@@ -25,7 +25,7 @@ class Sources(nn.Module):
     def __init__(self, scene: Scene, settings: IndustnerfSettings) -> None:
         super().__init__()
         self._scene, self._ways, self._readings = scene, settings.network, settings.readings
-        self._blind = settings.readings.encoder == "none"
+        self._blind, self._noise = settings.readings.encoder == "none", settings.noise
         self.encoder = Encoder(self._ways.features, self._ways.width, self._ways.rgb_skip)
         self.encoder.requires_grad_(settings.readings.encoder == "per_part")
         posed = encoded_channels(self._ways.channels, self._readings.pose)
@@ -99,9 +99,9 @@ class Sources(nn.Module):
             self._weights = self._weights[:, which]
             self._pool()
 
-    def refresh(self, views: Int64[Tensor, "v"]) -> None:
+    def refresh(self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None) -> None:
         """Encode these views anew; the next `forward` can be differentiated in E."""
-        fresh, valid = self._look(views)
+        fresh, valid = self._look(views, generator)
         self._features[views] = fresh.detach()
         self._pool()
         weights, reading = self._weights[views], self._readings.views
@@ -127,12 +127,17 @@ class Sources(nn.Module):
         return self._pooled[:, self._ways.features : self._ways.features + 3]
 
     def _look(
-        self, views: Int64[Tensor, "v"]
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
     ) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
-        """pi(F, P, X) of these views, and whether a point is in the view at all."""
+        """pi(F, P, X) of these views, and whether a point is in the view at all.
+
+        With a generator the images are noisier than they are, if E is to learn from noisier ones.
+        """
         eyes, rows, valid = self._scene.eyes, [], []
         for view in views.tolist():
             image = self._images[view][None]
+            if generator is not None:
+                image = noisier(image, self._noise, generator)
             behind = self._scene.background[view][:, None, None]
             uv, depth = project(self._points, eyes.K[view], eyes.c2w[view])
             seen = in_view(uv, depth, eyes.width, eyes.height)

@@ -10,7 +10,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, near_any, spacing_of
-from industnerf.methods.industnerf.pixels import Pixels, footprint
+from industnerf.methods.industnerf.pixels import Pixels, footprint, noisier
 from industnerf.methods.industnerf.relief import Relief, beside_on_grid
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
@@ -164,10 +164,11 @@ class Training:
         self._set_rates()
         self._harden()
         if self._encodes():
-            self.field.sources.refresh(self._some_views())
+            self.field.sources.refresh(self._some_views(), self._generator)
         drawn, offsets = self.pixels.draw(self.ways.rays, self._generator)
         rays, target, background = self.pixels.rays(drawn, offsets)
         seen = self.renderer.look(rays, *self.field())
+        target = noisier(target, self.ways.noise, self._generator)
         loss = ((seen.over(background) - target) ** 2).mean()
         self._adam.zero_grad()
         read = self.pixels.distances(drawn, rays)

@@ -6,7 +6,9 @@ KEY = re.compile(r"^(?P<indent> *)(?P<dash>- )?(?P<key>\w+):(?P<rest>.*)$")
 COMMENT = re.compile(r"\s#\s+(.*)$")
 ALTERNATIVE = re.compile(r"\w+: ")
 # Methods that share their settings' names, and the one beside which they are explained.
-EXPLAINED_BY = dict.fromkeys(("industnerf_plus", "industnerf_depth", "nerf"), "industnerf")
+EXPLAINED_BY = dict.fromkeys(
+    ("industnerf_plus", "industnerf_depth", "industnerf_shared", "nerf"), "industnerf"
+)
 ITEM = re.compile(r"\[\d+\]")
 
 

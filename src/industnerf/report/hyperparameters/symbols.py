@@ -34,7 +34,7 @@ NERF = {
     "stop": "T, (10)",
     "least_confidence": "t, (13)",
 }
-NERFS = ("industnerf", "industnerf_plus", "industnerf_depth", "nerf")
+NERFS = ("industnerf", "industnerf_plus", "industnerf_depth", "industnerf_shared", "nerf")
 PAPER = {
     "parts.source": "the dataset, 4.1",
     "views.count": "views (I, P), 3.1",
