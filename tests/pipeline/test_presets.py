@@ -54,7 +54,15 @@ def of_reading(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     monkeypatch.setenv("INDUSTNERF_ROOT", str(CONF.parent))
     with initialize_config_dir(str(CONF), version_base="1.3"):
         values = OmegaConf.to_container(compose("config", [f"reading={name}"]))
-    return asdict(build(Params, values).method.industnerf.readings)
+    params = build(Params, values)
+    (own,) = params.methods if name == "encoder-shared" else ["industnerf"]
+    return asdict(getattr(params.method, own).readings)
+
+
+def test_what_learns_from_other_parts_differs_in_its_encoder_alone():
+    method = load_params(CONF.parent / "params.yaml").method
+    alone, taught = asdict(method.industnerf), asdict(method.industnerf_shared)
+    assert taught == alone | {"readings": alone["readings"] | {"encoder": "shared"}}
 
 
 def test_every_reading_that_is_not_the_default_has_a_file_that_changes_it_alone(monkeypatch):
@@ -105,11 +113,11 @@ def test_the_parts_of_seeds_are_those_that_the_rule_chooses(monkeypatch):
     assert params.parts.select == sorted(by_hash("seeds", tested)[:SEED_PARTS])
 
 
-def test_every_random_method_has_its_seeds_varied_with_all_that_it_learns_from(monkeypatch):
+def test_every_random_row_of_the_tables_has_its_seeds_varied(monkeypatch):
     alone, nets = composed("seeds", monkeypatch), composed("seeds_nets", monkeypatch)
+    known = [load_method(name) for name in load_params(CONF.parent / "params.yaml").methods]
     assert nets.parts.select == []
     for params, scope in ((alone, Scope.PART), (nets, Scope.DATASET)):
-        known = [load_method(name) for name in params.method.__dataclass_fields__]
         wanted = {method.name for method in known if method.random and method.scope == scope}
         assert set(params.methods) == wanted
 

@@ -13,21 +13,31 @@ from industnerf.schema import ReportParams
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = load_params(ROOT / "params.yaml").method.industnerf.readings
-IDS = {name: f"R{i}" for i, name in enumerate(asdict(DEFAULT), start=1)}
+NUMBERS = [*range(1, 12), 14, 15, 16]  # 12 and 13 are no readings of the method
+IDS = {name: f"R{i}" for name, i in zip(asdict(DEFAULT), NUMBERS, strict=True)}
 WAYS = ReportParams(resamples=200, interval=0.95, sheet_parts=1)
 
 
-def a_point(sweep: Path, emd: dict[str, float], failed: str = "", **readings: str) -> None:
+def a_point(
+    sweep: Path,
+    emd: dict[str, float],
+    failed: str = "",
+    method: str = "industnerf",
+    **readings: str,
+) -> None:
     """A finished point: two parts of two families, and rows that are not asked for."""
     folder = sweep / str(len(list(sweep.iterdir())))
     (folder / "reports").mkdir(parents=True)
-    ways = {"method": {"industnerf": {"readings": asdict(DEFAULT) | readings}}}
+    ways = {
+        "methods": [method],
+        "method": {method: {"readings": asdict(DEFAULT) | readings}},
+    }
     (folder / "params.yaml").write_text(yaml.safe_dump(ways))
     lines = ["part_id,family,method,metric,protocol,value,status"]
     for part, value in emd.items():
         status = "failed" if part == failed else "ok"
-        lines.append(f"{part},of-{part},industnerf,emd,P1-even,{value},{status}")
-        lines.append(f"{part},of-{part},industnerf,emd,P1-iid,9,ok")
+        lines.append(f"{part},of-{part},{method},emd,P1-even,{value},{status}")
+        lines.append(f"{part},of-{part},{method},emd,P1-iid,9,ok")
         lines.append(f"{part},of-{part},hull,emd,P1-even,9,ok")
     (folder / "reports" / "scores.csv").write_text("\n".join(lines) + "\n")
 
@@ -38,6 +48,7 @@ def rows(tmp_path):
     a_point(tmp_path, {"a": 0.03, "b": 0.07}, pose="printed")
     a_point(tmp_path, {"a": 0.5, "b": 0.5}, pose="nerf", frame="world")  # two at once: of no use
     a_point(tmp_path, {"a": 0.02, "b": 0.03}, failed="b", place="centre")
+    a_point(tmp_path, {"a": 0.03, "b": 0.05}, method="industnerf_shared", encoder="shared")
     (tmp_path / "9").mkdir()  # a point that never finished
     made = table(outcomes(tmp_path), DEFAULT, IDS, WAYS).splitlines()
     return {tuple(cell.strip() for cell in row.split("|")[1:3]): row for row in made[2:]}
@@ -53,6 +64,10 @@ def test_a_reading_stands_with_its_mean_and_its_paired_difference(rows):
 def test_failures_are_counted(rows):
     assert rows["R5", "`centre`"].endswith("| 2 | 1 |")
     assert "-0.0050" in rows["R5", "`centre`"]
+
+
+def test_the_method_that_learns_from_other_parts_is_a_reading_too(rows):
+    assert rows["R14", "`shared`"].startswith("| R14 | `shared` | 0.0400 | +0.0100 |")
 
 
 def test_what_was_not_run_alone_is_not_yet_measured(rows):

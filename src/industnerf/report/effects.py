@@ -14,7 +14,7 @@ from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 from industnerf.seeds import generator
 
-METHOD = "industnerf"
+METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
 HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
 UNKNOWN = "not yet measured"
 
@@ -38,12 +38,14 @@ def outcomes(sweep: Path) -> list[Outcome]:
 
 
 def _outcome(point: Path) -> Outcome:
-    readings = read_yaml(point / "params.yaml")["method"][METHOD]["readings"]
+    params = read_yaml(point / "params.yaml")
+    method = next(name for name in METHODS if name in params["methods"])
+    readings = params["method"][method]["readings"]
     with (point / "reports" / "scores.csv").open(newline="") as file:
         rows = [
             row
             for row in csv.DictReader(file)
-            if (row["method"], row["metric"], row["protocol"]) == (METHOD, "emd", "P1-even")
+            if (row["method"], row["metric"], row["protocol"]) == (method, "emd", "P1-even")
         ]
     return Outcome(
         readings,
