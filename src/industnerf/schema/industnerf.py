@@ -122,6 +122,7 @@ class ReliefSettings:
 class IndustnerfSettings:
     readings: Readings
     grid_res: int
+    grid_points: int
     warm_up: WarmUpSettings
     levels: list[LevelSettings]
     refine: Literal["sampled", "divided"]
@@ -165,6 +166,9 @@ class IndustnerfSettings:
             "false and refine divided",
         )
         require(8 <= self.grid_res <= 512, f"{WHERE}.grid_res", self.grid_res, "in 8..512")
+        fits = self.grid_points == 0 or (self.grid_points > 0 and self.carve)
+        wanted = "0, or at least 1 where carve is true"
+        require(fits, f"{WHERE}.grid_points", self.grid_points, wanted)
         require(bool(self.levels), f"{WHERE}.levels", self.levels, "one level or more")
         require(self.rays >= 1, f"{WHERE}.rays", self.rays, "at least 1")
         require(0 < self.step <= 4, f"{WHERE}.step", self.step, "in (0, 4] spacings")

@@ -26,6 +26,11 @@ class Silhouettes:
         self._outside = torch.stack(outside).to(scene.images.device)
         self._inside = torch.stack(inside).to(scene.images.device)
 
+    @property
+    def device(self) -> torch.device:
+        """Where points must be."""
+        return self._outside.device
+
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
         """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
 

@@ -17,10 +17,10 @@ from industnerf.geometry.cameras import Cameras
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.extraction import final_cloud
 from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.finer import as_fine_as_fits, margin
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.pair import Pair
 from industnerf.methods.industnerf.refine import refined
-from industnerf.methods.industnerf.relief import MARGIN
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
@@ -106,15 +106,18 @@ class _Work:
         watch: Watch,
         learned: Mapping[str, np.ndarray] | None,
     ) -> None:
-        self._posed, self._settings, self._watch = posed, settings, watch
+        self._posed, self._watch = posed, watch
         self._scene = scene_of(posed, device())
+        self._silhouettes = Silhouettes(self._scene) if settings.carve else None
+        if self._silhouettes:
+            settings = as_fine_as_fits(settings, self._silhouettes)
+        self._settings = settings
         self._generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self._field = Field(self._scene, settings).to(self._scene.images.device)
         if learned:
             Pair(self._field).load(learned)
-        self._silhouettes = Silhouettes(self._scene) if settings.carve else None
         self._losses, self._first_steps = [], {}
         self._level = self._first = WARM_UP if settings.warm_up.steps else 0
         self.finished = False
@@ -124,7 +127,7 @@ class _Work:
     def _start(self, layer: Layer) -> Training:
         """The training of this level, of the points that are not carved away."""
         if self._silhouettes:
-            slack = self._slack() * layer.spacing
+            slack = margin(self._settings) * layer.spacing
             layer = layer.only(self._silhouettes.may_hold(layer.points, slack))
         if not len(layer.points):
             raise ReconstructionFailed(
@@ -140,10 +143,6 @@ class _Work:
             self._generator,
             self._silhouettes,
         )
-
-    def _slack(self) -> float:
-        """How many spacings beyond the hull points are kept."""
-        return MARGIN if self._settings.relief.use else 0.9
 
     def train(self) -> None:
         """Take the steps of this level that are left."""
