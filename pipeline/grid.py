@@ -7,13 +7,14 @@ from functools import partial
 from pathlib import Path
 
 from industnerf.artifacts.cloud import files_of_cloud
-from industnerf.artifacts.files import read_json, write_text
+from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.artifacts.split import load_split
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact
 from industnerf.metrics.gridded import SCHEMA, measure_grid
 from industnerf.report.grid import grid_csv, grid_md, lines
+from industnerf.report.provenance import made_by
 from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.schema import Params
 from industnerf.stage import Task, read_index, run_stage
@@ -33,6 +34,7 @@ def main() -> None:
     RESULTS.mkdir(parents=True, exist_ok=True)
     write_text(RESULTS / "grid.csv", grid_csv(found))
     write_text(RESULTS / "grid.md", grid_md(found))
+    write_json(RESULTS / "made.json", made_by("python -m pipeline.grid"))
     print(f"{RESULTS / 'grid.md'}, {RESULTS / 'grid.csv'}")
 
 

@@ -16,7 +16,7 @@ from industnerf.config import build
 from industnerf.errors import BadParams, SuiteError
 from industnerf.schema import Params
 
-SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic")
+SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic", "results/grid")
 
 
 def main(preset: str) -> None:
@@ -44,6 +44,7 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     for name in SHARED:
         link = project / name
         if not link.is_symlink():
+            link.parent.mkdir(exist_ok=True)
             link.symlink_to(os.path.relpath(root / name, link.parent))
     if not (project / ".dvc").is_dir():
         for command in (["init", "--no-scm", "-q"], ["config", "core.analytics", "false"]):

@@ -11,11 +11,11 @@ from industnerf.tracking import log_report
 
 
 def main(cfg: Masked, *paths: str) -> None:
-    *folders, out = map(Path, paths)
+    *folders, grid, out = map(Path, paths)
     views = cfg.reconstruct.views or cfg.views.count
     about = (cfg.preset, cfg.seed, views, cfg.split.hold_out, cfg.methods)
     study = gather(Folders(*folders), *about)
-    build_report(study, cfg.report, out)
+    build_report(study, cfg.report, grid, out)
 
 
 if __name__ == "__main__":

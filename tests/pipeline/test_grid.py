@@ -1,7 +1,9 @@
 """The grid of protocols over what a finished run left."""
 
 import csv
+import json
 import os
+import subprocess
 
 import pytest
 
@@ -10,12 +12,16 @@ from industnerf.metrics import gridded
 from industnerf.report.grid import CELL
 from pipeline import grid
 
+NAMES = ("-c", "user.name=n", "-c", "user.email=e@example.org")
+
 
 @pytest.fixture
 def study(finished_run, tmp_path, monkeypatch):
     """The finished run's data and parameters, with two of its methods as subjects."""
     for name in ("data", "params.yaml", "dvc.yaml"):
         os.symlink(finished_run.folder / name, tmp_path / name)
+    for command in (["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "first"]):
+        subprocess.run(["git", *NAMES, *command], cwd=tmp_path, check=True)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")  # workers would not hear of these:
     monkeypatch.setattr(grid, "SUBJECTS", ("oracle", "hull"))
@@ -38,6 +44,8 @@ def test_a_study_becomes_a_table_of_protocols(study):
     ratio = float(at[*usual, "oracle"]["mean"]) / float(at[*usual, "floor"]["mean"])
     assert ratio == pytest.approx(1, abs=0.2)
     assert (study / "results" / "grid" / "grid.md").read_text().count("\n") == 2 + 48
+    made = json.loads((study / "results" / "grid" / "made.json").read_text())
+    assert made["command"] == "python -m pipeline.grid"
 
 
 def test_what_is_done_is_done_once(study, capsys):

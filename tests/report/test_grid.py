@@ -5,7 +5,9 @@ import io
 
 import pytest
 
-from industnerf.report.grid import grid_csv, grid_md, lines
+from industnerf.artifacts.files import write_json
+from industnerf.errors import BadArtifact
+from industnerf.report.grid import grid_csv, grid_html, grid_md, lines, read_grid
 
 
 def cell(points, value):
@@ -44,3 +46,33 @@ def test_the_file_has_a_row_for_every_subject():
         ("4096", "floor", "0.010000", "1"),
         ("4096", "hull", "0.020000", "1"),
     ]
+
+
+@pytest.fixture
+def written(tmp_path):
+    (tmp_path / "grid.csv").write_text(grid_csv(lines(CELLS)))
+    write_json(tmp_path / "made.json", {"schema": 1, "commit": "0123456789", "date": "2026-01-02"})
+    return tmp_path
+
+
+def test_what_was_written_is_read(written):
+    again = read_grid(written / "grid.csv")
+    assert grid_md(again) == grid_md(lines(CELLS))
+    assert [line.cell for line in again] == [line.cell for line in lines(CELLS)]
+
+
+def test_the_page_shows_every_cell_and_which_study_it_is_of(written):
+    shown = grid_html(written)
+    assert shown.count("<tr>") == 1 + len(lines(CELLS))
+    assert "<td>0.0600" in shown
+    assert "(commit 0123456, 2026-01-02)" in shown
+
+
+def test_without_a_grid_the_page_says_nothing_of_it(tmp_path):
+    assert grid_html(tmp_path / "nowhere") == ""
+
+
+def test_a_file_that_is_no_grid_is_an_error(written):
+    (written / "grid.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(BadArtifact, match=r"grid\.csv is no table of a grid"):
+        grid_html(written)

@@ -20,6 +20,7 @@ from industnerf.report.comparisons import comparisons, comparisons_csv, comparis
 from industnerf.report.costs import costs_csv, read_costs, seconds_per_part
 from industnerf.report.exhibits import exhibits
 from industnerf.report.gather import Study
+from industnerf.report.grid import grid_html
 from industnerf.report.page import page
 from industnerf.report.pareto import pareto
 from industnerf.report.sheet import contact_sheet
@@ -44,8 +45,11 @@ from industnerf.store import content_digest
 ON_SCREEN = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")
 
 
-def build_report(study: Study, settings: ReportParams, out: Path) -> None:
-    """Write every file of the report into `out`, and print Table 1."""
+def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) -> None:
+    """Write every file of the report into `out`, and print Table 1.
+
+    `grid` is the folder of a grid of protocols, which the page shows if it is there.
+    """
     costs = read_costs(study.folders, list(study.methods))
     rows, lines = table1(study, settings), table2(study, settings)
     extras = [
@@ -66,7 +70,9 @@ def build_report(study: Study, settings: ReportParams, out: Path) -> None:
     write_text(out / "strata.md", strata_md(kinds))
     write_text(out / "scores.csv", scores_csv(study))
     write_text(out / "cost.csv", costs_csv(costs))
-    shown_page = page(study, rows, untimed, lines, shown, settings.interval, compared, kinds)
+    shown_page = page(
+        study, rows, untimed, lines, shown, settings.interval, compared, kinds, grid_html(grid)
+    )
     write_text(out / "report.html", shown_page)
     (out / "pareto.png").write_bytes(pareto(rows, extras))
     (out / "contact_sheet.png").write_bytes(sheet)

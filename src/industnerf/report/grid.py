@@ -4,13 +4,27 @@ import csv
 import io
 from collections import defaultdict
 from dataclasses import dataclass
+from html import escape
+from pathlib import Path
 from statistics import fmean
 
+from industnerf.artifacts.files import read_json
+from industnerf.errors import BadArtifact
 from industnerf.report import paper
 from industnerf.report.formats import markdown
+from industnerf.report.markup import Column, note, table
+from industnerf.report.markup import Line as Row
 
 CELL = ("points", "reduction", "surface", "cost", "scale")
 FLOOR = "floor"
+IMPOSSIBLE = "no: the floor is above it"
+ABOUT = (
+    "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
+    "committed study (commit {commit}, {date}), whatever else this page shows. <i>points</i> on "
+    "either side; <i>reduction</i> of the prediction; <i>cost</i> of moving a point: its distance, "
+    "or that squared; <i>scale</i>: the length that is 1. Where the floor, a second sample of the "
+    "true surface, is above the paper's {paper}, no method can have scored that."
+)
 
 
 @dataclass(frozen=True)
@@ -58,15 +72,48 @@ def grid_csv(found: list[Line]) -> str:
 
 def grid_md(found: list[Line]) -> str:
     """`grid.md`: a row for every cell, and whether the paper's number is possible in it."""
+    return markdown(_heads(found), [_texts(line) for line in found])
+
+
+def grid_html(folder: Path) -> str:
+    """What `folder` holds of a grid, as a section of the page; empty if there is none.
+
+    Raises BadArtifact if its files are torn.
+    """
+    if not (folder / "grid.csv").exists():
+        return ""
+    found, made = read_grid(folder / "grid.csv"), read_json(folder / "made.json", 1, "grid")
+    columns = [Column(head, head in CELL[1:]) for head in _heads(found)]
+    facts = {"commit": made["commit"][:7], "date": made["date"], "paper": paper.EMD["industnerf"]}
+    return table(columns, [Row([*map(escape, _texts(line))]) for line in found]) + note(
+        ABOUT.format(**facts)
+    )
+
+
+def read_grid(path: Path) -> list[Line]:
+    """What `grid_csv` wrote; raises BadArtifact if that is not it."""
+    means: dict[tuple, dict[str, float]] = defaultdict(dict)
+    parts: dict[tuple, int] = {}
+    try:
+        with path.open(newline="") as file:
+            for row in csv.DictReader(file):
+                cell = (int(row["points"]), *(row[name] for name in CELL[1:]))
+                means[cell][row["subject"]] = float(row["mean"])
+                parts[cell] = int(row["parts"])
+    except (KeyError, ValueError, TypeError) as error:
+        raise BadArtifact(f"{path} is no table of a grid: {error!r}; pipeline.grid") from None
+    return [Line(cell, means[cell], parts[cell]) for cell in means]
+
+
+def _heads(found: list[Line]) -> list[str]:
     subjects = list(found[0].means) if found else []
-    heads = [*CELL, *subjects, "parts", f"{paper.EMD['industnerf']} possible"]
-    rows = [
-        [
-            *map(str, line.cell),
-            *(f"{line.means[subject]:.4f}" for subject in subjects),
-            str(line.parts),
-            "yes" if line.possible else "no: the floor is above it",
-        ]
-        for line in found
+    return [*CELL, *subjects, "parts", f"{paper.EMD['industnerf']} possible"]
+
+
+def _texts(line: Line) -> list[str]:
+    return [
+        *map(str, line.cell),
+        *(f"{mean:.4f}" for mean in line.means.values()),
+        str(line.parts),
+        "yes" if line.possible else IMPOSSIBLE,
     ]
-    return markdown(heads, rows)

@@ -32,8 +32,12 @@ def page(
     interval: float,
     compared: Sequence[Comparison] = (),
     kinds: Sequence[Stratum] = (),
+    protocols: str = "",
 ) -> str:
-    """`report.html`; `interval` is what the tables' intervals cover, such as 0.95."""
+    """`report.html`; `interval` is what the tables' intervals cover, such as 0.95.
+
+    `protocols` is the section of the grid of protocols, as HTML.
+    """
     scores = Scores.of(study)
     shown = {scene.part.part_id for scene in exhibits.scenes}
     sections = {
@@ -47,6 +51,7 @@ def page(
         "By kind of part": strata_html(kinds),
         "Every part against its floor": distribution(study, scores),
         "Is the confidence right?": calibration(study, scores),
+        "Every protocol that the paper may have meant": protocols,
         "What it costs": note(texts.COST),
         "Part by part": f"<div id=parts>{note(texts.BY_PART)}{by_part(study, scores)}</div>",
         "Failures": failures(study),
