@@ -5,7 +5,7 @@ from typing import Literal
 
 PoseReading = Literal["intended", "printed", "nerf", "identity"]
 FrameReading = Literal["camera", "world", "pose"]
-PoolReading = Literal["confident", "all", "mean_variance", "mean", "max"]
+PoolReading = Literal["confident", "all", "mean_variance", "mean", "surest", "max"]
 ActivationReading = Literal["distance", "cut_exp", "relu", "softplus"]
 PlaceReading = Literal["jitter", "centre"]
 TargetReading = Literal["sigma", "visible"]

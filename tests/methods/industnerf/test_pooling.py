@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from industnerf.methods.industnerf.pooling import DOUBT, felt, pool, pooled_channels, weights_of
 
 SEEDS = st.integers(0, 2**32 - 1)
-READINGS = ["confident", "all", "mean_variance", "mean", "max"]
+READINGS = ["confident", "all", "mean_variance", "mean", "surest", "max"]
 every_reading = pytest.mark.parametrize("reading", READINGS)
 
 
@@ -38,6 +38,7 @@ def slowly(features: torch.Tensor, valid: torch.Tensor, trust: torch.Tensor, rea
         mean = (weight * seen).sum(0)
         columns = {
             "mean": [mean],
+            "surest": [seen[sure.argmax()]],
             "max": [seen.amax(0)],
             "mean_variance": [mean, (weight * (seen - mean) ** 2).sum(0)],
         }
@@ -102,3 +103,11 @@ def test_before_anybody_was_asked_all_count_alike():
     found = pool(features, valid, weights_of(valid, None, "confident"), "confident")
     alike = pool(features, valid, weights_of(valid, None, "all"), "all")
     assert torch.equal(found, alike)
+
+
+def test_as_long_as_no_view_was_asked_the_surest_is_the_first_that_has_the_point():
+    features, valid, _ = views(3)
+    found = pool(features, valid, weights_of(valid, None, "surest"), "surest")[:, :-1]
+    for n in range(9):
+        seen = features[valid[:, n], n]
+        assert torch.equal(found[n], seen[0] if len(seen) else torch.zeros_like(found[n]))

@@ -15,6 +15,7 @@ STATISTICS: dict[PoolReading, tuple[str, ...]] = {
     "all": ("mean", "variance", "least", "greatest"),
     "mean_variance": ("mean", "variance"),
     "mean": ("mean",),
+    "surest": ("mean",),
     "max": ("greatest",),
 }
 DOUBT = 0.02  # how much a view counts of which nothing is known, beside one of confidence 1
@@ -31,10 +32,16 @@ def weights_of(
     """How much each view counts for each point; of sum 1, or 0 for a point in no view.
 
     confident: as much as the view was sure of the point, (13), when the last level was done.
-    Otherwise, and as long as no view has been asked, all count alike.
+    surest: the one that was the surest, and no other.  Otherwise all count alike.
+    As long as no view has been asked, all are equally sure; the surest is then the first.
     """
     trust = torch.ones(valid.shape, device=valid.device) if trust is None else trust
-    weights = valid * (trust + DOUBT if reading == "confident" else torch.ones_like(trust))
+    weights = valid * (
+        trust + DOUBT if reading in ("confident", "surest") else torch.ones_like(trust)
+    )
+    if reading == "surest":
+        surest = weights.argmax(dim=0, keepdim=True)
+        weights = torch.zeros_like(weights).scatter_(0, surest, weights.gather(0, surest))
     return (weights / weights.sum(dim=0).clamp(min=DOUBT))[..., None]
 
 
