@@ -1,6 +1,7 @@
 """A stage over all parts: reuse, failures, and what it writes."""
 
 import json
+import time
 from functools import partial
 
 import pytest
@@ -19,6 +20,13 @@ def double(source, target, *, log):
     if number == 13:
         raise BadPart("thirteen")
     (target / "twice").write_text(str(2 * number))
+
+
+def linger(target, *, whole, aside):
+    """Take `whole` seconds, `aside` of them for something else."""
+    (target / "done").touch()
+    time.sleep(whole)
+    return aside
 
 
 @pytest.fixture
@@ -160,3 +168,11 @@ def test_what_is_in_the_store_by_the_time_its_turn_comes_is_not_made_again(place
     monkeypatch.setattr(stage, "runner_from_environment", Twice)
     run_stage("s", tasks(place, [1, 2]), place / "out", "strict")
     assert calls(place) == ["1", "2"]
+
+
+def test_seconds_for_something_else_stand_aside(tmp_path):
+    cost = stage.measured(partial(linger, whole=0.3, aside=0.25), tmp_path)
+    assert cost.aside_s == 0.25
+    # a sleep is never shorter, and 0.2 s longer only on a machine that has stopped
+    assert 0.05 <= cost.seconds < 0.25
+    assert stage.measured(partial(linger, whole=0.0, aside=None), tmp_path).aside_s == 0

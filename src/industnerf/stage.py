@@ -29,13 +29,14 @@ SCHEMA = 1
 class Task:
     """What to do for one part: `make(target)` fills the folder `target`.
 
+    It may return how many of its seconds are to stand aside: `Cost.aside_s`.
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
     of the module in which `make` is defined, and of `modules`.  If the task is `resumable`, `make`
     is also given the folder `scratch`, which it may fill to go on from after an interruption.
     """
 
     part_id: str
-    make: "partial[None]"
+    make: "partial[float | None]"
     settings: Any
     inputs: tuple[Path, ...]
     modules: tuple[str, ...] = ()
@@ -106,12 +107,13 @@ def _make(store: Store, step: str, key: str, task: Task) -> None:
     store.put(step, key, partial(measured, partial(task.make, **scratch)))
 
 
-def measured(make: Callable[[Path], None], target: Path) -> Cost:
-    """What it takes to run `make(target)` in this process."""
+def measured(make: Callable[[Path], float | None], target: Path) -> Cost:
+    """What it takes to run `make(target)` in this process; it may return seconds to set aside."""
     _reset_peak()
     start = time.perf_counter()
-    make(target)
-    return Cost(round(time.perf_counter() - start, 4), _peak_mb(), "cpu")
+    aside = make(target) or 0.0
+    seconds = time.perf_counter() - start - aside
+    return Cost(round(seconds, 4), _peak_mb(), "cpu", round(aside, 4))
 
 
 def _reset_peak() -> None:

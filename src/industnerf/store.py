@@ -27,6 +27,7 @@ class Cost:
     seconds: float
     peak_mb: float
     device: str
+    aside_s: float = 0.0  # further seconds, for what only the tables ask for: pictures of Table 2
 
 
 def content_digest(paths: Iterable[Path]) -> str:

@@ -1,5 +1,6 @@
 """A method for tests alone: it casts rays at the part's own mesh, and returns all there is to."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ def reconstruct(given: Given, settings: Any, state: None, seed: int) -> Reconstr
     return Reconstruction(
         points,
         view=np.arange(len(points)) % len(given.cameras),
-        renderings=render(Scene(mesh.vertices, mesh.faces), given.held_out),
+        render=partial(render, Scene(mesh.vertices, mesh.faces), given.held_out),
         candidates=Candidates(strayed.astype(np.float32), sure),
         history=History(np.array([0, 5]), np.array([0.2, 0.1]), {"first": 0, "second": 3}),
         steps=6,

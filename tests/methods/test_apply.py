@@ -1,5 +1,8 @@
 """What stands in a cloud's folder once a method has run on a part."""
 
+import time
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,7 +26,7 @@ SETTINGS = SampleSettings(500)
 
 def run(method, photographed, target):
     part, views = photographed / "part", photographed / "views"
-    reconstruct_part(method, part, views, None, target, settings=SETTINGS, seed=0)
+    return reconstruct_part(method, part, views, None, target, settings=SETTINGS, seed=0)
 
 
 def test_all_that_a_method_returns_is_kept(photographed, tmp_path):
@@ -44,6 +47,22 @@ def test_the_held_out_cameras_are_those_of_the_held_out_photographs(photographed
     # both are rounded to a step of 16 bits, and cast in float32, 1e-6 of the size
     step = taken.depth_scale_mm + seen.depth_mm.max() / 65535
     np.testing.assert_allclose(seen.depth_mm, taken.depth_mm(held_out), rtol=0, atol=step)
+
+
+def slow_caster(given, settings, state, seed):
+    """The caster, whose pictures take half a second."""
+    found = CASTER.reconstruct(given, settings, state, seed)
+
+    def render():
+        time.sleep(0.5)
+        return found.render()
+
+    return replace(found, render=render)
+
+
+def test_the_seconds_that_pictures_take_are_told(photographed, tmp_path):
+    assert 0.5 <= run(replace(CASTER, reconstruct=slow_caster), photographed, tmp_path)
+    assert run(load_method("oracle"), photographed, tmp_path) < 0.1
 
 
 def test_a_method_that_returns_points_alone_leaves_a_cloud_alone(photographed, tmp_path):

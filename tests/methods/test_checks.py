@@ -9,7 +9,7 @@ from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.renderings import Renderings
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.base import Given, Reconstruction
-from industnerf.methods.checks import checked
+from industnerf.methods.checks import checked, checked_renderings
 from tests.methods.solids import cameras_around
 
 GIVEN = Given("any", cameras_around(3, 8, 50.0), cameras_around(2, 8, 50.0), {})
@@ -22,7 +22,6 @@ WHOLE = Reconstruction(
     np.zeros((2, 3)),
     confidence=np.ones(2),
     view=np.array([-1, 2]),
-    renderings=RENDERINGS,
     candidates=CANDIDATES,
 )
 
@@ -57,20 +56,28 @@ def test_no_point_or_one_that_is_not_finite_is_a_failure(points, reason):
             {"candidates": replace(CANDIDATES, confidence=np.full(4, np.nan, np.float32))},
             "4 of 4 values of the candidates' confidence",
         ),
-        (
-            {"renderings": replace(RENDERINGS, depth_mm=np.full(SQUARE, np.nan, np.float32))},
-            "16 of 16 rendered rows of depth",
-        ),
-        (
-            {"renderings": replace(RENDERINGS, depth_mm=np.full(SQUARE, -1, np.float32))},
-            "behind the camera",
-        ),
-        (
-            {"renderings": Renderings(*(a[:1] for a in vars(RENDERINGS).values()))},
-            r"shape \(1, 8, 8\), the held-out cameras \(2, 8, 8\)",
-        ),
     ],
 )
 def test_what_comes_with_the_points_must_be_usable_too(spoilt, reason):
     with pytest.raises(ReconstructionFailed, match=reason):
         checked(replace(WHOLE, **spoilt), GIVEN)
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "reason"),
+    [
+        (
+            replace(RENDERINGS, depth_mm=np.full(SQUARE, np.nan, np.float32)),
+            "16 of 16 rendered rows of depth",
+        ),
+        (replace(RENDERINGS, depth_mm=np.full(SQUARE, -1, np.float32)), "behind the camera"),
+        (
+            Renderings(*(a[:1] for a in vars(RENDERINGS).values())),
+            r"shape \(1, 8, 8\), the held-out cameras \(2, 8, 8\)",
+        ),
+    ],
+)
+def test_pictures_are_of_the_views_asked_for_and_nothing_is_behind_the_camera(spoilt, reason):
+    assert checked_renderings(RENDERINGS, GIVEN) is RENDERINGS
+    with pytest.raises(ReconstructionFailed, match=reason):
+        checked_renderings(spoilt, GIVEN)

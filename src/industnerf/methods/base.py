@@ -140,7 +140,7 @@ class Reconstruction:
     parameters: int = 0
     steps: int = 0
     view: Int[np.ndarray, "n"] | None = None  # the training view that says most of it; -1 unknown
-    renderings: Renderings | None = None  # from `Given.held_out`
+    render: Callable[[], Renderings] | None = None  # from `Given.held_out`, when asked for
     candidates: Candidates | None = None  # before any filter
     history: History | None = None
     # Further answers of a method that sees one view at a time: its score is the mean over all.

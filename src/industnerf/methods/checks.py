@@ -9,7 +9,7 @@ from industnerf.methods.base import Given, Reconstruction
 
 
 def checked(result: Reconstruction, given: Given) -> Reconstruction:
-    """`result`, or ReconstructionFailed if it is empty, not finite or of other views than asked."""
+    """`result`, or ReconstructionFailed if it is empty, not finite or of views that are none."""
     if not len(result.points_mm):
         raise ReconstructionFailed("empty: the method returned no point")
     _refuse_not_finite(result.points_mm, "points")
@@ -22,12 +22,16 @@ def checked(result: Reconstruction, given: Given) -> Reconstruction:
     if result.candidates is not None:
         _refuse_not_finite(result.candidates.points_mm, "candidates")
         _refuse_not_finite(result.candidates.confidence, "values of the candidates' confidence")
-    if result.renderings is not None:
-        _refuse_other_cameras(result.renderings, given.held_out)
-        _refuse_not_finite(result.renderings.depth_mm, "rendered rows of depth")
-        if (result.renderings.depth_mm < 0).any():
-            raise ReconstructionFailed("the renderings show something behind the camera")
     return result
+
+
+def checked_renderings(renderings: Renderings, given: Given) -> Renderings:
+    """`renderings`, or ReconstructionFailed if they are of other views than asked, or no depth."""
+    _refuse_other_cameras(renderings, given.held_out)
+    _refuse_not_finite(renderings.depth_mm, "rendered rows of depth")
+    if (renderings.depth_mm < 0).any():
+        raise ReconstructionFailed("the renderings show something behind the camera")
+    return renderings
 
 
 def _refuse_not_finite(values: np.ndarray, name: str) -> None:

@@ -41,7 +41,7 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 
 def costs_csv(rows: list[CostRow]) -> str:
-    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device."""
+    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,aside_s."""
     lines = [
         [row.stage, row.method, row.part_id, *map(str, vars(row.cost).values())] for row in rows
     ]

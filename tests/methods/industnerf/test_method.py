@@ -49,7 +49,7 @@ def test_who_is_not_told_of_the_background_does_not_know_it(name, photographed, 
     told_lies = with_background(photographed, tmp_path / "grey", [0.5, 0.5, 0.5])
     here, there = (reconstructed(name, folder) for folder in (photographed, told_lies))
     assert here.points_mm.tobytes() == there.points_mm.tobytes()
-    np.testing.assert_array_equal(here.renderings.rgb, there.renderings.rgb)
+    np.testing.assert_array_equal(here.render().rgb, there.render().rgb)
 
 
 def test_the_other_one_does(photographed, tmp_path):
@@ -87,15 +87,15 @@ def test_what_is_returned_fits_together(name, photographed):
     assert result.history.levels == {"level 0": 0}
     assert result.parameters > 0
     assert len(result.candidates) > 0
-    assert result.renderings.rgb.shape == (2, 64, 64, 3)
+    assert result.render().rgb.shape == (2, 64, 64, 3)
 
 
 @every_name
 def test_held_out_views_are_rendered_before_the_background(name, photographed):
-    result = reconstructed(name, photographed)
-    empty = result.renderings.opacity == 0
+    seen = reconstructed(name, photographed).render()
+    empty = seen.opacity == 0
     assert empty[:, [0, 0, -1, -1], [0, -1, 0, -1]].all()  # no point is ever that far out
-    assert (result.renderings.rgb[empty] == 255).all()
+    assert (seen.rgb[empty] == 255).all()
 
 
 @every_name

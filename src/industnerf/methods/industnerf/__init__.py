@@ -8,7 +8,8 @@ a file a step: levels (3.1, 3.2), sources and field (4), training (3.3), witness
 (3.4); `run` strings them together.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +100,7 @@ def _reconstruct(
         parameters=outcome.parameters,
         steps=outcome.steps,
         view=outcome.view,
-        renderings=_held_out(given, outcome, background),
+        render=_held_out(given, outcome, background),
         candidates=Candidates(outcome.candidates, outcome.certainty),
         history=History(
             np.arange(outcome.steps), np.array(outcome.losses, float), outcome.first_steps
@@ -107,12 +108,15 @@ def _reconstruct(
     )
 
 
-def _held_out(given: Given, outcome: Any, background: np.ndarray | None) -> Renderings | None:
-    """The views that nobody was given, before the mean of the backgrounds that are known."""
+def _held_out(
+    given: Given, outcome: Any, background: np.ndarray | None
+) -> Callable[[], Renderings] | None:
+    """Draws the views that nobody was given, before the mean of the backgrounds that are known."""
     if not len(given.held_out):
         return None
     behind = outcome.background if background is None else background
-    return outcome.pictures(given.held_out, np.tile(behind.mean(0), (len(given.held_out), 1)))
+    every = np.tile(behind.mean(0), (len(given.held_out), 1))
+    return partial(outcome.pictures, given.held_out, every)
 
 
 METHODS = {
