@@ -23,11 +23,10 @@ COPIED = {
     "cost.csv": "seconds and peak memory of every result",
 }
 # By other names than DVC's: below one of its own it would take the folder for a second pipeline.
-RECORD = {"params.yaml": "params.yaml", "pipeline.yaml": "dvc.yaml", "pipeline.lock": "dvc.lock"}
-KEPT = {
-    "params.yaml": "the values it was run with",
-    "pipeline.yaml": "the dvc.yaml that was run",
-    "pipeline.lock": "the dvc.lock of the run",
+KEPT = {  # what is called so, and what it is
+    "params.yaml": ("params.yaml", "the values it was run with"),
+    "pipeline.yaml": ("dvc.yaml", "the dvc.yaml that was run"),
+    "pipeline.lock": ("dvc.lock", "the dvc.lock of the run"),
 }
 WRITTEN = {
     "environment.json": "the machine and the versions",
@@ -50,7 +49,7 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
     out.mkdir(parents=True)
     for name in COPIED:
         shutil.copyfile(report / name, out / name)
-    for name, source in RECORD.items():
+    for name, (source, _) in KEPT.items():
         shutil.copyfile(project / source, out / name)
     pictures = sorted(report.glob("*.png"))
     for path in pictures:
@@ -61,7 +60,8 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
 
 
 def _about(made: dict[str, Any], pictures: list[str]) -> str:
-    files = [[f"`{name}`", text] for name, text in (COPIED | KEPT | WRITTEN).items()]
+    kept = {name: text for name, (_, text) in KEPT.items()}
+    files = [[f"`{name}`", text] for name, text in (COPIED | kept | WRITTEN).items()]
     return (
         f"# Results of `{made['command']}`\n\n"
         "Copied from `reports/` by `make results`; not to be edited.  docs/protocol.md says what "
