@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.report.publish import COPIED, RECORD, publish
+from industnerf.report.publish import COPIED, KEPT, publish
 from industnerf.report.readme import block, replace_block, study_block
 from tests.report.published import disagreements, rows_of, write_report
 
@@ -26,7 +26,7 @@ STUDY = Path(__file__).parents[2] / "results" / "study"
 @pytest.fixture
 def published(tmp_path):
     report, out = write_report(tmp_path / "reports"), tmp_path / "results" / "study"
-    for name in RECORD.values():
+    for name, _ in KEPT.values():
         (tmp_path / name).write_text("seed: 0\nviews: {count: 40, fov_deg: 30.0}\n")
     publish(report, out, MADE, tmp_path)
     return out
@@ -43,7 +43,7 @@ def committed_studies():
 def test_it_holds_the_tables_the_machine_and_the_commit(published):
     names = {path.name for path in published.iterdir()}
     extra = {"README.md", "made.json", "environment.json", "contact_sheet.png"}
-    assert names == set(COPIED) | set(RECORD) | extra
+    assert names == set(COPIED) | set(KEPT) | extra
     assert json.loads((published / "made.json").read_text()) == MADE
     about = (published / "README.md").read_text()
     assert "# Results of `make repro`" in about
