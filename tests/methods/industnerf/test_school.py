@@ -55,8 +55,7 @@ def test_terms_make_the_parts_alike_better(learn):
 
 
 def test_a_school_goes_on_after_its_last_term_to_the_same_bytes(learn, tmp_path, monkeypatch):
-    other = tmp_path / "other"
-    other.mkdir()
+    other = tmp_path / "not" / "yet" / "there"
     whole = learn(scratch=other)
     learn(2)
     taught = []

@@ -33,7 +33,7 @@ def schooled(
     Raises ReconstructionFailed if the field of a part becomes empty.
     """
     torch.set_num_threads(1)  # folds are what runs side by side
-    ways = replace(settings, readings=replace(settings.readings, encoder="per_part"))
+    ways = _of_a_class(settings, len(pupils))
     scenes = [scene_of(posed, device()) for posed in pupils]
     pair, losses = _new_pair(scenes[0], ways, seed), []
     finished = scratch / "school.pt"
@@ -45,6 +45,17 @@ def schooled(
         losses.append(_term(pair, scenes, ways, seed_for(seed, "term", str(len(losses)))))
         _save({"pair": pair.state_dict(), "losses": losses}, finished)
     return _state(pair, losses, len(pupils), ways.warm_up.steps)
+
+
+def _of_a_class(settings: IndustnerfSettings, pupils: int) -> IndustnerfSettings:
+    """E learns, from all of them together as fast as it would from one.
+
+    What a part's views were encoded to goes stale with every step of E, whoever takes it.
+    """
+    readings = replace(settings.readings, encoder="per_part")
+    rate = settings.network.encoder_rate / pupils
+    network = replace(settings.network, encoder_rate=rate)
+    return replace(settings, readings=readings, network=network)
 
 
 def _new_pair(scene: Scene, ways: IndustnerfSettings, seed: int) -> Pair:
@@ -70,6 +81,7 @@ def _training(
 
 
 def _save(state: dict, path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_suffix(".draft")
     torch.save(state, draft)
     draft.replace(path)
