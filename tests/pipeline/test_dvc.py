@@ -65,7 +65,8 @@ def project(tmp_path_factory):
                 file.touch()
     (here / "dvc.yaml").write_text(yaml.safe_dump(raw))
     shutil.copy(root / "params.yaml", here)
-    shutil.copytree(root / "data" / "embedded", here / "data" / "embedded")
+    for folder in ("data/embedded", "results/grid"):
+        shutil.copytree(root / folder, here / folder)
     set_params(here, "methods", ["hull", "oracle"])
     for command in (["init", "--no-scm", "-q"], ["repro", "-q"]):
         subprocess.run(["dvc", *command], cwd=here, check=True)

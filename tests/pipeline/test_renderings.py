@@ -45,7 +45,8 @@ def stages(finished_run, tmp_path_factory):
         reconstruct.main(cfg("reconstruct"), NAME, parts, views, *mine)
         evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
         read = (parts, views, split, truth, states)
-        report.main(cfg("report"), *read, *(str(here / n) for n in ("clouds", "scores", "reports")))
+        made = (str(here / name) for name in ("clouds", "scores", "no grid", "reports"))
+        report.main(cfg("report"), *read, *made)
     return here
 
 

@@ -35,7 +35,7 @@ SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,fl
 TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
 COMPARISONS = "method,other,difference,ci_low,ci_high,p,p_holm,win_rate,parts,families"
 STRATA = "stratum,method,emd_even,ci_low,ci_high,floor,ratio_to_floor,parts,families,failures"
-COST = "stage,method,part_id,seconds,peak_mb,device"
+COST = "stage,method,part_id,seconds,peak_mb,device,aside_s"
 
 
 def rows(path):
