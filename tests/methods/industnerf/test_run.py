@@ -2,7 +2,7 @@
 
 import copy
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.run import Outcome, Watch, run
+from industnerf.schema.readings import Readings
 from tests.methods.industnerf.scenes import (
     CENTRE,
     REACH,
@@ -92,6 +93,26 @@ def test_the_papers_method_finds_the_surface(name):
     assert away < 3.8
     assert covered > 0.9
     assert off < 0.2
+
+
+ALTERNATIVES = [
+    (name, value)
+    for name, hint in get_type_hints(Readings).items()
+    for value in get_args(hint)
+    if name != "activation"  # of 10 steps a few leave nothing of the field
+]
+
+
+@pytest.mark.parametrize(("name", "value"), ALTERNATIVES)
+def test_every_reading_goes_from_the_warm_up_to_the_last_level(name, value):
+    ways = settings(
+        readings={"activation": "distance", name: value},
+        warm_up={"steps": 6, "image_px": 32},
+        levels=LEVELS,
+        initial=0.0,
+        **SMALL,
+    )
+    assert len(run(posed(SOLIDS["ball"], 8, 32, None), ways, 1).points)
 
 
 def bytes_of(outcome: Outcome) -> bytes:

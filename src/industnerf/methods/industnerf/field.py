@@ -33,8 +33,9 @@ class Field(nn.Module):
         super().__init__()
         self._settings = settings
         self._unit = spacing_of(settings.grid_res, 0)  # density is counted per first spacing
-        half = scene[::2] if settings.readings.signal == "left_out" else scene
-        self.sources = Sources(half, settings) if settings.network.use else None
+        # the views that N is told of, R10
+        self._telling = slice(None, None, 2 if settings.readings.signal == "left_out" else 1)
+        self.sources = Sources(scene[self._telling], settings) if settings.network.use else None
         self.softness = 1.0  # of the surface, in first spacings: what N counts distances in
         self._heeding = False  # whether views are trusted more and less yet
         self.register_buffer("_mean", torch.zeros(0))
@@ -67,7 +68,7 @@ class Field(nn.Module):
         """
         m, device = len(points), points.device
         if self.sources is not None:
-            self._place_sources(points, trust, spacing)
+            self._place_sources(points, None if trust is None else trust[self._telling], spacing)
         if self._settings.residual.use:
             alone = self.network is None
             start = self._settings.initial if alone else 0.0
