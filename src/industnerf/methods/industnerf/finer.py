@@ -19,6 +19,8 @@ def as_fine_as_fits(settings: IndustnerfSettings, silhouettes: Silhouettes) -> I
     Of the m points that may at r, there are (r' / r)^3 m at r' if they fill a volume, less if they
     are a skin.  The surface is as soft at first as it would have been: light reaches as deep.
     """
+    if not settings.grid_points:
+        return settings
     spacing = spacing_of(settings.grid_res, 0)
     points = grid(spacing, silhouettes.device)
     held = int(silhouettes.may_hold(points, margin(settings) * spacing).sum())

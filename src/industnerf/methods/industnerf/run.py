@@ -104,7 +104,7 @@ class _Work:
         settings: IndustnerfSettings,
         seed: int,
         watch: Watch,
-        learned: Mapping[str, np.ndarray] | None,
+        learned: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         self._posed, self._watch = posed, watch
         self._scene = scene_of(posed, device())

@@ -72,7 +72,7 @@ class Making:
 
 def make(part_id: str, posed: Posed, settings: IndustnerfSettings, seed: int) -> Making:
     """Run the method, stopping to look.  Raises ReconstructionFailed as `run` does."""
-    work = _Work(posed, settings, seed, Watch(), None)
+    work = _Work(posed, settings, seed, Watch())
     view = nicest_view(posed.cameras)
     work.train()
     if work._training.level == WARM_UP:
