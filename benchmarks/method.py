@@ -12,6 +12,7 @@ Every run has a process of its own; seconds are the processor's, `peak MB` is al
 """
 
 import argparse
+import math
 import multiprocessing
 import resource
 from collections import Counter
@@ -207,7 +208,7 @@ def varied(job: Job, what: str, value: int) -> Job:
 def stretched(job: Job, factor: float) -> Job:
     """`job` with `factor` times the steps."""
     ways = job.settings
-    levels = [replace(x, steps=max(1, round(factor * x.steps))) for x in ways.levels]
+    levels = [replace(x, steps=math.ceil(factor * x.steps)) for x in ways.levels]
     warm_up = replace(ways.warm_up, steps=round(factor * ways.warm_up.steps))
     return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels))
 

@@ -18,7 +18,7 @@ class LevelSettings:
     points: int
 
     def __post_init__(self) -> None:
-        require(self.steps >= 1, f"{WHERE}.levels.steps", self.steps, "at least 1")
+        require(self.steps >= 0, f"{WHERE}.levels.steps", self.steps, "at least 0")
         require(self.image_px >= 16, f"{WHERE}.levels.image_px", self.image_px, "at least 16 px")
         require(self.points >= 1000, f"{WHERE}.levels.points", self.points, "at least 1000")
 
@@ -170,6 +170,8 @@ class IndustnerfSettings:
         wanted = "0, or at least 1 where carve is true"
         require(fits, f"{WHERE}.grid_points", self.grid_points, wanted)
         require(bool(self.levels), f"{WHERE}.levels", self.levels, "one level or more")
+        first = self.levels[0].steps
+        require(first >= 1, f"{WHERE}.levels.0.steps", first, "at least 1: else nothing is learned")
         require(self.rays >= 1, f"{WHERE}.rays", self.rays, "at least 1")
         require(0 < self.step <= 4, f"{WHERE}.step", self.step, "in (0, 4] spacings")
         require(0 < self.fine_step <= 4, f"{WHERE}.fine_step", self.fine_step, "in (0, 4] spacings")

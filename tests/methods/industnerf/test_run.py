@@ -47,11 +47,12 @@ def errors(solid: Solid, outcome: Outcome) -> tuple[float, float, float]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("finer", [0, 1])
 @pytest.mark.parametrize("name", SOLIDS)
-def test_free_points_find_the_surface_and_its_colours(name):
-    ways = settings(
-        FREE, grid_res=32, rays=1024, levels=[{"steps": 120, "image_px": 64}], spacing=0.03
-    )
+def test_free_points_find_the_surface_and_its_colours(name, finer):
+    learning, looking = {"steps": 120, "image_px": 64}, {"steps": 0}
+    levels = [learning, *[looking] * finer]
+    ways = settings(FREE, grid_res=32, rays=1024, levels=levels, spacing=0.03)
     away, covered, off = errors(SOLIDS[name], run(posed(SOLIDS[name], 40, 64), ways, 1))
     # A cell is 1.9 mm wide and a pixel 2 mm: the surface is found to a quarter of either.
     assert away < 0.5

@@ -1,6 +1,7 @@
 """A level's training: it learns, forgets only what cannot be seen, and can be taken up again."""
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -8,6 +9,7 @@ import torch
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf import training as module
+from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.run import run
@@ -345,3 +347,15 @@ def test_what_is_seen_is_held_against_the_readings_of_depth():
     off = training._off_depth(seen, torch.tensor([3.0, 3.0, 3.0, 0.0]))
     assert off.item() == pytest.approx(expected, rel=1e-5)
     assert training._off_depth(seen, None) == 0
+
+
+def test_a_relief_goes_on_from_the_last_levels_distances_and_nowhere_deeper_than_the_hull():
+    seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
+    silhouettes = Silhouettes(seen)
+    layer = Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
+    last = torch.linspace(-3, 3, len(layer.points))
+    layer = replace(layer, residuals=(last, torch.zeros(len(last), 3)))
+    training = Training(seen, Field(seen, ways), layer, 0, ways, torch.Generator(), silhouettes)
+    hull = silhouettes.distance(training.points.positions) / spacing_of(RES, 0)
+    expected = torch.maximum(last[training.points.order], hull)
+    assert torch.equal(training.field.raw.detach(), expected)

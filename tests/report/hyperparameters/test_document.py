@@ -40,8 +40,7 @@ def test_somebody_reads_every_parameter(root: Path, stages: dict):
 
 def test_what_has_a_symbol_is_a_parameter(root: Path):
     found = leaves(config.read_yaml(root / "params.yaml"))
-    several = {"method.industnerf_plus.levels[1].points"}  # it has one level
-    assert set(PAPER) - set(found) == several
+    assert set(PAPER) <= set(found)
 
 
 def test_every_parameter_is_in_the_document_with_its_value(root: Path, stages: dict):

@@ -5,6 +5,7 @@ from jaxtyping import Float32, Int64
 from scipy.spatial import cKDTree
 from torch import Tensor
 
+from industnerf.methods.industnerf.beside import finer_surface
 from industnerf.methods.industnerf.distribution import density_to_sample, effective_cells
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, divided, near_any, on_grid, sampled
 from industnerf.methods.industnerf.training import Training
@@ -13,12 +14,16 @@ from industnerf.methods.industnerf.witnesses import Testimony
 SEEN = 0.1  # confidence from which on a point counts as seen
 
 
-def refined(training: Training, told: Testimony, generator: torch.Generator) -> Layer:
+def refined(training: Training, told: Testimony | None, generator: torch.Generator) -> Layer:
     """The points that follow on those of `training`, of which the views said what was `told`.
 
-    The warm-up's are divided into the first grid; so are all others where `refine` says so.
+    The warm-up's are divided into the first grid; so are all others where `refine` says so.  Of
+    a relief those beside its surface are.
     """
     ways, old = training.ways, training.points.positions
+    field = training.field
+    if training.relief:
+        return finer_surface(old, field.raw.detach(), field.rgb.detach(), training.spacing)
     sigma = training.density()
     spacing = training.spacing / 2
     if ways.refine == "divided" or training.level == WARM_UP:
@@ -27,7 +32,6 @@ def refined(training: Training, told: Testimony, generator: torch.Generator) -> 
     else:
         points, spacing = _drawn(training, told, sigma, generator)
     which = nearest(old, points)
-    field = training.field
     return Layer(
         points,
         spacing,

@@ -34,6 +34,10 @@ class Relief:
         """Of Adam: a soft surface may move far.  At first only colours learn, to know better."""
         return 0.0 if taken < self._ways.wait else self._ways.rate * beta
 
+    def within(self, distance: Float32[Tensor, "m"] | None) -> Float32[Tensor, "m"]:
+        """To start from: the hull's distances, or `distance` and nowhere deeper than these."""
+        return self.hull if distance is None else torch.maximum(distance, self.hull)
+
     @torch.no_grad()
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:
         """Back inside the hull; now and then, and at the end, without pits."""

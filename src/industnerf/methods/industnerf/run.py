@@ -24,6 +24,7 @@ from industnerf.methods.industnerf.refine import refined
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
+from industnerf.methods.industnerf.witnesses import Testimony
 from industnerf.schema import IndustnerfSettings
 
 Background = Float[np.ndarray, "views 3"]
@@ -119,6 +120,7 @@ class _Work:
         if learned:
             Pair(self._field).load(learned)
         self._losses, self._first_steps = [], {}
+        self.told: Testimony | None = None
         self._level = self._first = WARM_UP if settings.warm_up.steps else 0
         self.finished = False
         spacing = spacing_of(settings.grid_res, self._level)
@@ -160,7 +162,8 @@ class _Work:
     def listen(self) -> None:
         """Hear what the views say of the level's points; go on to the next level, or finish."""
         self.finished = self._level == len(self._settings.levels) - 1
-        self.told = self._training.testimony()
+        if self.finished or not self._training.relief:  # which is refined without a word of theirs
+            self.told = self._training.testimony()
         if not self.finished:
             layer = refined(self._training, self.told, self._generator)
             self._prune()

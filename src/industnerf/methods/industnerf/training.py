@@ -47,8 +47,9 @@ class Training:
         layer = layer.only(self.points.order)
         self._trust = layer.trust
         self.relief = None if hull is None else self._relief(hull[self.points.order])
-        start = layer.residuals or (self.relief.hull if self.relief else None, None)
-        self.field.place(layer.points, *start, layer.trust, spacing=layer.spacing)
+        raw, rgb = layer.residuals or (None, None)
+        raw = self.relief.within(raw) if self.relief else raw
+        self.field.place(layer.points, raw, rgb, layer.trust, spacing=layer.spacing)
         self._harden()
         self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
         self._rates = [group["lr"] for group in self._adam.param_groups]
