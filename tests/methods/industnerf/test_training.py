@@ -1,7 +1,6 @@
 """A level's training: it learns, forgets only what cannot be seen, and can be taken up again."""
 
 import copy
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -349,13 +348,35 @@ def test_what_is_seen_is_held_against_the_readings_of_depth():
     assert training._off_depth(seen, None) == 0
 
 
-def test_a_relief_goes_on_from_the_last_levels_distances_and_nowhere_deeper_than_the_hull():
+def a_relief(raw: torch.Tensor) -> tuple[Training, Silhouettes]:
+    """A ball's, that starts from these distances at the points of the first grid."""
     seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
     silhouettes = Silhouettes(seen)
-    layer = Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
-    last = torch.linspace(-3, 3, len(layer.points))
-    layer = replace(layer, residuals=(last, torch.zeros(len(last), 3)))
-    training = Training(seen, Field(seen, ways), layer, 0, ways, torch.Generator(), silhouettes)
+    start = raw, torch.full((len(raw), 3), 0.5)
+    layer = Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0), residuals=start)
+    field = Field(seen, ways)
+    return Training(seen, field, layer, 0, ways, torch.Generator(), silhouettes), silhouettes
+
+
+def test_a_relief_goes_on_from_the_last_levels_distances_and_nowhere_deeper_than_the_hull():
+    last = torch.linspace(-3, 3, len(grid(spacing_of(RES, 0), CPU)))
+    training, silhouettes = a_relief(last)
     hull = silhouettes.distance(training.points.positions) / spacing_of(RES, 0)
     expected = torch.maximum(last[training.points.order], hull)
     assert torch.equal(training.field.raw.detach(), expected)
+
+
+def test_what_views_say_of_a_hard_surface_needs_no_space_where_only_a_soft_one_has_density(
+    monkeypatch,
+):
+    training, _ = a_relief(torch.full((len(grid(spacing_of(RES, 0), CPU)),), -9.0))
+    assert training.fine.beta < training.renderer.beta
+    filled = []
+    monkeypatch.setattr(training, "_fill", lambda which: filled.append(int(which.sum())))
+    everywhere = training.testimony()  # rays skip nothing yet
+    monkeypatch.undo()
+    skipping = training.testimony()
+    assert 0 < filled[0] < int((training.density() > 0).sum())
+    assert torch.equal(skipping.of_views, everywhere.of_views)
+    for name, value in vars(skipping.surface).items():
+        assert torch.equal(value, getattr(everywhere.surface, name)), name

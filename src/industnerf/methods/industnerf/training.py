@@ -237,7 +237,7 @@ class Training:
         renderer = self.fine if last else self.renderer
         longest = self.ways.surface_px if last else self.image_px // 2
         values, rgb = self.values()
-        sigma = self.density()
+        sigma = density(values, renderer.beta)
         self._fill(sigma > 0)
         reach, eyes = self.points.reach, self._scene.eyes
         shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
