@@ -6,7 +6,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.errors import ReconstructionFailed
+from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.methods.industnerf.levels import (
     Layer,
     cells_of,
@@ -17,7 +17,7 @@ from industnerf.methods.industnerf.levels import (
     sampled,
     spacing_of,
 )
-from tests.methods.industnerf.scenes import CPU
+from tests.methods.industnerf.scenes import CPU, settings
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -126,3 +126,12 @@ def test_near_any_is_what_distances_say(seed, reach):
     found = near_any(points, chosen, reach)
     assert torch.equal(found[clear], (nearest < reach)[clear])
     assert found[chosen].all()
+
+
+@pytest.mark.parametrize(
+    ("steps", "at_fault"), [((0, 5), r"levels\.0\.steps"), ((5, -1), r"steps")]
+)
+def test_only_levels_after_the_first_may_have_no_steps(steps, at_fault):
+    settings("industnerf_plus", levels=[{"steps": 5}, {"steps": 0}])
+    with pytest.raises(BadParams, match=at_fault):
+        settings("industnerf_plus", levels=[{"steps": count} for count in steps])
