@@ -69,7 +69,7 @@ def test_a_ball_keeps_its_surface_level_after_level():
         # h^2 / (8 |x|) each; every level adds a quarter of the last one's error
         bend = SPACING**2 / (4 * (RADIUS - SPACING))
         assert (distance - ball(points))[near].abs().max() < 4 / 3 * bend
-        # REACH cells and half of one, across the corners of a cell
+        # REACH cells that were divided, and one more for where in them; across their corners
         assert ball(points).abs().max() < (REACH + 1) * 2 * spacing * 3**0.5
         assert torch.equal(rgb, coloured(points))
     assert spacing == SPACING / 8

@@ -2,7 +2,8 @@
 
 Light ends near a surface, so only the cells beside one are divided; the finer points hold what
 lies between the coarser ones.  The hull is known more finely than any grid: `Relief.within` cuts
-the finer points by it, and threads and edges that fell between the coarser ones are there.
+the finer points by it, and grooves that fell between the coarser ones are there.  Matter that fell
+between them is not: nothing brings it back.
 
 An addition to the paper, whose finer points are drawn (3.2).
 """
