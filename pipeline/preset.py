@@ -13,6 +13,8 @@ from omegaconf import OmegaConf
 
 from industnerf.cli import exit_with_message
 from industnerf.config import build
+from industnerf.doctor import lockfile
+from industnerf.doctor.places import Places
 from industnerf.errors import BadParams, SuiteError
 from industnerf.schema import Params
 
@@ -26,6 +28,7 @@ def main(preset: str) -> None:
         raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(known)}")
     project = root / "runs" / preset
     lay_out(root, project, [f"experiment={preset}"])
+    lockfile.require_whole(Places.of(root), project)
     places = {"INDUSTNERF_STORE": root / ".store", "INDUSTNERF_MLFLOW": root}
     environment = {**{name: str(path) for name, path in places.items()}, **os.environ}
     if subprocess.run(["dvc", "repro"], cwd=project, env=environment).returncode:

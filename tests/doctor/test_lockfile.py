@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
+from industnerf.doctor import lockfile
+from industnerf.errors import BadArtifact
 from tests.doctor.conftest import WorkingCopy
 
 FAULTS = {
@@ -43,3 +45,16 @@ def test_what_git_has_is_put_back(copy: WorkingCopy):
     assert finding.mend == "git checkout HEAD -- dvc.lock"
     copy.mend("lockfile")
     assert lock.read_text() == whole
+
+
+def test_dvc_is_not_started_on_a_spoilt_lock_file(copy: WorkingCopy):
+    lock = copy.folder / "dvc.lock"
+    whole = lock.read_text()
+    lockfile.require_whole(copy.places, copy.folder)
+    lock.write_text("")
+    try:
+        with pytest.raises(BadArtifact, match=r"cut short(.|\n)*mends it: .* dvc.lock"):
+            lockfile.require_whole(copy.places, copy.folder)
+        lockfile.require_whole(copy.places, copy.folder / "runs" / "demo")  # is another project
+    finally:
+        lock.write_text(whole)

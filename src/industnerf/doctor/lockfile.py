@@ -12,6 +12,7 @@ import yaml
 
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places, Project
+from industnerf.errors import BadArtifact
 
 # The C reader takes a fifth of the time; only the shape counts here, so any reader will do.
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -21,6 +22,14 @@ def find(places: Places) -> list[Finding]:
     """At most one finding a project.  Without dvc.lock nothing has run, and nothing is wrong."""
     locked = [project for project in places.projects() if (project.folder / "dvc.lock").exists()]
     return [finding for project in locked for finding in _findings(places, project)]
+
+
+def require_whole(places: Places, folder: Path) -> None:
+    """Raises BadArtifact, with what mends it, if DVC would stop at the dvc.lock of `folder`."""
+    for finding in find(places):
+        if finding.where.parent == folder:
+            where = places.words(finding.where)
+            raise BadArtifact(f"{where}: {finding.what}.\nThis mends it: {finding.mend}")
 
 
 def _findings(places: Places, project: Project) -> list[Finding]:
