@@ -5,17 +5,16 @@ those, so it reruns exactly when something it reads changes.
 """
 
 import dataclasses
-import types
 import typing
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
-from industnerf.errors import BadParams, UndeclaredParameter
+from industnerf.errors import BadParams, BadValue, UndeclaredParameter
 from industnerf.schema import Params
 
 T = TypeVar("T")
@@ -39,7 +38,10 @@ def read_yaml(path: Path) -> dict[str, Any]:
 
 
 def build(schema: type[T], values: object, where: str = "params.yaml") -> T:
-    """`values` as a `schema`: every key present, none unknown, every type as declared."""
+    """`values` as a `schema`: every key present, none unknown, all types and rules as declared.
+
+    Raises BadParams that names `where` and the key, and says what it must be.
+    """
     return _typed(schema, values, where, "")
 
 
@@ -126,8 +128,11 @@ def _typed(kind: Any, value: Any, where: str, key: str) -> Any:
         return _section(kind, value, where, key)
     if origin is Literal:
         return _expect(value in arguments, value, where, key, f"one of {', '.join(arguments)}")
-    if origin is types.UnionType:  # the schema knows only `X | None`
-        return None if value is None else _typed(arguments[0], value, where, key)
+    if origin is Annotated:
+        typed = _typed(arguments[0], value, where, key)
+        for rule in arguments[1:]:
+            _expect(rule.holds(typed), typed, where, key, rule.words)
+        return typed
     if origin is list:
         _expect(isinstance(value, list), value, where, key, "a list")
         return [_typed(arguments[0], each, where, f"{key}[{i}]") for i, each in enumerate(value)]
@@ -142,7 +147,7 @@ def _typed(kind: Any, value: Any, where: str, key: str) -> Any:
 def _section(kind: Any, value: Any, where: str, key: str) -> Any:
     name = key or "the file"
     _expect(isinstance(value, Mapping), value, where, name, "a section with keys")
-    types_of = typing.get_type_hints(kind)
+    types_of = typing.get_type_hints(kind, include_extras=True)
     unknown, missing = sorted(set(value) - set(types_of)), sorted(set(types_of) - set(value))
     prefix = f"{key}." if key else ""
     if unknown:
@@ -151,9 +156,11 @@ def _section(kind: Any, value: Any, where: str, key: str) -> Any:
         )
     if missing:
         raise BadParams(f"{where}: {prefix}{missing[0]} is missing")
-    return kind(
-        **{field: _typed(t, value[field], where, prefix + field) for field, t in types_of.items()}
-    )
+    typed = {field: _typed(t, value[field], where, prefix + field) for field, t in types_of.items()}
+    try:
+        return kind(**typed)
+    except BadValue as error:
+        raise BadParams(f"{where}: {prefix}{error}") from None
 
 
 def _expect(holds: bool, value: Any, where: str, key: str, rule: str) -> Any:

@@ -2,6 +2,7 @@
 
 SuiteError            shown to the user as one message, without a traceback
 |- BadParams          params.yaml, a preset or a command-line override
+|  |- BadValue               a value out of its range, named within its section
 |  `- UndeclaredParameter   a stage reads a key that its `params:` in dvc.yaml does not list
 |- BadPart            a CAD file or a mesh that cannot become a part
 |- BadArtifact        a file between stages that is missing, torn or of another schema
@@ -17,6 +18,10 @@ class SuiteError(Exception):
 
 
 class BadParams(SuiteError):
+    pass
+
+
+class BadValue(BadParams):
     pass
 
 

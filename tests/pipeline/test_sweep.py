@@ -52,7 +52,7 @@ def test_a_sweep_reuses_what_dvc_made_logs_its_points_and_ends_with_a_plot(proje
 def test_a_failed_point_is_said_and_the_others_stand(project):
     code, output = sweep(project, "views.fov_deg=30.0,150.0", "methods=[oracle]")
     assert code != 0
-    assert "views.fov_deg is 150.0, must be between 0 and 120" in output
+    assert "views.fov_deg is 150.0, must be in (0, 120)" in output
     assert "Traceback" not in output
     (folder,) = (project.folder / "runs" / "sweeps").iterdir()
     assert len((folder / "sweep.csv").read_text().splitlines()) == 2

@@ -128,10 +128,7 @@ def test_near_any_is_what_distances_say(seed, reach):
     assert found[chosen].all()
 
 
-@pytest.mark.parametrize(
-    ("steps", "at_fault"), [((0, 5), r"levels\.0\.steps"), ((5, -1), r"steps")]
-)
-def test_only_levels_after_the_first_may_have_no_steps(steps, at_fault):
+def test_only_levels_after_the_first_may_have_no_steps():
     settings("industnerf_plus", levels=[{"steps": 5}, {"steps": 0}])
-    with pytest.raises(BadParams, match=at_fault):
-        settings("industnerf_plus", levels=[{"steps": count} for count in steps])
+    with pytest.raises(BadParams, match=r"levels\[0\]\.steps is 0"):
+        settings("industnerf_plus", levels=[{"steps": 0}, {"steps": 5}])

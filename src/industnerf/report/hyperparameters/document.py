@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from industnerf.report.hyperparameters.allowed import allowed
 from industnerf.report.hyperparameters.comments import comments, meaning
 from industnerf.report.hyperparameters.readers import readers
 from industnerf.report.hyperparameters.symbols import NERFS, PAPER
@@ -11,8 +12,9 @@ from industnerf.report.leaves import leaves
 HEAD = """# Hyper-parameters
 
 Section 4.2 of the paper promises "a list of the hyperparameters and other pertinent training
-details"; none follows. This is ours: every value of `params.yaml` with its comment there, what the
-paper calls it, and the stages of `dvc.yaml` that read it: they rerun when it changes.
+details"; none follows. This is ours: every value of `params.yaml` with its comment there, what it
+may be, what the paper calls it, and the stages of `dvc.yaml` that read it: they rerun when it
+changes.
 
 This file is generated: `python -m industnerf.report.hyperparameters` writes it.
 """
@@ -65,7 +67,7 @@ def _titled(sources: Sources, prefix: str) -> str:
 def _table(sources: Sources, cut: str, columns: dict[str, list[str]]) -> str:
     """A row for every key, without `cut`; a column of values for every prefix in `columns`."""
     names = [prefix.removeprefix("method.").strip(".") or "value" for prefix in columns]
-    rows = [["name", *names, "paper", "meaning", "read by"]]
+    rows = [["name", *names, "allowed", "paper", "meaning", "read by"]]
     rows.append(["---"] * len(rows[0]))
     short = dict.fromkeys(key.removeprefix(p) for p, keys in columns.items() for key in keys)
     section = cut
@@ -81,7 +83,7 @@ def _table(sources: Sources, cut: str, columns: dict[str, list[str]]) -> str:
 
 def _line(title: str, names: list[str], about: str) -> list[str]:
     """What a section within a table is about."""
-    return [title, *[""] * len(names), "", escaped(about), ""]
+    return [title, *[""] * (len(names) + 2), escaped(about), ""]
 
 
 def _row(sources: Sources, cut: str, prefixes: list[str], name: str) -> list[str]:
@@ -90,6 +92,7 @@ def _row(sources: Sources, cut: str, prefixes: list[str], name: str) -> list[str
     return [
         f"`{name.removeprefix(cut)}`",
         *(shown(sources.values[key]) if key in sources.values else "" for key in keys),
+        escaped(allowed(known)),
         PAPER.get(known, ""),
         escaped(meaning(known, sources.said)),
         ", ".join(readers(known, sources.stages)),
