@@ -118,3 +118,21 @@ def test_half_of_the_light_is_left_at_the_median():
     )
     seen = renderer.look(rays, torch.full((len(points),), 2.0), torch.ones(len(points), 3))
     assert seen.median.item() - 1 == pytest.approx(0.5 * math.log(2), abs=1e-3)
+
+
+def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(scene):
+    """The memory of what the first rays met is used again, and nothing in it counts."""
+    renderer, rays = compiled(scene)
+    fresh, _ = compiled(scene)
+    values, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
+    few = Rays(rays.origins[::3], rays.directions[::3], rays.offsets[::3])
+    renderer.look(rays, values, rgb)
+    told = []
+    for each in (renderer, fresh):
+        leaf, seen_by = values.clone().requires_grad_(), torch.zeros_like(values)
+        seen = each.look(few, leaf, rgb)
+        (seen.colour.sum() + seen.through.sum()).backward()
+        agreement = torch.linspace(0, 1, len(few))
+        each.confide(values, agreement, seen_by, own=False, opaque=True, adding=False)
+        told.append((seen.colour, seen.through, leaf.grad, seen_by))
+    assert all(torch.equal(again, first) for again, first in zip(*told, strict=True))

@@ -61,7 +61,7 @@ class Renderer:
         diagonal = sum((b - a) ** 2 for a, b in zip(lo, hi, strict=True)) ** 0.5
         self._march.room = int(diagonal / step) + 2
         self.beta = 0.0
-        self._met: tuple | None = None  # rays, `Met`, and the tensors that it points to
+        self._met: tuple | None = None  # rays that fit, `Met`, and the tensors that it points to
 
     def look(self, rays: Rays, values: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
         """What `rays` see of points that hold `values` and colour `rgb`, differentiable in both.
@@ -113,8 +113,11 @@ class Renderer:
         return self.points.cells.points.device
 
     def _met_by(self, rays: int) -> Any:
-        """Room for what so many rays meet; the memory of it is only used as far as it is filled."""
-        if self._met is None or self._met[0] != rays:
+        """Room for what so many rays or more meet; memory is only used as far as it is filled.
+
+        It is kept for the next rays: to be given fresh pages costs as much as a third of looking.
+        """
+        if self._met is None or self._met[0] < rays:
             slots = rays * self._march.room
             like = {"device": self.points.positions.device}
             kept = [

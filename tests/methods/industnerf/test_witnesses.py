@@ -10,7 +10,13 @@ from industnerf.methods.industnerf import witnesses  # a class called Test... wo
 from industnerf.methods.industnerf.levels import grid, spacing_of
 from industnerf.methods.industnerf.pixels import Pixels, footprint
 from industnerf.methods.industnerf.scene import Scene
-from industnerf.methods.industnerf.witnesses import Surface, contrast_of, joined, thinned
+from industnerf.methods.industnerf.witnesses import (
+    Surface,
+    cell_numbers,
+    contrast_of,
+    joined,
+    thinned,
+)
 from industnerf.rendering.confidence import colour_confidence, colour_scale
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer
@@ -208,3 +214,13 @@ def test_joined_surfaces_follow_one_another():
     both = joined([a, b])
     for name, values in vars(both).items():
         assert torch.equal(values, torch.cat([getattr(a, name), getattr(b, name)]))
+
+
+@pytest.mark.parametrize("count", [0, 1, 500])
+def test_cells_have_numbers_in_the_order_of_their_rows(count: int):
+    points = torch.randn(count, 3, generator=torch.Generator().manual_seed(count))
+    points[: count // 3] *= 0.1  # several in a cell
+    rows = (points / 0.25).floor().long()
+    _, wanted = torch.unique(rows, dim=0, return_inverse=True) if count else (None, rows[:, 0])
+    _, found = torch.unique(cell_numbers(points, 0.25), return_inverse=True)
+    assert torch.equal(found, wanted)
