@@ -4,6 +4,7 @@ python -m pipeline.preset demo
 """
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -53,6 +54,7 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
         for command in (["init", "--no-scm", "-q"], ["config", "core.analytics", "false"]):
             subprocess.run(["dvc", *command], cwd=project, check=True)
         subprocess.run(["dvc", "config", "cache.type", "hardlink,copy"], cwd=project, check=True)
+    shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
 
 
 if __name__ == "__main__":

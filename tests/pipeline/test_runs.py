@@ -91,6 +91,18 @@ def test_nothing_to_do_reruns_nothing(finished_run):
     assert "Data and pipelines are up to date." in output
 
 
+def test_what_python_compiles_is_no_change_of_the_code(finished_run, root):
+    stray = root / "src" / "industnerf" / "artifacts" / "__pycache__" / "stray.pyc"
+    stray.parent.mkdir(exist_ok=True)
+    stray.touch()
+    try:
+        code, output = finished_run.run("dvc", "status")
+    finally:
+        stray.unlink()
+    assert code == 0
+    assert "Data and pipelines are up to date." in output
+
+
 def test_a_run_killed_in_every_stage_ends_with_equal_bytes(finished_run, root, tmp_path):
     project, before = Project(root, tmp_path / "project"), {}
     for step in ("parts", "views", "truth", "train", "reconstruct", "evaluate"):
