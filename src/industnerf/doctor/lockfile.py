@@ -26,8 +26,9 @@ def find(places: Places) -> list[Finding]:
 
 def require_whole(places: Places, folder: Path) -> None:
     """Raises BadArtifact, with what mends it, if DVC would stop at the dvc.lock of `folder`."""
+    lock = folder / "dvc.lock"
     for finding in find(places):
-        if finding.where.parent == folder:
+        if finding.where == lock and torn(lock.read_text(errors="replace")):
             where = places.words(finding.where)
             raise BadArtifact(f"{where}: {finding.what}.\nThis mends it: {finding.mend}")
 
@@ -47,21 +48,28 @@ def _findings(places: Places, project: Project) -> list[Finding]:
 
 def fault(text: str, known: set[str]) -> str:
     """What is wrong with `text` as a dvc.lock of the stages `known`, or an empty text."""
+    return torn(text) or _foreign(yaml.load(text, LOADER)["stages"], known)
+
+
+def torn(text: str) -> str:
+    """What keeps `text` from being a whole dvc.lock, or an empty text."""
     try:
         content = yaml.load(text, LOADER)
     except yaml.YAMLError as error:
         return f"no YAML: {' '.join(str(error).split())[:160]}"
     if not isinstance(content, dict) or not {"schema", "stages"} <= set(content):
         return f"has {len(text)} characters and lacks schema or stages: cut short"
-    return _stages_fault(content["stages"], known)
+    return _cut_short(content["stages"])
 
 
-def _stages_fault(stages: Any, known: set[str]) -> str:
+def _cut_short(stages: Any) -> str:
     if not isinstance(stages, dict):
         return "its stages are empty: cut short"
-    torn = [n for n, stage in stages.items() if not isinstance(stage, dict) or "cmd" not in stage]
-    if torn:
-        return f"stage {torn[0]} has no cmd: cut short"
+    bare = [n for n, stage in stages.items() if not isinstance(stage, dict) or "cmd" not in stage]
+    return f"stage {bare[0]} has no cmd: cut short" if bare else ""
+
+
+def _foreign(stages: dict[str, Any], known: set[str]) -> str:
     foreign = sorted({name.partition("@")[0] for name in stages} - known)
     return f"has stages that dvc.yaml has not: {', '.join(foreign)}" if foreign else ""
 
