@@ -36,6 +36,7 @@ def study_of(
         "training": dict.fromkeys(emds, (0, 0)),
         "lessons": {},
         "seen_by_training": {},
+        "seen_by_rig": dict.fromkeys(names, 1.0),
         "folders": Folders(*[Path("nowhere")] * 7),
     }
     return Study(**(values | changes))

@@ -15,6 +15,11 @@ REPORT = {
     "comparisons.md",
     "contact_sheet.png",
     "cost.csv",
+    "cost.md",
+    "goals.csv",
+    "goals.md",
+    "inspection.csv",
+    "inspection.md",
     "pareto.png",
     "report.html",
     "scores.csv",
@@ -29,12 +34,21 @@ REPORT = {
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
     "emd_full,parts,failures,parameters,steps,paper_emd,"
-    "size,learned_from,hold_out,undertrained"
+    "size,learned_from,hold_out,undertrained,emd_mm"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
 TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
-COMPARISONS = "method,other,difference,ci_low,ci_high,p,p_holm,win_rate,parts,families"
-STRATA = "stratum,method,emd_even,ci_low,ci_high,floor,ratio_to_floor,parts,families,failures"
+COMPARISONS = (
+    "method,other,difference,ci_low,ci_high,difference_mm,p,p_holm,win_rate,parts,families"
+)
+STRATA = (
+    "stratum,method,emd_even,ci_low,ci_high,emd_mm,floor,ratio_to_floor,parts,families,failures"
+)
+INSPECTION = (
+    "method,emd_mm,emd_median_mm,hausdorff95_mm,hausdorff95_median_mm,"
+    "within_0.1mm,within_0.5mm,within_1mm,parts"
+)
+GOALS = "method,goal,wanted,value,met"
 COST = "stage,method,part_id,seconds,peak_mb,device,aside_s"
 
 
@@ -52,6 +66,8 @@ def test_a_run_ends_with_the_report(finished_run):
         "table2.csv": TABLE2,
         "comparisons.csv": COMPARISONS,
         "strata.csv": STRATA,
+        "inspection.csv": INSPECTION,
+        "goals.csv": GOALS,
         "scores.csv": SCORES,
         "cost.csv": COST,
     }

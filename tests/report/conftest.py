@@ -6,10 +6,9 @@ from PIL import Image
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.gather import Study
 from industnerf.report.page import page
+from industnerf.report.results import Results
 from industnerf.report.scenes import scene
 from industnerf.report.snapshots import Snapshots, jpeg
-from industnerf.report.table2 import table2
-from industnerf.report.tables import Extra, table1
 from industnerf.schema import ReportParams
 from tests.report import gallery
 
@@ -28,9 +27,7 @@ def study(tmp_path_factory) -> Study:
 @pytest.fixture(scope="session")
 def report_page(study) -> str:
     """The page of `study`, both of whose parts are in the viewer."""
-    rows = table1(study, SETTINGS)
     grey = jpeg(Image.new("RGB", (8, 8), "grey"))
     taken = Snapshots(["hull"], [(study.parts["near-ball"], [[grey, None]])])
-    exhibits = Exhibits(grey, [scene(study, part) for part in study.parts.values()], taken)
-    extras = [Extra(row.emd_even, None) for row in rows]
-    return page(study, rows, extras, table2(study, SETTINGS), exhibits, SETTINGS.interval)
+    exhibits = Exhibits(grey, [scene(study, part) for part in study.parts.values()], taken, b"")
+    return page(Results.of(study, SETTINGS), exhibits, made="on a day")

@@ -116,5 +116,6 @@ def study(folder: Path) -> Study:
         dict.fromkeys(EMD, (0, 0)),
         {},
         dict.fromkeys(PARTS, 0.9),
+        dict.fromkeys(PARTS, 1.0),
         Folders(folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere),
     )

@@ -8,12 +8,10 @@ from statistics import fmean
 import numpy as np
 
 from industnerf.artifacts.scores import PartScore, Score
-from industnerf.report.comparisons import comparisons, comparisons_csv, comparisons_md
+from industnerf.report.build import write_tables
 from industnerf.report.gather import Study
+from industnerf.report.results import Results
 from industnerf.report.statistics import holm, sign_flip_p
-from industnerf.report.strata import strata, strata_csv, strata_md
-from industnerf.report.table2 import table2, table2_csv, table2_md
-from industnerf.report.tables import Extra, scores_csv, table1, table1_csv, table1_md
 from tests.report.test_shrink import png
 from tests.samples import unit_part
 from tests.studies import SETTINGS, study_of
@@ -35,31 +33,19 @@ def small_study() -> Study:
     for name in NAMES:
         for metric in ("rgb_mse", "depth_mse"):
             score = Score(metric, "P1-union", draws.uniform(0.01, 0.2), 0.0, "1", "ok")
-            study.scores.append(PartScore(name, "industnerf_plus", score))
+            study.scores.append(PartScore(name, "industnerf", score))
     return study
 
 
 def write_report(folder: Path) -> Path:
     """What the report stage writes of `small_study`, but the page."""
-    study, interval = small_study(), SETTINGS.interval
-    rows, lines = table1(study, SETTINGS), table2(study, SETTINGS)
-    compared, kinds = comparisons(study, SETTINGS), strata(study, SETTINGS)
-    texts = {
-        "table1.csv": table1_csv(rows),
-        "table1.md": table1_md(rows, [Extra(None, None)] * len(rows), interval),
-        "table2.csv": table2_csv(lines),
-        "table2.md": table2_md(lines, interval),
-        "comparisons.csv": comparisons_csv(compared),
-        "comparisons.md": comparisons_md(compared, interval),
-        "strata.csv": strata_csv(kinds),
-        "strata.md": strata_md(kinds),
-        "scores.csv": scores_csv(study),
-        "cost.csv": "stage,method,part_id,seconds,peak_mb,device\n"
-        "reconstruct,hull,a,1.0,5,cpu\nreconstruct,hull,b,2.0,5,cpu\nevaluate,hull,a,9.0,5,cpu\n",
-    }
+    study = small_study()
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        (folder / name).write_text(text)
+    write_tables(Results.of(study, SETTINGS), folder)
+    (folder / "cost.csv").write_text(
+        "stage,method,part_id,seconds,peak_mb,device\n"
+        "reconstruct,hull,a,1.0,5,cpu\nreconstruct,hull,b,2.0,5,cpu\nevaluate,hull,a,9.0,5,cpu\n"
+    )
     (folder / "contact_sheet.png").write_bytes(png(np.zeros((30, 40, 3), np.uint8)))
     return folder
 

@@ -11,8 +11,10 @@ from industnerf.report.comparisons import (
     comparisons,
     comparisons_csv,
     comparisons_md,
+    nets,
     pairs,
 )
+from industnerf.report.gather import Lesson
 from tests.samples import unit_part
 from tests.studies import SETTINGS, study_of
 
@@ -65,6 +67,19 @@ def test_all_comparisons_are_corrected_together():
     assert {(each.p, each.p_holm) for each in found} == {(2 / 32, 6 / 32), (2 / 16, 6 / 32)}
 
 
+def test_a_net_meets_what_it_must_beat_as_a_question_of_its_own():
+    emds = {"hull": HULL, "industnerf_plus": PLUS, "r2n2": PLUS, "retrieval": HULL}
+    lessons = {
+        "r2n2": Lesson("cpu", 78, "family", True),
+        "retrieval": Lesson("", 78, "family", True),
+    }
+    study = study_of(PARTS, emds, dev="g", lessons=lessons)
+    assert nets(study) == [("r2n2", "retrieval")]
+    *_, last = comparisons(study, SETTINGS)
+    assert (last.method, last.other) == ("r2n2", "retrieval")
+    assert last.p_holm == last.p == 2 / 16
+
+
 def test_the_files_hold_what_the_comparisons_do(study):
     found = comparisons(study, SETTINGS)
     (row,) = csv.DictReader(io.StringIO(comparisons_csv(found)))
@@ -73,7 +88,7 @@ def test_the_files_hold_what_the_comparisons_do(study):
     head, _, line = comparisons_md(found, 0.9).splitlines()
     assert "| 90 % |" in head
     assert line.startswith("| industnerf_plus | hull | -0.0300 |")
-    assert line.endswith("| 0.12 | 0.12 | 83 % | 6 in 5 families |")
+    assert line.endswith("| -0.05 | 0.12 | 0.12 | 83 % | 6 in 5 families |")
 
 
 def test_with_nothing_to_compare_it_says_so():

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.report.provenance import PACKAGES, cpu_model, environment, made_by
+from industnerf.report.provenance import PACKAGES, cpu_model, environment, made_by, stamp
 
 
 @pytest.fixture
@@ -52,6 +52,21 @@ def test_without_a_commit_nothing_is_published(tmp_path, monkeypatch):
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     with pytest.raises(BadArtifact, match="no commit to publish under"):
         made_by("make repro")
+
+
+def test_a_stamp_names_the_commit_seen_from_any_folder(repository, monkeypatch):
+    (repository / "runs").mkdir()
+    monkeypatch.chdir(repository / "runs")
+    commit = f"commit {git('rev-parse', 'HEAD')[:7]}"
+    assert f", {commit}, " in stamp()
+    (repository / "code.py").write_text("changed\n")
+    assert f", {commit} with changes, " in stamp()
+
+
+def test_a_stamp_without_a_repository_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    assert ", no commit, " in stamp()
 
 
 def test_the_environment_names_versions_and_no_host():

@@ -99,14 +99,14 @@ def test_the_block_shows_few_columns_of_the_test_parts(published):
     text = shown(published)
     assert text.startswith("6 test parts of 5 families, ")
     assert "2026-01-02, commit 0123456; every number is in [results/study]" in text
-    head = "| method | inputs | EMD (even) | 90 % | x floor | failed | s a part | paper |"
+    head = "| method | inputs | EMD (even) | 90 % | mm | x floor | failed | s a part | paper |"
     lines = text.splitlines()
     assert lines[2] == head
     order = [row["method"] for row in rows_of(published / "table1.csv") if row["split"] == "test"]
     assert [line.split(" | ")[0] for line in lines[4:8]] == [f"| {name}" for name in order]
     (hull,) = [line for line in lines if line.startswith("| hull |")]
     assert hull.endswith(" | 1 | 1.5 |  |")  # failures, mean seconds, no number of the paper's
-    assert "| industnerf_plus | RGB 2D (MSE) | " in text
+    assert "| industnerf | RGB 2D (MSE) | " in text
     assert text.endswith(" | 0.0118 |\n")
 
 
@@ -126,7 +126,7 @@ def test_settings_that_changed_since_are_named(published):
 
 def test_a_net_that_is_undertrained_is_marked(published):
     path = published / "table1.csv"
-    path.write_text(path.read_text().replace(",,0,,\n", ",,0,,still learning\n", 1))
+    path.write_text(path.read_text().replace(",,0,,,", ",,0,,still learning,", 1))
     first = shown(published).splitlines()[4]
     assert first.split(" | ")[0].endswith(" (undertrained)")
 

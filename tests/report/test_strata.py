@@ -49,6 +49,8 @@ def test_the_files_hold_what_the_rows_do(study):
     assert strata_md(rows).splitlines() == [
         "| EMD (even) | all (3) | aged (1) | pockets (2) |",
         "| --- | --- | --- | --- |",
-        "| nerf | 0.0400, 4.00 x floor | 0.0400, 4.00 x floor | 0.0300, 3.00 x floor |",
-        "| hull | 0.3500, 35.00 x floor | 1.0000, 100.00 x floor | 0.5100, 51.00 x floor |",
+        "| nerf | 0.0400, 0.0693 mm, 4.00 x floor | 0.0400, 0.0693 mm, 4.00 x floor "
+        "| 0.0300, 0.0520 mm, 3.00 x floor |",
+        "| hull | 0.3500, 0.606 mm, 35.00 x floor | 1.0000, 1.73 mm, 100.00 x floor "
+        "| 0.5100, 0.883 mm, 51.00 x floor |",
     ]

@@ -12,6 +12,7 @@ from industnerf.methods import load_method
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.gather import Folders, Study
 from industnerf.report.page import page
+from industnerf.report.results import Results
 from industnerf.report.snapshots import Snapshots
 from industnerf.report.subsets import figure3
 from industnerf.report.table2 import (
@@ -23,7 +24,6 @@ from industnerf.report.table2 import (
     table2_csv,
     table2_md,
 )
-from industnerf.report.tables import Extra, table1
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
 
@@ -48,31 +48,32 @@ def score(part, method, metric, protocol, value, status="ok", floor=0.0):
     return PartScore(part, method, Score(metric, protocol, value, floor, "1", status))
 
 
-def study_of(rendering: bool) -> Study:
-    """Three test parts and the dev part d; the hull may render, but failed on part c."""
+def study_of(rendering: bool, method: str = "hull") -> Study:
+    """Three test parts and the dev part d; `method` may render, but failed on part c."""
     scores = []
     for place, part in enumerate(PARTS):
         failed = "failed" if part == "c" else "ok"
         for protocol in ("P1-even", "P1-iid", "P1-full"):
-            scores.append(score(part, "hull", "emd", protocol, 0.1, failed, 0.05))
+            scores.append(score(part, method, "emd", protocol, 0.1, failed, 0.05))
             scores.append(score(part, "oracle", "emd", protocol, 0.05, floor=0.05))
         if rendering and part != "c":
             for metric, value in RENDERED.items():
-                scores.append(score(part, "hull", metric, "P1-union", (1 + place) * value))
+                scores.append(score(part, method, metric, "P1-union", (1 + place) * value))
                 if metric not in ("coverage", "silhouette_iou"):
-                    scores.append(score(part, "hull", metric, "P1-frame", value / 2))
+                    scores.append(score(part, method, metric, "P1-frame", value / 2))
             for metric, value in CONFIDENCE.items():
-                scores.append(score(part, "hull", metric, "P1-near", value))
+                scores.append(score(part, method, metric, "P1-near", value))
     return Study(
         "smoke",
         0,
         12,
-        {name: load_method(name) for name in ("hull", "oracle")},
+        {name: load_method(name) for name in (method, "oracle")},
         {name: unit_part(name, family) for name, family in zip(PARTS, "ffgg", strict=True)},
         {name: Place("dev" if name == "d" else "test", None) for name in PARTS},
         scores,
         {},
-        {"hull": (0, 0), "oracle": (0, 0)},
+        {method: (0, 0), "oracle": (0, 0)},
+        {},
         {},
         {},
         Folders(*[Path("nowhere")] * 7),
@@ -80,9 +81,7 @@ def study_of(rendering: bool) -> Study:
 
 
 def show(study: Study) -> str:
-    rows = table1(study, SETTINGS)
-    lines, nothing = table2(study, SETTINGS), Exhibits(b"", [], Snapshots([], []))
-    return page(study, rows, [Extra(None, None)] * len(rows), lines, nothing, SETTINGS.interval)
+    return page(Results.of(study, SETTINGS), Exhibits(b"", [], Snapshots([], []), b""))
 
 
 def test_every_loss_of_whoever_renders_and_nobody_else():
@@ -107,13 +106,15 @@ def test_a_mean_is_over_the_parts_that_have_it_and_failures_are_counted():
     assert lines["rgb_mse", "dev"].mean == pytest.approx(0.04)
 
 
-def test_the_papers_three_numbers_stand_beside_ours_and_no_others():
-    published = {line.loss.name: cells(line)[7] for line in table2(study_of(True), SETTINGS)}
+def test_the_papers_three_numbers_stand_beside_its_own_method_and_no_others():
+    study = study_of(True, "industnerf")
+    published = {line.loss.name: cells(line)[7] for line in table2(study, SETTINGS)}
     assert {name: text for name, text in published.items() if text} == {
         "Point Cloud (EMD)": "0.0121665",
         "RGB 2D (MSE)": "0.0986291",
         "Depth 2D (MSE)": "0.0117503",
     }
+    assert {cells(line)[7] for line in table2(study_of(True), SETTINGS)} == {""}
 
 
 def test_the_file_and_the_page_hold_the_lines():
@@ -124,7 +125,7 @@ def test_the_file_and_the_page_hold_the_lines():
     line = "| hull | RGB 2D (MSE) | all | 0.01500 | "
     assert line in text
     shown = show(study)
-    assert "<h2>Table 2</h2>" in shown
+    assert "<h2 id='table-2'>Table 2</h2>" in shown
     assert "90 %</button>" in shown
     assert "<td class=text>RGB 2D (MSE)<td class=text>all<td>0.01500<td>" in shown
     for folded in ("One part of every family", "The dev parts"):
@@ -142,7 +143,7 @@ def test_figure_3_has_one_part_of_every_family():
 
 
 def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
-    text = table2_csv(table2(study_of(rendering=True), SETTINGS))
+    text = table2_csv(table2(study_of(True, "industnerf"), SETTINGS))
     assert text.splitlines()[0] == "method,subset,loss,value,ci_low,ci_high,unit,paper"
     rows = list(csv.DictReader(io.StringIO(text)))
     assert [(row["subset"], row["loss"]) for row in rows] == [

@@ -62,6 +62,7 @@ def study():
         {"hull": (0, 0), "oracle": (0, 0)},
         {},
         {},
+        {},
         Folders(*[nowhere] * 7),
     )
 

@@ -6,7 +6,7 @@ from industnerf.report.comparisons import Comparison
 from industnerf.report.strata import ALL, Stratum
 from industnerf.report.verdicts import comparisons_html, strata_html
 
-ONE = Comparison("industnerf", "hull<b>", -0.0123, -0.02, -0.001, 0.004, 0.008, 0.75, 96, 16)
+ONE = Comparison("industnerf", "hull<b>", -0.0123, -0.02, -0.001, -1.25, 0.004, 0.008, 0.75, 96, 16)
 
 
 def texts(html: str) -> list[list[str]]:
@@ -18,7 +18,7 @@ def texts(html: str) -> list[list[str]]:
 
 
 def a_stratum(name: str, method: str, emd: float, parts: int) -> Stratum:
-    return Stratum(name, method, emd, emd, emd, 0.01, emd / 0.01, parts, 2, 0)
+    return Stratum(name, method, emd, emd, emd, 100 * emd, 0.01, emd / 0.01, parts, 2, 0)
 
 
 def test_a_comparison_is_a_row_with_its_interval_named():
@@ -26,6 +26,7 @@ def test_a_comparison_is_a_row_with_its_interval_named():
     said = dict(zip(heads, row, strict=True))
     assert said["difference"] == "-0.0123"
     assert said["90 %"] == "-0.0200 to -0.0010"
+    assert said["mm"] == "-1.25"
     assert said["p (Holm)"] == "0.008"
     assert said["against"] == "hull&lt;b&gt;"
 
@@ -39,8 +40,8 @@ def test_a_stratum_is_a_column_and_a_method_a_row():
     ]
     heads, first, second = texts(strata_html(rows))
     assert heads == ["method", f"{ALL} (9)", "pockets (4)"]
-    assert first == ["hull", "0.0200", "0.0500"]
-    assert second == ["box", "0.2000", "0.3000"]
+    assert first == ["hull", "0.0200 2.00 mm", "0.0500 5.00 mm"]
+    assert second == ["box", "0.2000 20.0 mm", "0.3000 30.0 mm"]
 
 
 def test_of_nothing_there_is_nothing():

@@ -1,6 +1,6 @@
 """What each result cost, from the store's side-cars; unknown where the store is not at hand."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
@@ -48,7 +48,11 @@ def costs_csv(rows: list[CostRow]) -> str:
     return csv_text(["stage", "method", "part_id", *Cost.__dataclass_fields__], lines)
 
 
-def seconds_per_part(rows: list[CostRow], method: str) -> float | None:
-    """Mean seconds that `method` takes for a part."""
-    mine = [r.cost.seconds for r in rows if r.stage == "reconstruct" and r.method == method]
+def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str]) -> float | None:
+    """Mean seconds that `method` takes for one of `parts`; None if the store knows none."""
+    mine = [
+        row.cost.seconds
+        for row in rows
+        if (row.stage, row.method) == ("reconstruct", method) and row.part_id in parts
+    ]
     return fmean(mine) if mine else None

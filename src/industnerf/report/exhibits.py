@@ -21,12 +21,13 @@ class Exhibits:
     sheet: bytes  # JPEG
     scenes: Sequence[Scene]
     snapshots: Snapshots
+    front: bytes  # PNG: EMD against seconds
 
 
-def exhibits(study: Study, parts: list[Part], sheet: bytes) -> Exhibits:
-    """Exhibits of `parts`; `sheet` is their contact sheet, PNG.
+def exhibits(study: Study, parts: list[Part], sheet: bytes, front: bytes) -> Exhibits:
+    """Exhibits of `parts`; `sheet` is their contact sheet, `front` EMD against seconds, both PNG.
 
     Raises BadArtifact if a file is torn.
     """
     small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX)
-    return Exhibits(small, [scene(study, part) for part in parts], snapshots(study, parts))
+    return Exhibits(small, [scene(study, part) for part in parts], snapshots(study, parts), front)

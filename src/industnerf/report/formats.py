@@ -30,3 +30,16 @@ def intervals_of(columns: Sequence[str], interval: float) -> list[str]:
 def short(value: float | None, digits: int = 4) -> str:
     """`value` with so many decimals, or nothing."""
     return "" if value is None else f"{value:.{digits}f}"
+
+
+def brief(value: float | None) -> str:
+    """`value` with three significant digits and no exponent, or nothing."""
+    if value is None:
+        return ""
+    return (
+        f"{value:.0f}"
+        if abs(value) >= 100
+        else f"{value:#.3g}"
+        if abs(value) >= 1e-4
+        else f"{value:.2g}"
+    )

@@ -8,6 +8,7 @@ from industnerf.artifacts.part import Part, load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import Place, load_split
 from industnerf.artifacts.state import State
+from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
 from industnerf.methods.base import Method
@@ -52,6 +53,7 @@ class Study:
     training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part or net
     lessons: dict[str, Lesson]  # method that learns from other parts -> what of
     seen_by_training: dict[str, float]  # part id -> share of its area
+    seen_by_rig: dict[str, float]  # the same, of what counts
     folders: Folders
 
 
@@ -78,6 +80,10 @@ def gather(
             if (lesson := _lesson(folders.states / name, hold_out)) is not None
         },
         {name: load_views(folders.views / name).seen_by_training for name in photographed},
+        {
+            name: Truth.load(folders.truth / name).visible_share
+            for name in read_index(folders.truth)
+        },
         folders,
     )
 

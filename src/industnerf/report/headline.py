@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from html import escape
-from statistics import fmean
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import Score
 from industnerf.report import table2
-from industnerf.report.formats import intervals_of, short
+from industnerf.report.formats import brief, intervals_of, short
 from industnerf.report.gather import Study
 from industnerf.report.lookup import Scores
-from industnerf.report.markup import Column, Line, brief, folded, part_link, table, warning
+from industnerf.report.markup import Column, Line, folded, part_link, table, warning
 from industnerf.report.tables import COLUMNS, Extra, Row, cells, lesson
 
 TEXT = ("method", "inputs", "subset", "loss")
@@ -27,19 +26,19 @@ ORDER = (  # of Table 1, with the columns that only the page has
     "EMD, mm",
     "floor",
     "x floor",
+    "x industnerf",
     "EMD (iid)",
     "EMD (full)",
     "parts",
     "failed",
     "without failures",
+    "s a part",
 )
 
 
-def table1(
-    study: Study, scores: Scores, rows: Sequence[Row], extras: Sequence[Extra], interval: float
-) -> str:
+def table1(rows: Sequence[Row], extras: Sequence[Extra], interval: float) -> str:
     """Table 1 of the reported parts, and folded away that of the dev parts."""
-    lines = [_line1(study, scores, row, extra) for row, extra in zip(rows, extras, strict=True)]
+    lines = [_line1(row, extra) for row, extra in zip(rows, extras, strict=True)]
     return _folded(_columns(ORDER, interval), [row.split for row in rows], lines) + lessons(rows)
 
 
@@ -61,9 +60,8 @@ def _columns(heads: Sequence[str], interval: float) -> list[Column]:
     ]
 
 
-def _line1(study: Study, scores: Scores, row: Row, extra: Extra) -> Line:
+def _line1(row: Row, extra: Extra) -> Line:
     texts = dict(zip(COLUMNS, map(escape, cells(row, extra)), strict=True))
-    texts["EMD, mm"] = brief(mean_mm(study, scores, row))
     if row.undertrained:
         texts["method"] += " <small>undertrained</small>"
     if row.failures:
@@ -71,16 +69,6 @@ def _line1(study: Study, scores: Scores, row: Row, extra: Extra) -> Line:
     else:
         texts["without failures"] = ""  # the same as with them
     return Line([texts[name] for name in ORDER], "aside" if "(" in row.inputs else "")
-
-
-def mean_mm(study: Study, scores: Scores, row: Row) -> float:
-    """Mean EMD (even) in mm over the parts of the row."""
-    return fmean(
-        score.value * part.diagonal_mm
-        for part in study.parts.values()
-        if study.places[part.part_id].split == row.split
-        and (score := scores.get(part.part_id, row.method))
-    )
 
 
 def lessons(rows: Sequence[Row]) -> str:

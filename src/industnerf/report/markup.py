@@ -78,18 +78,5 @@ def picture(kind: str, content: bytes, about: str, name: str = "") -> str:
     return f"<img{called} alt='{escape(about)}' src='data:image/{kind};base64,{data}'>"
 
 
-def brief(value: float | None) -> str:
-    """`value` with three significant digits and no exponent, or nothing."""
-    if value is None:
-        return ""
-    return (
-        f"{value:.0f}"
-        if abs(value) >= 100
-        else f"{value:#.3g}"
-        if abs(value) >= 1e-4
-        else f"{value:.2g}"
-    )
-
-
 def _title(about: str) -> str:
     return f" title='{escape(about)}'" if about else ""

@@ -4,11 +4,11 @@ from html import escape
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import Score
-from industnerf.report.formats import short
+from industnerf.report.formats import brief, short
 from industnerf.report.gather import Study
 from industnerf.report.headline import percent
 from industnerf.report.lookup import EVEN, Scores
-from industnerf.report.markup import Column, Line, brief, note, part_anchor, table
+from industnerf.report.markup import Column, Line, note, part_anchor, table
 from industnerf.report.table2 import LOSSES
 
 NAMES = {  # as people say them; what is not here keeps the name it has in scores.csv
@@ -40,7 +40,8 @@ def _section(study: Study, scores: Scores, part: Part, in_viewer: set[str]) -> s
     link = f"<a href='#viewer' data-scene='{escape(part.part_id)}'>show it in the viewer</a>"
     return (
         f"<section class=part id='{name}'><h2>{escape(part.designation)}</h2>"
-        f"<nav><a href='#parts'>all parts</a>{link if part.part_id in in_viewer else ''}</nav>"
+        f"<nav><a href='#part-by-part'>all parts</a>"
+        f"{link if part.part_id in in_viewer else ''}</nav>"
         f"{_facts(study, part)}{_scores(study, scores, part, surface)}"
         f"{_scores(study, scores, part, beyond)}{_failures(study, part)}</section>"
     )

@@ -24,11 +24,29 @@ def made_by(command: str) -> dict[str, Any]:
     return {
         "schema": 1,
         "command": command,
-        "date": datetime.now(UTC).date().isoformat(),
+        "date": _today(),
         "commit": _git("rev-parse", "HEAD").strip(),
         "clean": not changed,
         "changed": [line[3:] for line in changed.splitlines()],
     }
+
+
+def stamp() -> str:
+    """One line for a page: the day, the commit if there is one, the machine."""
+    try:
+        changed = _git("status", "--porcelain", "--", ":/", *(f":(top,exclude){p}" for p in LATER))
+        where = f"commit {_git('rev-parse', 'HEAD')[:7]}{' with changes' if changed else ''}"
+    except BadArtifact:
+        where = "no commit"
+    machine = environment()
+    return (
+        f"{_today()}, {where}, {machine['cores']} cores of {machine['cpu']}, "
+        f"Python {machine['python']}, torch {machine['packages']['torch']}"
+    )
+
+
+def _today() -> str:
+    return datetime.now(UTC).date().isoformat()
 
 
 def _git(*arguments: str) -> str:

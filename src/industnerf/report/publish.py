@@ -15,12 +15,17 @@ COPIED = {
     "table1.md": "the same, with seconds",
     "table2.csv": "the paper's three losses, on all test parts and on one of each family",
     "table2.md": "the same, with all that belongs beside them",
+    "inspection.csv": "every method in millimetres: EMD, Hausdorff-95, what is in tolerance",
+    "inspection.md": "the same",
+    "goals.csv": "what was to be reached, and what was",
+    "goals.md": "the same",
     "comparisons.csv": "paired tests between methods",
     "comparisons.md": "the same",
     "strata.csv": "each method on thin parts, on parts with pockets, and so on",
     "strata.md": "the same, a line a method",
     "scores.csv": "every score of every part: what all tables are made of",
     "cost.csv": "seconds and peak memory of every result",
+    "cost.md": "their means, and those of learning, a line a method",
 }
 # By other names than DVC's: below one of its own it would take the folder for a second pipeline.
 KEPT = {  # what is called so, and what it is

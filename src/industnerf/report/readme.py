@@ -9,7 +9,7 @@ from statistics import fmean
 
 from industnerf.config import flat, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.formats import markdown, short
+from industnerf.report.formats import brief, markdown, short
 from industnerf.report.table2 import LOSSES
 
 Cells = dict[str, str]
@@ -87,13 +87,14 @@ def _seconds(folder: Path) -> dict[str, float]:
 
 
 def _table1(rows: list[Cells], seconds: dict[str, float], interval: float) -> str:
-    heads = ["method", "inputs", "EMD (even)", f"{100 * interval:g} %", "x floor", "failed"]
+    heads = ["method", "inputs", "EMD (even)", f"{100 * interval:g} %", "mm", "x floor", "failed"]
     lines = [
         [
             row["method"] + (" (undertrained)" if row["undertrained"] else ""),
             row["inputs"],
             short(float(row["emd_even"])),
             f"{float(row['ci_low']):.4f} to {float(row['ci_high']):.4f}",
+            brief(float(row["emd_mm"])),
             short(float(row["ratio_to_floor"]), 2),
             row["failures"],
             short(seconds.get(row["method"]), 1),
@@ -116,7 +117,7 @@ def _table2(rows: list[Cells]) -> str:
             key[0],
             names[key[1]],
             *(f"{float(values[(*key, name)]):#.3g}" for name in ("all", "figure3")),
-            f"{float(published):#.3g}",
+            f"{float(published):#.3g}" if published else "",
         ]
         for key, published in papers.items()
     ]

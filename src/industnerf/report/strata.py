@@ -9,7 +9,7 @@ from dataclasses import astuple, dataclass, fields
 from statistics import fmean
 
 from industnerf.report.comparisons import even_by_part
-from industnerf.report.formats import csv_text, markdown
+from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
@@ -27,6 +27,7 @@ class Stratum:
     emd_even: float
     ci_low: float
     ci_high: float
+    emd_mm: float  # of each part in mm, their mean
     floor: float
     ratio_to_floor: float
     parts: int
@@ -64,6 +65,7 @@ def _row(study: Study, settings: ReportParams, stratum: str, method: str) -> Str
         method,
         mean,
         *bootstrap_interval(values, families, settings.resamples, settings.interval, draws),
+        fmean(score.value * study.parts[part].diagonal_mm for part, score in scores.items()),
         floor,
         mean / floor,
         len(values),
@@ -87,4 +89,4 @@ def strata_md(rows: Sequence[Stratum]) -> str:
 
 
 def _cell(row: Stratum) -> str:
-    return f"{row.emd_even:.4f}, {row.ratio_to_floor:.2f} x floor"
+    return f"{row.emd_even:.4f}, {brief(row.emd_mm)} mm, {row.ratio_to_floor:.2f} x floor"

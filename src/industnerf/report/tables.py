@@ -6,7 +6,7 @@ from statistics import fmean
 from industnerf.artifacts.scores import PartScore
 from industnerf.methods.base import Method, Role
 from industnerf.report import paper
-from industnerf.report.formats import csv_text, intervals_of, markdown, short
+from industnerf.report.formats import brief, csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Lesson, Study
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
@@ -41,6 +41,7 @@ class Row:
     learned_from: int  # parts, the fewest of any fold
     hold_out: str  # what those parts have not in common with the part asked for
     undertrained: str  # why a net does not deserve its name, or empty
+    emd_mm: float  # EMD (even) of each part in mm, their mean
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class Extra:
 
     emd_without_failures: float | None
     seconds: float | None
+    to_ours: float | None = None  # EMD (even) as a multiple of the paper's method's
 
 
 def table1(study: Study, settings: ReportParams) -> list[Row]:
@@ -125,6 +127,7 @@ def _row(
         paper.EMD.get(method.name),
         *_learned(study.lessons.get(method.name)),
         "",
+        fmean(row.score.value * study.parts[row.part_id].diagonal_mm for row in even),
     )
 
 
@@ -158,14 +161,22 @@ def without_failures(study: Study, row: Row) -> float | None:
     return fmean(values) if values else None
 
 
+def to_ours(rows: list[Row], row: Row) -> float | None:
+    """EMD (even) of `row` as a multiple of the paper's method's on the same parts, if it ran."""
+    ours = [one.emd_even for one in rows if (one.method, one.split) == (paper.OURS, row.split)]
+    return row.emd_even / ours[0] if ours else None
+
+
 COLUMNS = (
     "method",
     "inputs",
     "split",
     "EMD (even)",
     "95 %",
+    "EMD, mm",
     "floor",
     "x floor",
+    "x industnerf",
     "EMD (iid)",
     "EMD (full)",
     "parts",
@@ -186,8 +197,10 @@ def cells(row: Row, extra: Extra) -> list[str]:
         row.split,
         short(row.emd_even),
         f"{row.ci_low:.4f} to {row.ci_high:.4f}",
+        brief(row.emd_mm),
         short(row.floor),
         short(row.ratio_to_floor, 2),
+        short(extra.to_ours, 2),
         short(row.emd_iid),
         short(row.emd_full),
         str(row.parts),
@@ -195,8 +208,13 @@ def cells(row: Row, extra: Extra) -> list[str]:
         short(extra.emd_without_failures),
         short(extra.seconds, 2),
         lesson(row),
-        short(row.paper_emd),
+        _published(row.paper_emd),
     ]
+
+
+def _published(emd: float | None) -> str:
+    """The paper's EMD, and which multiple of its own method's that is: `0.0482 (3.96 x)`."""
+    return "" if emd is None else f"{emd:.4f} ({emd / paper.EMD[paper.OURS]:.2f} x)"
 
 
 def lesson(row: Row) -> str:

@@ -27,9 +27,10 @@ BY_PART = (
     "anywhere around the part, <i>seen</i> the share that its training views show; the strata are "
     "formulas on the mesh (docs/dataset.md). A part's name leads to all its scores."
 )
-COST = (
-    "Seconds differ from run to run, so they stand beside this page: pareto.png draws EMD against "
-    "seconds a part, table1.md and cost.csv have the numbers."
+PARETO = (
+    "EMD (even) against seconds a part. No method is at once quicker and better than one on the "
+    "red line; nulls and bounds are hollow, and not on it. cost.csv beside this page has all "
+    "parts."
 )
 DISTRIBUTION = (
     "EMD (even) divided by the part's floor, a dot for each part, reported and dev alike; the red "

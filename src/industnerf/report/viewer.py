@@ -8,9 +8,10 @@ from html import escape
 import numpy as np
 
 from industnerf.artifacts.part import Part
+from industnerf.report.formats import brief
 from industnerf.report.gather import Study
 from industnerf.report.lookup import Scores
-from industnerf.report.markup import brief, note
+from industnerf.report.markup import note
 from industnerf.report.scenes import Scene
 
 COLOURINGS = {

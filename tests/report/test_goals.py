@@ -1,0 +1,93 @@
+"""What was to be reached: over which parts, and on which side of the bound."""
+
+import csv
+import io
+
+import pytest
+
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.report.costs import CostRow
+from industnerf.report.goals import Goal, goals, goals_csv, goals_md
+from industnerf.store import Cost
+from tests.samples import unit_part
+from tests.studies import study_of
+
+PARTS = [
+    unit_part("a", "f"),
+    unit_part("b", "g", strata=("pockets",)),
+    unit_part("c", "h"),
+    unit_part("d", "i"),
+]
+EMDS = {  # floor 0.01
+    "industnerf": [0.01, 0.03, 0.04, 9.0],
+    "industnerf_plus": [0.01, 0.02, 0.005, 9.0],
+    "hull": [0.01, 0.08, 0.01, 0.0],
+}
+
+
+@pytest.fixture
+def found():
+    """Goals over three test parts: the rig does not see all of c, b has pockets, d is for dev."""
+    study = study_of(PARTS, EMDS, dev="d", seen_by_rig={"a": 0.99, "b": 1.0, "c": 0.9, "d": 1.0})
+    for part, share in zip("abcd", (0.97, 0.99, 0.98, 0.0), strict=True):
+        score = Score("coverage", "P1-union", share, 1.0, "share", "ok")
+        study.scores.append(PartScore(part, "industnerf", score))
+    costs = [
+        CostRow("reconstruct", "industnerf_plus", part, Cost(seconds, peak, "cpu"))
+        for part, seconds, peak in (("a", 20.0, 1900.0), ("b", 30.0, 2100.0))
+    ]
+    return {(goal.method, goal.what): goal for goal in goals(study, costs)}
+
+
+def test_means_are_of_test_parts(found):
+    goal = found["industnerf", "EMD (even)"]
+    assert goal.value == pytest.approx(0.08 / 3)
+    assert not goal.met
+
+
+def test_open_parts_are_seen_whole_and_without_pockets(found):
+    (goal,) = [goal for (_, what), goal in found.items() if "floors" in what]
+    assert goal.value == pytest.approx(1.0)  # of a alone
+    assert goal.met
+
+
+def test_the_hull_is_beaten_part_by_part_and_in_pockets(found):
+    wins = found["industnerf_plus", "share of parts on which it beats the hull"]
+    assert wins.value == pytest.approx(2 / 3)  # a is a draw
+    assert not wins.met
+    deep = found["industnerf_plus", "EMD of the hull over its own, parts with pockets"]
+    assert deep.value == pytest.approx(4)
+    assert deep.met
+
+
+def test_what_is_to_be_at_least_so_much_is_met_from_above(found):
+    goal = found["industnerf", "share of the foreground that has a depth"]
+    assert goal.value == pytest.approx(0.98)
+    assert Goal("m", "w", 0.98, True, 0.98).met
+    assert not Goal("m", "w", 0.98, True, 0.97).met
+    assert not Goal("m", "w", 0.98, False, 0.99).met
+
+
+def test_seconds_are_a_mean_and_memory_is_the_largest(found):
+    assert found["industnerf_plus", "seconds a part, one core"].value == 25
+    assert found["industnerf_plus", "peak memory of any part, GB"].value == 2.1
+    assert ("industnerf", "seconds a part, one core") not in found
+
+
+def test_the_files_hold_them(found):
+    rows = list(csv.DictReader(io.StringIO(goals_csv(list(found.values())))))
+    assert rows[0] == {
+        "method": "industnerf",
+        "goal": "EMD (even)",
+        "wanted": "at most 0.02",
+        "value": "0.0266667",
+        "met": "no",
+    }
+    assert "| industnerf | EMD (even) | at most 0.02 | 0.0267 | **no** |" in goals_md(
+        list(found.values())
+    )
+
+
+def test_a_study_of_other_methods_has_none():
+    assert goals(study_of(PARTS, {"hull": EMDS["hull"]}), []) == []
+    assert "None of the methods" in goals_md([])

@@ -1,0 +1,52 @@
+"""Means and medians in mm."""
+
+import csv
+import io
+
+import pytest
+
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.report.inspection import inspection, inspection_csv, inspection_md
+from tests.samples import unit_part
+from tests.studies import study_of
+
+EDGES = (3.0, 4.0, 12.0)  # mm: a box of these has a diagonal of 13
+PARTS = [
+    unit_part("a", "f", extents_mm=EDGES),
+    unit_part("b", "g", extents_mm=tuple(10 * edge for edge in EDGES)),
+    unit_part("c", "h", extents_mm=EDGES),
+    unit_part("d", "i", extents_mm=EDGES),
+]
+
+
+@pytest.fixture
+def study():
+    """Three test parts, the second ten times as large; what is within 1 mm is known of two."""
+    found = study_of(PARTS, {"box": [0.2] * 4, "hull": [0.01, 0.02, 0.03, 9.0]}, dev="d")
+    for part, share, worst in (("a", 1.0, 0.1), ("b", 0.5, 0.8), ("d", 0.0, 99.0)):
+        for metric, value, unit in (("within_1mm", share, "share"), ("hausdorff95", worst, "mm")):
+            score = Score(metric, "P1-dense", value, 0.0, unit, "ok")
+            found.scores.append(PartScore(part, "hull", score))
+    return found
+
+
+def test_a_distance_is_brought_to_mm_part_by_part(study):
+    hull, box = inspection(study)
+    assert (hull.method, box.method) == ("hull", "box")
+    assert hull.emd_mm == pytest.approx((0.13 + 2.6 + 0.39) / 3)
+    assert hull.emd_median_mm == pytest.approx(0.39)
+    assert hull.hausdorff95_mm == pytest.approx(0.45)
+    assert hull.within == {"1mm": pytest.approx(0.75)}
+    assert hull.parts == 3
+
+
+def test_what_was_not_measured_is_left_empty(study):
+    lines = inspection(study)
+    assert lines[1].hausdorff95_mm is None
+    rows = list(csv.DictReader(io.StringIO(inspection_csv(lines))))
+    assert rows[0]["within_1mm"] == "0.75"
+    assert rows[1]["within_1mm"] == rows[1]["hausdorff95_mm"] == ""
+    head, _, first, second = inspection_md(lines).splitlines()
+    assert "| cloud within 1 mm |" in head
+    assert "| 75.0 % | 3 |" in first
+    assert second.endswith("|  |  |  | 3 |")

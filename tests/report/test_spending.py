@@ -1,0 +1,33 @@
+"""What methods cost, from side-cars that are known."""
+
+import pytest
+
+from industnerf.report.costs import CostRow, seconds_per_part
+from industnerf.report.spending import cells, spending
+from industnerf.store import Cost
+from tests.samples import unit_part
+from tests.studies import study_of
+
+PARTS = [unit_part(name, name) for name in "ab"]
+COSTS = [
+    CostRow("reconstruct", "hull", "a", Cost(1.0, 100.0, "cpu", 0.5)),
+    CostRow("reconstruct", "hull", "b", Cost(3.0, 300.0, "cpu", 1.5)),
+    CostRow("evaluate", "hull", "a", Cost(7.0, 100.0, "cpu")),
+    CostRow("train", "r2n2", "fold-0", Cost(60.0, 500.0, "cpu")),
+    CostRow("train", "r2n2", "fold-1", Cost(180.0, 700.0, "cpu")),
+]
+
+
+def test_a_line_holds_means_and_of_learning_the_largest_peak():
+    study = study_of(PARTS, {"r2n2": [0.1, 0.1], "hull": [0.1, 0.1]})
+    hull, net = spending(study, COSTS)
+    assert (hull.method, net.method) == ("hull", "r2n2")
+    assert (hull.seconds, hull.aside_s, hull.peak_mb, hull.scoring_s) == (2.0, 1.0, 200.0, 7.0)
+    assert (net.nets, net.net_minutes, net.net_peak_mb) == (2, 2.0, 700.0)
+    assert net.seconds is None
+    assert cells(net)[1] == ""
+
+
+def test_seconds_are_those_of_the_parts_asked_for():
+    assert seconds_per_part(COSTS, "hull", {"b"}) == pytest.approx(3.0)
+    assert seconds_per_part(COSTS, "hull", {"c"}) is None
