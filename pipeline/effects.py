@@ -8,10 +8,12 @@ import re
 import sys
 from pathlib import Path
 
+from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
 from industnerf.errors import BadParams
-from industnerf.report.effects import filled, outcomes, table
+from industnerf.report.blocks import replace_block
+from industnerf.report.effects import outcomes, table
 from industnerf.schema import readings
 
 DOCUMENT = Path("docs/readings.md")
@@ -23,7 +25,7 @@ def main() -> None:
     params = load_params()
     default = params.method.industnerf.readings
     made = table(outcomes(Path(sys.argv[1])), default, numbers(), params.report)
-    DOCUMENT.write_text(filled(DOCUMENT.read_text(), made))
+    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "effects", made))
 
 
 def numbers() -> dict[str, str]:

@@ -6,7 +6,7 @@ from PIL import Image
 
 from industnerf.cli import exit_with_message
 from industnerf.errors import BadArtifact
-from industnerf.report.readme import replace_block
+from industnerf.report.blocks import replace_block
 
 WIDTH = 2200  # px of the picture
 README, DEMO = Path("README.md"), Path("runs/demo/reports")

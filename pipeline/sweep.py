@@ -14,9 +14,11 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
+from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
 from industnerf.config import build
 from industnerf.errors import SuiteError
+from industnerf.report.provenance import origin
 from industnerf.report.sweep import write_sweep
 from industnerf.schema import Params
 from industnerf.tracking import log_report, prepare
@@ -24,10 +26,13 @@ from pipeline.chain import run_chain
 
 
 class SweepEnd(Callback):
-    """Before a sweep the tracking database is made; after it stand a table and a plot."""
+    """Before a sweep the tracking database is made, and its commit noted; after it stand a table
+    and a plot.
+    """
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         prepare()
+        write_json(Path(config.hydra.sweep.dir) / "made.json", origin())
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         if write_sweep(Path(config.hydra.sweep.dir)):

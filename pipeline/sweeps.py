@@ -4,21 +4,20 @@ python -m pipeline.sweeps runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, noth
 python -m pipeline.sweeps        only writes the table anew
 """
 
-import re
+import json
 import shutil
 import sys
-from datetime import date
 from pathlib import Path
 
 from PIL import Image
 
-from industnerf.artifacts.files import write_json
+from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import exit_with_message
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
+from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
 from industnerf.report.sweep_points import core_seconds
-from industnerf.tracking import git_state
 
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
@@ -26,20 +25,17 @@ DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 def main(sweep: str = "", machine: str = "") -> None:
     if sweep:
         publish(Path(sweep), machine)
-    block = f"<!-- sweeps -->\n{index(Path.cwd())}<!-- end sweeps -->"
-    text = re.sub(
-        r"<!-- sweeps -->.*<!-- end sweeps -->", lambda _: block, DOCUMENT.read_text(), flags=re.S
-    )
-    DOCUMENT.write_text(text)
+    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "sweeps", index(Path.cwd())))
 
 
 def publish(sweep: Path, machine: str) -> None:
     """Copy tables and plot; raises BadArtifact if the sweep is not finished or of no preset."""
-    if not (sweep / "sweep.csv").exists():
-        raise BadArtifact(f"{sweep}/sweep.csv is missing; a sweep writes it at its end")
+    for name, when in (("made.json", "start"), ("sweep.csv", "end")):
+        if not (sweep / name).exists():
+            raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
     name = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
     if name not in [preset.name for preset in presets(Path.cwd())]:
-        raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep-* of conf/experiment/")
+        raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
     folder = PUBLISHED / name
     folder.mkdir(parents=True, exist_ok=True)
     for table in ("sweep.csv", "trend.csv"):
@@ -47,8 +43,7 @@ def publish(sweep: Path, machine: str) -> None:
     with Image.open(sweep / "sweep.png") as plot:
         plot.convert("RGB").quantize(COLOURS).save(folder / "sweep.png", optimize=True)
     about = {
-        "date": date.today().isoformat(),
-        "commit": git_state().get("git.commit", "unknown")[:7],
+        **json.loads((sweep / "made.json").read_text()),
         "machine": machine or "unknown",
         "core_minutes": round(core_seconds(sweep) / 60, 1),
     }

@@ -7,7 +7,8 @@ import subprocess
 import pytest
 import yaml
 
-from industnerf.report.readme import block, study_block
+from industnerf.report.blocks import block
+from industnerf.report.readme import study_block
 from tests.pipeline.conftest import Project
 from tests.pipeline.locks import lock_disagreements
 

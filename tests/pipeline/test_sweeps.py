@@ -32,6 +32,8 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "1,4,box,dev,0.1\n"
     )
     (sweep / "trend.csv").write_text("series\n")
+    made = {"schema": 1, "date": "2026-01-02", "commit": "0123456 with changes"}
+    (sweep / "made.json").write_text(json.dumps(made))
     Image.new("RGB", (640, 800), (255, 0, 0)).save(sweep / "sweep.png")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -52,7 +54,8 @@ def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path
     assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
     assert "a quiet machine" in text
     about = json.loads((project / "docs/sweeps/sweep-b/about.json").read_text())
-    assert set(about) == {"date", "commit", "machine", "core_minutes"}
+    assert set(about) == {"schema", "date", "commit", "machine", "core_minutes"}
+    assert "2026-01-02, at commit 0123456 with changes, a quiet machine" in text
     with Image.open(project / "docs/sweeps/sweep-b/sweep.png") as plot:
         assert plot.size == (640, 800)
 

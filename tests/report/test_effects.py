@@ -8,7 +8,7 @@ import yaml
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact
-from industnerf.report.effects import filled, outcomes, table
+from industnerf.report.effects import outcomes, table
 from industnerf.schema import ReportParams
 
 ROOT = Path(__file__).parents[2]
@@ -78,9 +78,3 @@ def test_what_was_not_run_alone_is_not_yet_measured(rows):
 def test_a_sweep_without_a_finished_point_is_an_error(tmp_path):
     with pytest.raises(BadArtifact, match="no finished point"):
         outcomes(tmp_path)
-
-
-def test_the_table_replaces_the_old_one_and_nothing_else():
-    text = "before\n<!-- effects -->\nold | 1\n<!-- end effects -->\nafter\n"
-    expected = "before\n<!-- effects -->\nnew\n<!-- end effects -->\nafter\n"
-    assert filled(text, "new\n") == expected

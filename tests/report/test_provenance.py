@@ -66,7 +66,7 @@ def test_a_stamp_names_the_commit_seen_from_any_folder(repository, monkeypatch):
 def test_a_stamp_without_a_repository_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
-    assert ", no commit, " in stamp()
+    assert ", commit none, " in stamp()
 
 
 def test_the_environment_names_versions_and_no_host():

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
+from industnerf.report.blocks import block, replace_block
 from industnerf.report.publish import COPIED, KEPT, publish
-from industnerf.report.readme import block, replace_block, study_block
+from industnerf.report.readme import study_block
 from tests.report.published import disagreements, rows_of, write_report
 
 MADE = {

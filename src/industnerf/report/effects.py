@@ -1,7 +1,6 @@
 """What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
 
 import csv
-import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import fmean
@@ -111,9 +110,3 @@ def _difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
     rng = generator(0, "bootstrap")
     low, high = bootstrap_interval(change, families, ways.resamples, ways.interval, rng)
     return [f"{fmean(change):+.4f}", f"{low:+.4f} to {high:+.4f}"]
-
-
-def filled(text: str, made: str) -> str:
-    """`text`, the document, with the table `made` between its marks."""
-    block = f"<!-- effects -->\n{made}<!-- end effects -->"
-    return re.sub(r"<!-- effects -->.*<!-- end effects -->", lambda _: block, text, flags=re.DOTALL)

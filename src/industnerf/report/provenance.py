@@ -31,16 +31,21 @@ def made_by(command: str) -> dict[str, Any]:
     }
 
 
-def stamp() -> str:
-    """One line for a page: the day, the commit if there is one, the machine."""
+def origin() -> dict[str, Any]:
+    """The day, and the commit as people name it: `f51e968 with changes`, or `none`."""
     try:
         changed = _git("status", "--porcelain", "--", ":/", *(f":(top,exclude){p}" for p in LATER))
-        where = f"commit {_git('rev-parse', 'HEAD')[:7]}{' with changes' if changed else ''}"
+        commit = _git("rev-parse", "HEAD")[:7] + (" with changes" if changed else "")
     except BadArtifact:
-        where = "no commit"
-    machine = environment()
+        commit = "none"
+    return {"schema": 1, "date": _today(), "commit": commit}
+
+
+def stamp() -> str:
+    """One line for a page: the day, the commit if there is one, the machine."""
+    made, machine = origin(), environment()
     return (
-        f"{_today()}, {where}, {machine['cores']} cores of {machine['cpu']}, "
+        f"{made['date']}, commit {made['commit']}, {machine['cores']} cores of {machine['cpu']}, "
         f"Python {machine['python']}, torch {machine['packages']['torch']}"
     )
 

@@ -69,8 +69,8 @@ def _about(made: dict[str, Any], pictures: list[str]) -> str:
     files = [[f"`{name}`", text] for name, text in (COPIED | kept | WRITTEN).items()]
     return (
         f"# Results of `{made['command']}`\n\n"
-        "Copied from `reports/` by `make results`; not to be edited.  docs/protocol.md says what "
-        "the numbers are.\n\n"
+        "Copied from its report by `pipeline/publish.py`; not to be edited.  docs/protocol.md says "
+        "what the numbers are.\n\n"
         f"{markdown(['file', 'what'], files)}\n"
         + "".join(f"![{name}]({name})\n" for name in pictures)
     )

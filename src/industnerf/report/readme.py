@@ -2,40 +2,15 @@
 
 import csv
 import json
-import re
 from collections import defaultdict
 from pathlib import Path
 from statistics import fmean
 
 from industnerf.config import flat, read_yaml
-from industnerf.errors import BadArtifact
 from industnerf.report.formats import brief, markdown, short
 from industnerf.report.table2 import LOSSES
 
 Cells = dict[str, str]
-
-
-def replace_block(text: str, name: str, content: str) -> str:
-    """`text` with `content` between `<!-- name -->` and `<!-- end name -->`.
-
-    Raises BadArtifact if there is not just one such place.
-    """
-    head, _, tail = _split(text, name)
-    return f"{head}{content}{tail}"
-
-
-def block(text: str, name: str) -> str:
-    """What stands between `<!-- name -->` and `<!-- end name -->`."""
-    return _split(text, name)[1]
-
-
-def _split(text: str, name: str) -> tuple[str, str, str]:
-    found = re.fullmatch(rf"(.*<!-- {name} -->\n)(.*)(<!-- end {name} -->.*)", text, re.DOTALL)
-    if found is None or text.count(f"<!-- {name} -->") != 1:
-        raise BadArtifact(
-            f"README.md must have one place between <!-- {name} --> and <!-- end {name} -->"
-        )
-    return found[1], found[2], found[3]
 
 
 def study_block(folder: Path, params: Path) -> str:

@@ -20,8 +20,9 @@ class Preset:
 
 
 def presets(root: Path) -> list[Preset]:
-    """The sweep presets below `root`, by name."""
-    return [_preset(path) for path in sorted((root / PRESETS).glob("sweep-*.yaml"))]
+    """The sweep presets below `root`, by name; `leakage` is one."""
+    paths = [*(root / PRESETS).glob("leakage.yaml"), *(root / PRESETS).glob("sweep-*.yaml")]
+    return [_preset(path) for path in sorted(paths)]
 
 
 def _preset(path: Path) -> Preset:

@@ -49,7 +49,7 @@ def document(text: str, values: dict[str, Any], stages: dict[str, dict[str, Any]
 def _nerfs(sources: Sources) -> str:
     about = "".join(f"- `{name}`: {sources.said[f'method.{name}']}\n" for name in NERFS)
     keys = {f"method.{name}.": _below(sources, f"method.{name}") for name in NERFS}
-    title = f"\n## `method.{'`, `method.'.join(NERFS)}`\n\nOne code, three settings.\n\n{about}\n"
+    title = f"\n## `method.{'`, `method.'.join(NERFS)}`\n\nOne code, five settings.\n\n{about}\n"
     return title + _table(sources, "", keys)
 
 
