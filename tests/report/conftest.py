@@ -29,5 +29,6 @@ def report_page(study) -> str:
     """The page of `study`, both of whose parts are in the viewer."""
     grey = jpeg(Image.new("RGB", (8, 8), "grey"))
     taken = Snapshots(["hull"], [(study.parts["near-ball"], [[grey, None]])])
-    exhibits = Exhibits(grey, [scene(study, part) for part in study.parts.values()], taken, b"")
+    scenes = [scene(study, part) for part in study.parts.values()]
+    exhibits = Exhibits(grey, scenes, taken, b"", {"near-ball": [("photograph", grey)]})
     return page(Results.of(study, SETTINGS), exhibits, made="on a day")

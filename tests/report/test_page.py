@@ -91,6 +91,19 @@ def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
     assert "no silhouette &lt;seen&gt;" in section
 
 
+def test_a_part_leads_to_its_neighbours_and_shows_its_picture(report_page):
+    near, far = (report_page.split(f"id='part={name}'")[1] for name in gallery.PARTS)
+    assert "<figcaption>photograph</figcaption>" in near.split("</section>")[0]
+    assert "<a href='#part=far-ball'>" in near.split("</section>")[0]
+    assert "<a href='#part=near-ball'>" in far.split("</section>")[0]
+
+
+def test_sections_are_linked_from_the_top_and_the_day_is_named(report_page):
+    contents = re.search("<nav class=contents>(.*?)</nav>", report_page)[1]
+    assert "<a href='#part-by-part'>Part by part</a>" in contents
+    assert "Made on a day." in report_page
+
+
 def test_failures_are_listed_also_of_parts_that_never_became_one(report_page):
     assert "<b>parts</b>, torn-part: torn.step: no solid" in report_page
     assert report_page.count(">Failures</h2>") == 1

@@ -11,7 +11,7 @@ from industnerf.artifacts.views import Frame, Views, save_views
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.report.figures import renderings
-from industnerf.report.snapshots import SIDE, snapshots
+from industnerf.report.snapshots import SIDE, album, snapshots
 from tests.report import gallery
 
 PX = 2 * SIDE
@@ -61,3 +61,11 @@ def test_where_nobody_renders_there_is_nothing(photographed):
     only = [photographed.parts["far-ball"]]
     assert snapshots(photographed, only).rows == []
     assert renderings(snapshots(photographed, only)) == ""
+
+
+def test_the_album_has_the_first_held_out_view_of_every_part(photographed):
+    found = album(photographed)
+    assert [name for name, _ in found["near-ball"]] == ["photograph", "hull"]
+    tones = [grey(content) for _, content in found["near-ball"]]
+    np.testing.assert_allclose(tones, [10, 110], atol=1)
+    assert [name for name, _ in found["far-ball"]] == ["photograph"]

@@ -2,14 +2,14 @@
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from PIL import Image
 
 from industnerf.artifacts.part import Part
 from industnerf.report.gather import Study
 from industnerf.report.scenes import Scene, scene
-from industnerf.report.snapshots import Snapshots, jpeg, snapshots
+from industnerf.report.snapshots import Album, Snapshots, album, jpeg, snapshots
 
 SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is larger
 
@@ -22,6 +22,7 @@ class Exhibits:
     scenes: Sequence[Scene]
     snapshots: Snapshots
     front: bytes  # PNG: EMD against seconds
+    album: Album = field(default_factory=dict)
 
 
 def exhibits(study: Study, parts: list[Part], sheet: bytes, front: bytes) -> Exhibits:
@@ -30,4 +31,5 @@ def exhibits(study: Study, parts: list[Part], sheet: bytes, front: bytes) -> Exh
     Raises BadArtifact if a file is torn.
     """
     small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX)
-    return Exhibits(small, [scene(study, part) for part in parts], snapshots(study, parts), front)
+    scenes = [scene(study, part) for part in parts]
+    return Exhibits(small, scenes, snapshots(study, parts), front, album(study))

@@ -1,5 +1,6 @@
 """The figures of the page beside the viewer: distributions, calibration, renderings, failures."""
 
+from collections.abc import Iterator
 from html import escape
 
 from industnerf.report import texts
@@ -53,7 +54,7 @@ def renderings(taken: Snapshots) -> str:
     head = "".join(f"<th class=text>{escape(name)}" for name in ["part", *heads])
     body = "".join(
         f"<tr><td>{part_link(part.part_id, part.designation)}"
-        + "".join(f"<td>{_cell(content)}" for pictures in views for content in pictures)
+        + "".join(_cells(part.designation, ["photograph", *taken.methods], views))
         for part, views in taken.rows
     )
     return (
@@ -62,8 +63,11 @@ def renderings(taken: Snapshots) -> str:
     )
 
 
-def _cell(content: bytes | None) -> str:
-    return "failed" if content is None else picture("jpeg", content, "held-out view")
+def _cells(part: str, names: list[str], views: list[list[bytes | None]]) -> Iterator[str]:
+    for number, pictures in enumerate(views, start=1):
+        for name, content in zip(names, pictures, strict=True):
+            about = f"{part}, held-out view {number}: {name}"
+            yield f"<td>{'failed' if content is None else picture('jpeg', content, about)}"
 
 
 def failures(study: Study) -> str:

@@ -46,7 +46,7 @@ def page(results: Results, exhibits: Exhibits, protocols: str = "", made: str = 
         f"<title>IndustNeRF: {escape(study.preset)}</title><style>{_web('page.css')}</style>"
         f"<h1>IndustNeRF suite: {escape(study.preset)}</h1>{_summary(study, made)}"
         f"{_headline(results)}<nav class=contents>{links}</nav>{body}"
-        f"{part_pages(study, scores, shown)}"
+        f"{part_pages(study, scores, shown, exhibits.album)}"
         f"{''.join(f'<script>{_web(name)}</script>' for name in SCRIPTS)}</html>\n"
     )
 

@@ -8,7 +8,16 @@ from industnerf.report.formats import brief, short
 from industnerf.report.gather import Study
 from industnerf.report.headline import percent
 from industnerf.report.lookup import EVEN, Scores
-from industnerf.report.markup import Column, Line, note, part_anchor, table
+from industnerf.report.markup import (
+    Column,
+    Line,
+    note,
+    part_anchor,
+    part_link,
+    picture,
+    table,
+)
+from industnerf.report.snapshots import Album
 from industnerf.report.table2 import LOSSES
 
 NAMES = {  # as people say them; what is not here keeps the name it has in scores.csv
@@ -27,23 +36,46 @@ BARE = ("1", "diagonal")  # units that go without saying
 FOUR_DIGITS = ("1", "diagonal", "share")  # the others range over many magnitudes
 
 
-def part_pages(study: Study, scores: Scores, in_viewer: set[str]) -> str:
-    """All sections; each shows when the page is opened at it."""
-    return "".join(_section(study, scores, part, in_viewer) for part in study.parts.values())
+def part_pages(study: Study, scores: Scores, in_viewer: set[str], album: Album) -> str:
+    """All sections, in the order of their table; each shows when the page is opened at it."""
+    parts = sorted(study.parts.values(), key=lambda part: (part.family, part.part_id))
+    around = zip([None, *parts], parts, [*parts[1:], None], strict=False)
+    return "".join(
+        f"<section class=part id='{escape(part_anchor(part.part_id))}'>"
+        f"<h2>{escape(part.designation)}</h2>"
+        f"<nav>{_ways(part, before, after, in_viewer)}</nav>"
+        f"{_pictures(album.get(part.part_id, []))}{_section(study, scores, part)}</section>"
+        for before, part, after in around
+    )
 
 
-def _section(study: Study, scores: Scores, part: Part, in_viewer: set[str]) -> str:
+def _ways(part: Part, before: Part | None, after: Part | None, in_viewer: set[str]) -> str:
+    """Links to where one may want to go from here."""
+    ways = ["<a href='#part-by-part'>all parts</a>"]
+    ways += [part_link(other.part_id, other.designation) for other in (before, after) if other]
+    if part.part_id in in_viewer:
+        ways.append(
+            f"<a href='#viewer' data-scene='{escape(part.part_id)}'>show it in the viewer</a>"
+        )
+    return "".join(ways)
+
+
+def _pictures(seen: list[tuple[str, bytes]]) -> str:
+    """One view, photographed and rendered; empty if nobody photographed it."""
+    figures = "".join(
+        f"<figure>{picture('jpeg', content, name)}<figcaption>{escape(name)}</figcaption></figure>"
+        for name, content in seen
+    )
+    return figures and f"<div class=album>{figures}</div>"
+
+
+def _section(study: Study, scores: Scores, part: Part) -> str:
     kinds = dict(sorted(scores.kinds().items(), key=lambda kind: kind[0][0] != "emd"))
     surface = {kind: unit for kind, unit in kinds.items() if kind[1] not in BEYOND}
     beyond = {kind: unit for kind, unit in kinds.items() if kind[1] in BEYOND}
-    name = escape(part_anchor(part.part_id))
-    link = f"<a href='#viewer' data-scene='{escape(part.part_id)}'>show it in the viewer</a>"
     return (
-        f"<section class=part id='{name}'><h2>{escape(part.designation)}</h2>"
-        f"<nav><a href='#part-by-part'>all parts</a>"
-        f"{link if part.part_id in in_viewer else ''}</nav>"
         f"{_facts(study, part)}{_scores(study, scores, part, surface)}"
-        f"{_scores(study, scores, part, beyond)}{_failures(study, part)}</section>"
+        f"{_scores(study, scores, part, beyond)}{_failures(study, part)}"
     )
 
 

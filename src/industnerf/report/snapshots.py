@@ -1,4 +1,7 @@
-"""Held-out photographs beside what each method renders from the same camera, as small JPEGs."""
+"""Held-out photographs beside what each method renders from the same camera, as small JPEGs.
+
+Of a few parts two views each, and of every part the first.
+"""
 
 import io
 from dataclasses import dataclass
@@ -52,6 +55,33 @@ def _pictures(study: Study, part: Part, methods: list[str]) -> list[list[bytes |
         [_small(photograph), *(known and _small(known.rgb[i]) for known in answers)]
         for i, photograph in zip(chosen, photographs, strict=True)
     ]
+
+
+Album = dict[str, list[tuple[str, bytes]]]  # part id -> what is seen, JPEG
+
+
+def album(study: Study) -> Album:
+    """Of every photographed part its first held-out view, and what methods render from there.
+
+    Raises BadArtifact if a photograph is torn.
+    """
+    return {name: _first(study, name) for name in study.parts if _photographed(study, name)}
+
+
+def _photographed(study: Study, part: str) -> bool:
+    return (study.folders.views / part).is_dir()
+
+
+def _first(study: Study, part: str) -> list[tuple[str, bytes]]:
+    views = load_views(study.folders.views / part)
+    held_out = np.flatnonzero(views.held_out)[:1]
+    seen = [("photograph", _small(pixels)) for pixels in views.rgb(held_out)]
+    for method in study.methods:
+        rendered = study.folders.clouds / method / part / FOLDER / "rgb" / "000.png"
+        if seen and rendered.exists():
+            with Image.open(rendered) as picture:
+                seen.append((method, jpeg(picture)))
+    return seen
 
 
 def _small(pixels: UInt8[np.ndarray, "h w 3"]) -> bytes:
