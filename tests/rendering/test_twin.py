@@ -207,6 +207,23 @@ def test_gradients(weights, stop):
     torch.autograd.gradcheck(seen, tuple(x.clone().requires_grad_() for x in inputs))
 
 
+@pytest.mark.parametrize("stop", [0.0, 0.05])
+def test_gradients_of_distances(stop):
+    """Away from where a density is cut off, at -6 and 6 beta: these reach 1 beta either way."""
+    scene = random_scene(
+        8, 12, rays=6, step=0.25, radius=0.6, k=3, weights="tent", stop=stop, beta=0.5
+    )
+    values = scene.sigma.clamp(-0.5, 0.5)
+
+    def seen(*inputs):
+        rendered = render_twin(*scene.rays, scene.points, *inputs, **scene.settings)
+        return tuple(vars(rendered).values())
+
+    assert (1 - seen(values, scene.rgb, scene.background)[-1] > 0.1).any()
+    inputs = (values, scene.rgb, scene.background)
+    torch.autograd.gradcheck(seen, tuple(x.clone().requires_grad_() for x in inputs))
+
+
 def test_positions_have_no_gradient():
     scene = random_scene(8, 12, rays=6)
     points = scene.points.clone().requires_grad_()

@@ -90,3 +90,17 @@ def test_gradients_reach_every_weight():
     net = encoder()
     net(images(), WHITE).square().sum().backward()
     assert all((weight.grad != 0).any() for weight in net.parameters())
+
+
+def test_gradients_of_weights_and_images():
+    """The contrast's largest channel and rectifiers have kinks; random inputs are off them."""
+    net, taken = encoder(rgb_skip=True), images(8, 12).requires_grad_()
+    assert torch.autograd.gradcheck(lambda seen: net(seen, WHITE), taken)
+    learned = dict(net.named_parameters())
+
+    def features(*values):
+        named = dict(zip(learned, values, strict=True))
+        return torch.func.functional_call(net, named, (taken.detach(), WHITE))
+
+    # some hundred weights: along random directions
+    assert torch.autograd.gradcheck(features, tuple(learned.values()), fast_mode=True)

@@ -81,6 +81,28 @@ def test_gradients_are_right_away_from_kinks(reading):
     assert torch.autograd.gradcheck(lambda raw: activate(raw, reading, 0.5, 4.0), raw)
 
 
+def test_gradients_of_the_whole_network():
+    """After a few random steps, for at the start its last layers are zero.
+
+    Inputs are so few that none is within gradcheck's nudge of 1e-6 of a rectifier's kink.
+    """
+    torch.manual_seed(0)
+    net = Network(5, 6, 2, initial=-1.0, gain=3.0).double()
+    with torch.no_grad():
+        for weights in net.parameters():
+            weights += 0.3 * torch.randn_like(weights)
+    inputs = torch.randn(4, 5, dtype=torch.float64, requires_grad=True)
+    colours = (0.1 + 0.8 * torch.rand(4, 3, dtype=torch.float64)).requires_grad_()
+    assert torch.autograd.gradcheck(net, (inputs, colours))
+    learned = dict(net.named_parameters())
+
+    def seen(*values):
+        named = dict(zip(learned, values, strict=True))
+        return torch.func.functional_call(net, named, (inputs.detach(), colours.detach()))
+
+    assert torch.autograd.gradcheck(seen, tuple(learned.values()))
+
+
 def test_pruning_sets_the_smallest_weights_to_0_for_good():
     torch.manual_seed(0)
     net = Network(10, 16, 2, initial=-1.0, gain=3.0)

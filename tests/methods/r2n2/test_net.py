@@ -11,13 +11,29 @@ from industnerf.methods.r2n2.decoder import Last, Up, conv3, conv_unpooled, unpo
 from industnerf.methods.r2n2.encoder import Stage, pooled
 from industnerf.methods.r2n2.gru import GridGRU
 from industnerf.methods.r2n2.net import R2N2, new_net
+from tests.methods.test_conformance import merged
 
 
 @pytest.fixture(scope="module")
-def published():
+def full():
+    """The settings with the published sizes."""
+    return merged("params.yaml", "conf/experiment/gpu.yaml").method.r2n2
+
+
+@pytest.fixture(scope="module")
+def published(full):
     """The net at its full width, without numbers: shapes alone."""
     with torch.device("meta"):
-        return R2N2(px=127, divisor=1)
+        return R2N2(full.image_px, full.divisor)
+
+
+def test_full_is_as_published(full):
+    """github.com/chrischoy/3D-R2N2, lib/config.py: the residual GRU net for several views."""
+    assert full.size == "full"
+    assert (full.image_px, full.divisor, full.views) == (127, 1, 5)
+    training = full.training
+    assert (training.steps, training.batch, training.rate) == (60_000, 36, 1e-4)
+    assert training.drops == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
 
 
 def conv(kernel, dims, before, after):
