@@ -1,10 +1,12 @@
-"""Bring what a sweep says of the readings into docs/readings.md.
+"""Bring what a sweep says of the readings into docs/readings.md, its points to docs/readings.csv.
 
 python -m pipeline.effects runs/sweeps/<of experiment=readings>
 """
 
 import inspect
+import json
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -16,7 +18,7 @@ from industnerf.report.blocks import replace_block
 from industnerf.report.effects import outcomes, table
 from industnerf.schema import readings
 
-DOCUMENT = Path("docs/readings.md")
+DOCUMENT, POINTS = Path("docs/readings.md"), Path("docs/readings.csv")
 
 
 def main() -> None:
@@ -24,8 +26,12 @@ def main() -> None:
         raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of experiment=readings>")
     params = load_params()
     default = params.method.industnerf.readings
-    made = table(outcomes(Path(sys.argv[1])), default, numbers(), params.report)
-    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "effects", made))
+    sweep = Path(sys.argv[1])
+    found = table(outcomes(sweep), default, numbers(), params.report)
+    made = json.loads((sweep / "made.json").read_text())
+    text = f"{made['date']}, commit {made['commit']}.\n\n{found}"
+    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "effects", text))
+    shutil.copyfile(sweep / "sweep.csv", POINTS)
 
 
 def numbers() -> dict[str, str]:

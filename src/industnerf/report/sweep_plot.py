@@ -1,4 +1,4 @@
-"""The plot of a sweep: EMD with its interval, seconds and memory, over what was swept."""
+"""The plot of a sweep: EMD, seconds and memory over what was swept, and EMD against seconds."""
 
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,10 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
     """Write the PNG `path`; a dashed line is a fitted power law, the legend has its exponent."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(6.4, 8.0), layout="constrained")
-    emd, *costs = figure.subplots(1 + len(COSTS), 1, sharex=True)
+    figure = Figure(figsize=(6.4, 10.6), layout="constrained")
+    above, below = figure.subfigures(2, 1, height_ratios=(3, 1))
+    emd, *costs = above.subplots(1 + len(COSTS), 1, sharex=True)
+    _exchange(below.subplots(), lines)
     for i, line in enumerate(lines):
         _emd(emd, line, f"C{i}")
         for axis, quantity in zip(costs, COSTS, strict=True):
@@ -53,6 +55,22 @@ def _cost(axis: Any, line: Series, quantity: str, trend: Trend | None, colour: s
         x = np.array([x for x in line.x if x > 0])
         label = f"{line.label}: exponent {trend.law.exponent:.2f} ± {trend.law.error:.2f}"
         axis.plot(x, trend.law.factor * x**trend.law.exponent, "--", color=colour, label=label)
+
+
+def _exchange(axis: Any, lines: list[Series]) -> None:
+    """What more seconds buy: a line a method, each point with where in the sweep it stands."""
+    for i, line in enumerate(lines):
+        known = [
+            (result.seconds, result.emd, x)
+            for x, result in zip(line.x, line.results, strict=True)
+            if result.seconds is not None
+        ]
+        axis.plot([s for s, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}")
+        for seconds, emd, x in known:
+            text = f"{x:g}" if line.numeric else x
+            axis.annotate(text, (seconds, emd), (4, 3), textcoords="offset points", fontsize=7)
+    axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
+    axis.set_ylim(bottom=0)
 
 
 def _horizontal(axis: Any, lines: list[Series], key: str) -> None:
