@@ -26,5 +26,5 @@ def test_every_sweep_answers_a_limitation_and_states_its_time(preset):
 
 
 def test_every_preset_that_is_named_is_there():
-    named = set(re.findall(r"`(sweep-[\w-]+)`", TEXT))
+    named = set(re.findall(r"`(sweep-[\w-]+|leakage)`", TEXT))
     assert named == {preset.name for preset in presets(ROOT)}
