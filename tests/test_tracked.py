@@ -1,12 +1,14 @@
 """What MLflow is given: curves, one table, pictures."""
 
 import json
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.history import History
 from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.views import Frame, Views, save_views
@@ -120,6 +122,9 @@ def study(tmp_path):
         pictures = np.stack(greys[1:]) + np.uint8(100)
         depth = np.zeros((2, SIDE, SIDE), np.float32)
         Renderings(pictures, depth, depth.astype(np.uint8)).save(cloud)
+        one = np.zeros((1, 3), np.float32)  # where every camera looks
+        red, sure = np.array([[200, 0, 0]], np.uint8), np.ones(1, np.float32)
+        Cloud(f"p{i}", one, red, sure, np.zeros(1, np.int16), 0, 0).save(cloud)
     return tmp_path
 
 
@@ -130,5 +135,14 @@ def test_the_photograph_stands_beside_the_rendering_of_the_same_camera(study):
     np.testing.assert_array_equal(picture[::SIDE, SIDE, 0], [101, 131, 161, 191])
 
 
-def test_without_renderings_there_is_no_picture(study):
+def test_without_renderings_the_points_are_drawn(study):
+    for folder in (study / "clouds").iterdir():
+        shutil.rmtree(folder / "renderings")
+    picture = preview(study / "clouds", study / "views")
+    assert picture.shape == (4 * SIDE, 2 * SIDE, 3)
+    assert tuple(picture[SIDE // 2, SIDE + SIDE // 2]) == (200, 0, 0)
+    assert (picture[0, SIDE] == 255).all()
+
+
+def test_without_clouds_there_is_no_picture(study):
     assert preview(study / "views", study / "views") is None

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.history import FILE, History
 from industnerf.artifacts.png import read_png
-from industnerf.artifacts.renderings import INDEX
+from industnerf.artifacts.renderings import FOLDER
 from industnerf.artifacts.views import load_views
+from industnerf.splats import splat
 
 POINTS = 200  # of a curve
 PREVIEWS = 4  # parts in a picture
@@ -80,19 +82,24 @@ def _reconstructions(report: Path) -> Any:
 
 
 def preview(clouds: Path, views: Path) -> UInt8[np.ndarray, "h w 3"] | None:
-    """A few parts from their first held-out camera: left the photograph, right the rendering.
+    """A few parts from their first held-out camera: left the photograph, right what was made of it.
 
-    None if the method does not render.  Raises BadArtifact if a picture is missing or torn.
+    That is the rendering, or of a method that does not render the points of the cloud.  None if
+    there is no cloud.  Raises BadArtifact if a file is missing or torn.
     """
-    rendered = [path.parent for path in sorted(clouds.glob(f"*/*/{INDEX}"))]
-    chosen = rendered[:: -(-len(rendered) // PREVIEWS) or 1]
-    rows = [_beside(folder, views / folder.parent.name) for folder in chosen]
+    made = [path.parent for path in sorted(clouds.glob("*/cloud.npz"))]
+    chosen = made[:: -(-len(made) // PREVIEWS) or 1]
+    rows = [_beside(cloud, views / cloud.name) for cloud in chosen]
     return np.concatenate(rows) if rows else None
 
 
-def _beside(renderings: Path, views: Path) -> UInt8[np.ndarray, "h w 3"]:
+def _beside(cloud: Path, views: Path) -> UInt8[np.ndarray, "h w 3"]:
     photographs = load_views(views)
     cameras, first = photographs.cameras, np.flatnonzero(photographs.held_out)[:1]
-    path = renderings / "rgb" / "000.png"
-    seen = read_png(path, cameras.height, cameras.width, "reconstruct")
+    rendered = cloud / FOLDER / "rgb" / "000.png"
+    if rendered.exists():
+        seen = read_png(rendered, cameras.height, cameras.width, "reconstruct")
+    else:
+        known = Cloud.load(cloud)
+        seen = splat(known.points_mm, known.colours, cameras, int(first[0]), cameras.height)
     return np.concatenate([photographs.rgb(first)[0], seen], axis=1)

@@ -1,63 +1,17 @@
-"""Clouds as small pictures, seen by one of the part's own cameras."""
+"""From where a part is drawn, and how far its clouds are from the truth."""
 
 import numpy as np
-from jaxtyping import Float, Int64, UInt8
+from jaxtyping import Float
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.part import Mesh
-from industnerf.geometry.cameras import Cameras, project
-
-PAPER = np.array([255, 255, 255], np.uint8)
-SPLAT = 1  # a point covers (2 SPLAT + 1)^2 pixels
-RELIEF = 4.0  # strength of the shading
+from industnerf.geometry.cameras import Cameras
 
 
 def nicest_view(cameras: Cameras) -> int:
     """The camera that looks from the upper right: where a draughtsman would stand."""
     centre = cameras.eyes.mean(axis=0)
     return int(np.argmax((cameras.eyes - centre) @ np.array([1.0, -1.2, 0.9])))
-
-
-def splat(
-    points_mm: Float[np.ndarray, "n 3"],
-    colours: UInt8[np.ndarray, "n 3"],
-    cameras: Cameras,
-    view: int,
-    size: int,
-) -> UInt8[np.ndarray, "size size 3"]:
-    """The points as the camera `view` would see them, nearest on top, with shaded relief."""
-    uv, depth = project(points_mm, cameras.K[view], cameras.c2w[view])
-    order = np.argsort(-depth)  # far to near: later writes win
-    pixel, depth, colours = _pixels(uv[order], cameras.width, size), depth[order], colours[order]
-    picture = np.tile(PAPER, (size, size, 1))
-    nearest = np.full((size, size), np.inf)
-    for down in range(-SPLAT, SPLAT + 1):
-        for right in range(-SPLAT, SPLAT + 1):
-            column, row = pixel[:, 0] + right, pixel[:, 1] + down
-            inside = (column >= 0) & (column < size) & (row >= 0) & (row < size)
-            inside[inside] = depth[inside] <= nearest[row[inside], column[inside]]
-            nearest[row[inside], column[inside]] = depth[inside]
-            picture[row[inside], column[inside]] = colours[inside]
-    return (picture * relief(nearest, float(np.ptp(depth)))[..., None]).astype(np.uint8)
-
-
-def _pixels(uv: Float[np.ndarray, "n 2"], width: int, size: int) -> Int64[np.ndarray, "n 2"]:
-    return np.floor(uv * size / width).astype(np.int64)
-
-
-def relief(depth: Float[np.ndarray, "h w"], span: float) -> Float[np.ndarray, "h w"]:
-    """Brightness in (0, 1]: a pixel is darker the further its neighbours stand before it.
-
-    Eye-dome lighting -- Boucheny (2009): clouds have no normals, but depth alone shows form.
-    """
-    deepest = np.nanmax(np.where(np.isfinite(depth), depth, -np.inf)) + span
-    filled = np.where(np.isfinite(depth), depth, deepest)
-    before = np.zeros_like(filled)
-    for axis in (0, 1):
-        for shift in (-2, -1, 1, 2):
-            before += np.clip(filled - np.roll(filled, shift, axis), 0, 0.1 * span)
-    shade = np.exp(-RELIEF * before / max(span, 1e-12))
-    return np.where(np.isfinite(depth), shade, 1.0)
 
 
 def missed_by(

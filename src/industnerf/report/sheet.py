@@ -10,7 +10,8 @@ from industnerf.artifacts.part import Part, load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.report.gather import Study
-from industnerf.report.pictures import deviation, nicest_view, splat
+from industnerf.report.pictures import deviation, nicest_view
+from industnerf.splats import splat
 
 SIZE = 260  # px of one picture
 CELL = 2.0  # inches of one picture

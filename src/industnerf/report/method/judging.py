@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from industnerf.report.method.making import Making
-from industnerf.report.pictures import splat
 from industnerf.report.plates import figure, legend, picture, tinted
+from industnerf.splats import splat
 
 SIZE = 300  # px of a cloud
 

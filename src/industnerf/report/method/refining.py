@@ -16,8 +16,8 @@ from industnerf.methods.industnerf.distribution import (
 )
 from industnerf.methods.industnerf.levels import on_grid
 from industnerf.report.method.making import Making
-from industnerf.report.pictures import splat
 from industnerf.report.plates import figure, legend, picture, tinted
+from industnerf.splats import splat
 
 SIZE = 300  # px of a cloud
 POWER = 0.5  # shares are shown as their roots: few cells hold most of the density
