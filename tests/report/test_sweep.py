@@ -76,7 +76,7 @@ def test_the_growth_of_costs_is_fitted(sweep: Path):
 def test_the_plot_is_a_picture_of_the_stated_size(sweep: Path):
     write_sweep(sweep)
     with Image.open(sweep / "sweep.png") as picture:
-        assert picture.size == (640, 800)
+        assert picture.size == (640, 1060)
 
 
 def test_an_unfinished_point_counts_as_failed(sweep: Path):
