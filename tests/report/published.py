@@ -9,6 +9,7 @@ import numpy as np
 
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.build import write_tables
+from industnerf.report.comparisons import OURS
 from industnerf.report.gather import Study
 from industnerf.report.results import Results
 from industnerf.report.statistics import holm, sign_flip_p
@@ -116,6 +117,14 @@ def _stratum(row, scores):
 
 
 def _comparisons(rows, scores):
+    families = (
+        [row for row in rows if row["method"] in OURS],
+        [row for row in rows if row["method"] not in OURS],
+    )
+    return [pair for family in families for pair in _corrected(family, scores)]
+
+
+def _corrected(rows, scores):
     found = [_comparison(row, scores) for row in rows]
     raised = holm([values["p"] for values in found])
     return [
