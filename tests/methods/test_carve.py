@@ -12,8 +12,8 @@ from industnerf.geometry.cameras import framed_ball
 from industnerf.methods import load_method
 from industnerf.methods.base import Given, Input
 from industnerf.methods.carve import depth_in_rest, reconstruct
-from industnerf.methods.carve.lattice import depth_in_hull, rig_of
-from industnerf.methods.carve.sweeps import exposed, ranges
+from industnerf.photohull.lattice import depth_in_hull, rig_of
+from industnerf.photohull.sweeps import exposed, ranges
 from industnerf.schema import CarveSettings
 from tests.methods.solids import (
     cameras_around,

@@ -1,11 +1,13 @@
 """The type and range of every key of params.yaml, and no value: one knob a line."""
 
+from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import (
     IndustnerfSettings,
     LevelSettings,
     ReliefSettings,
     SchoolSettings,
     SoftnessSettings,
+    StartSettings,
     WarmUpSettings,
 )
 from industnerf.schema.learning import AugmentSettings, TrainingSettings
@@ -69,7 +71,9 @@ __all__ = [
     "SchoolSettings",
     "SensorParams",
     "SoftnessSettings",
+    "SpaceCarvingSettings",
     "SplitParams",
+    "StartSettings",
     "TrainParams",
     "TrainingSettings",
     "TsdfSettings",

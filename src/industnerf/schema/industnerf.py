@@ -1,8 +1,9 @@
-"""`method.industnerf`, `_plus`, `_depth` and `nerf`: the same settings with other values."""
+"""`method.industnerf`, `_plus`, `_depth`, `_shared` and `nerf`: the same keys, other values."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.readings import Readings
 from industnerf.schema.rules import (
     Count,
@@ -91,15 +92,27 @@ class SoftnessSettings:
 
 
 @dataclass(frozen=True)
+class StartSettings(SpaceCarvingSettings):
+    """Of a relief that starts at the photo hull."""
+
+    use: bool
+
+
+@dataclass(frozen=True)
 class ReliefSettings:
     """A surface carved out of the visual hull: an addition to the paper."""
 
     use: bool
+    start: StartSettings
     rate: Positive
     wait: CountOr0
+    back: Share
     slack: Annotated[float, at_least(1)]
     fill_every: Count
     fill_from: Annotated[float, within("[0, 1]")]
+
+    def __post_init__(self) -> None:
+        require(self.use or not self.start.use, "start.use", True, "false where use is false")
 
 
 @dataclass(frozen=True)

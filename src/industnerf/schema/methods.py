@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import IndustnerfSettings
 from industnerf.schema.learning import AugmentSettings, TrainingSettings
 from industnerf.schema.rules import (
     Count,
-    CountOr0,
     ImagePx,
     InnerShare,
     PositiveOr0,
@@ -21,7 +21,6 @@ from industnerf.schema.rules import (
 Size = Literal["full", "cpu", "tiny"]
 DIVISOR = Rule(lambda divisor: divisor > 0 and 32 % divisor == 0, "1, 2, 4, 8, 16 or 32")
 PHASES = Rule(lambda shares: len(shares) == 3 and min(shares) > 0, "three positive numbers")
-BLOCKS = Rule(lambda n: 32 <= n <= 512 and n % 8 == 0, "a multiple of 8 in [32, 512]")
 
 
 @dataclass(frozen=True)
@@ -89,15 +88,8 @@ class HullRgbSettings:
 
 
 @dataclass(frozen=True)
-class CarveSettings:
-    grid_res: Annotated[int, BLOCKS]
+class CarveSettings(SpaceCarvingSettings):
     tolerance: Share
-    threshold: Share
-    footprint: Annotated[float, within("(0, 8]", " cells")]
-    facing: Annotated[float, within("[-1, 1)")]
-    outliers: Annotated[float, within("[0, 0.5)")]
-    views: Annotated[int, at_least(2)]
-    sweeps: CountOr0
     points: Count
 
 

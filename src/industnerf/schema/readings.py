@@ -21,7 +21,7 @@ ReduceReading = Literal["max", "sum"]
 
 @dataclass(frozen=True)
 class Readings:
-    """One choice for every ambiguity; R12 and R13 are the metric's, in `evaluate`."""
+    """One choice for every ambiguity; R12 and R13 have no key: every way is scored."""
 
     pose: PoseReading  # R1
     frame: FrameReading  # R2

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from industnerf.methods.industnerf.relief import FARTHEST, Relief, beside_on_grid, without_pits
-from industnerf.schema import ReliefSettings
+from tests.methods.industnerf.scenes import settings
 
-WAYS = ReliefSettings(use=True, rate=0.1, wait=3, slack=3.0, fill_every=5, fill_from=0.5)
+WAYS = replace(
+    settings("industnerf_plus").relief, rate=0.1, wait=3, back=0.5, fill_every=5, fill_from=0.5
+)
 SIDE = 7
 GRID = torch.tensor(list(product(range(SIDE), repeat=3))).float() * 0.1 - 0.3
 BESIDE = beside_on_grid(GRID, 0.1)
@@ -88,3 +90,27 @@ def test_pits_of_the_last_step_are_filled_whatever_its_number():
 def test_at_first_colours_alone_learn_and_then_steps_are_as_long_as_the_surface_is_soft():
     relief = Relief(torch.zeros(SIDE**3), BESIDE, WAYS)
     assert [relief.rate(taken, 2.0) for taken in (0, 2, 3)] == pytest.approx([0, 0, 0.2])
+
+
+@given(CARVED, CARVED)
+def test_it_starts_where_it_is_told_to_and_nowhere_deeper_than_the_hull(carved, raised):
+    hull = torch.linspace(-3, 2, SIDE**3)
+    start = hull + torch.from_numpy(carved) - torch.from_numpy(raised)
+    begun = Relief(hull, BESIDE, WAYS, start).within(None)
+    assert torch.equal(begun, torch.maximum(start.clamp(-FARTHEST, FARTHEST), hull))
+
+
+@given(CARVED, CARVED, st.floats(0, 2))
+def test_what_was_carved_falls_back_by_its_share_of_a_step_and_no_farther_than_the_start(
+    carved, moved, rate
+):
+    hull = torch.linspace(-3, 2, SIDE**3)
+    relief = Relief(hull, BESIDE, WAYS, hull + torch.from_numpy(carved))
+    start = relief.within(None)
+    before = start + torch.from_numpy(moved) - 4
+    after = before.clone()
+    relief.fall_back(after, rate)
+    deeper = before <= start
+    assert torch.equal(after[deeper], before[deeper])
+    expected = torch.maximum(before - WAYS.back * rate, start)
+    assert torch.equal(after[~deeper], expected[~deeper])

@@ -11,6 +11,7 @@ from industnerf.methods.industnerf import training as module
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
+from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.run import run
 from industnerf.methods.industnerf.training import DECAY, Training
 from industnerf.rendering.render import Seen
@@ -364,6 +365,24 @@ def test_a_relief_goes_on_from_the_last_levels_distances_and_nowhere_deeper_than
     hull = silhouettes.distance(training.points.positions) / spacing_of(RES, 0)
     expected = torch.maximum(last[training.points.order], hull)
     assert torch.equal(training.field.raw.detach(), expected)
+
+
+def test_a_relief_starts_at_the_photo_hull_where_that_is_deeper_inside_than_the_hull():
+    class Inner(PhotoHull):
+        def __init__(self) -> None:
+            """Made of no photographs."""
+
+        def distance(self, points: torch.Tensor) -> torch.Tensor:
+            return torch.full((len(points),), 2 * spacing_of(RES, 0))
+
+    seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
+    silhouettes, layer = Silhouettes(seen), Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
+    training = Training(
+        seen, Field(seen, ways), layer, 0, ways, torch.Generator(), silhouettes, Inner()
+    )
+    hull = silhouettes.distance(training.points.positions) / spacing_of(RES, 0)
+    assert (hull < 2).any()
+    torch.testing.assert_close(training.field.raw.detach(), hull.clamp(min=2.0))
 
 
 def test_what_views_say_of_a_hard_surface_needs_no_space_where_only_a_soft_one_has_density(

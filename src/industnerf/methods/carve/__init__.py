@@ -1,10 +1,4 @@
-"""Space carving: from the visual hull all is taken off that the photographs contradict.
-
-"A Theory of Shape by Space Carving" -- Kutulakos and Seitz (2000).  A point of the surface has
-one colour in all photographs that show it; where a pocket is closed by the hull, they show what
-lies behind, each something else.  What remains is the photo hull: flat pockets whose floor is
-as bright as their rim stay as filled as in the visual hull.
-"""
+"""Space carving: the surface of the photo hull, `industnerf.photohull`."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32
@@ -14,11 +8,10 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.geometry.silhouettes import differs
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
-from industnerf.methods.carve.lattice import depth_in_hull, rig_of
-from industnerf.methods.carve.sweeps import Sweeper
+from industnerf.photohull import Carved, carved
+from industnerf.photohull.lattice import rig_of
 from industnerf.schema import CarveSettings
 
-ANY = -0.5  # cells; a cell whose centre is so far outside holds some of the hull
 BLUR = 1.0  # cells; standard deviation that smooths the stairs of what was carved
 SHOWN = 0.3  # cells that the last consistent cell stands out, like a pixel that is touched
 RIM = 4  # cells kept about the hull; the blur's kernel ends there
@@ -31,37 +24,29 @@ def reconstruct(given: Given, settings: CarveSettings, state: None, seed: int) -
     """
     rig = rig_of(given.cameras)
     mask = differs(given.rgb, given.background, settings.tolerance)
-    depth = depth_in_hull(mask, rig, settings.grid_res)
-    hull = depth > ANY
-    if not hull.any():
+    cells = carved(mask, given.rgb, rig, settings)
+    if not cells.hull.any():
         raise ReconstructionFailed(
             f"no volume: the silhouettes of {len(mask)} views have none in common, not one of "
             f"{settings.grid_res}^3 cells; a pixel is of the part where it differs from the "
             "background by more than method.carve.tolerance"
         )
-    left = Sweeper(hull, given.rgb, rig, settings).carved(settings.sweeps)
-    points = surface_points(depth, hull, left, settings.points, np.random.default_rng(seed))
+    points = surface_points(cells, settings.points, np.random.default_rng(seed))
     if not len(points):
         raise ReconstructionFailed(
-            f"no surface: of {hull.sum()} cells {left.sum()} are left; a larger "
+            f"no surface: of {cells.hull.sum()} cells {cells.left.sum()} are left; a larger "
             "method.carve.threshold takes less off"
         )
     return Reconstruction(rig.centre + rig.radius_mm * points)
 
 
-def surface_points(
-    depth: Float32[np.ndarray, "r r r"],
-    hull: Bool[np.ndarray, "r r r"],
-    left: Bool[np.ndarray, "r r r"],
-    count: int,
-    rng: np.random.Generator,
-) -> Float[np.ndarray, "_ 3"]:
+def surface_points(cells: Carved, count: int, rng: np.random.Generator) -> Float[np.ndarray, "_ 3"]:
     """Points in the unit frame: on the hull where nothing was carved, else on a smooth surface."""
-    occupied = [np.flatnonzero(hull.any(axis=a)) for a in ((1, 2), (0, 2), (0, 1))]
+    occupied = [np.flatnonzero(cells.hull.any(axis=a)) for a in ((1, 2), (0, 2), (0, 1))]
     first = np.array([max(0, at[0] - RIM) for at in occupied])
     box = tuple(slice(a, at[-1] + 1 + RIM) for a, at in zip(first, occupied, strict=True))
-    values = np.minimum(depth[box], depth_in_rest(hull[box], left[box]))
-    spacing = 2 / len(depth)
+    values = np.minimum(cells.depth[box], depth_in_rest(cells.hull[box], cells.left[box]))
+    spacing = 2 / len(cells.depth)
     return isosurface_points(values, 0.0, (first + 0.5) * spacing - 1, spacing, count, rng)
 
 

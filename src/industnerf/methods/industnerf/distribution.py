@@ -22,7 +22,8 @@ def density_to_sample(
     """What eq. (5) is fed.
 
     sigma: the density, as printed; the inside of a solid, which no view sees and nothing
-    trains, then draws most of the points.  visible: times `visibility`, in [0, 1].
+    trains, then draws most of the points, and still the result is better on dev parts.
+    visible: times `visibility`, in [0, 1].
     """
     match reading:
         case "sigma":

@@ -1,5 +1,7 @@
 """Which pixels are looked at, and at what resolution: the training signal, R10."""
 
+from copy import copy
+
 import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
@@ -29,6 +31,12 @@ class Pixels:
             [scene.eyes.width / self.width, scene.eyes.height / self.height],
             device=self.colours.device,
         )
+
+    def showing(self, footprint: Bool[Tensor, "n h w"]) -> "Pixels":
+        """The same images, of which the pixels of another footprint are looked at."""
+        others = copy(self)
+        others.shown = footprint.nonzero()
+        return others
 
     def draw(
         self, count: int, generator: torch.Generator

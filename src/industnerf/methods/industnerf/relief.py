@@ -1,9 +1,13 @@
 """A surface inside the visual hull, for `industnerf_plus`: points hold distances, not densities.
 
-Every point starts at its signed distance from the hull, so that the first surface is the hull's,
-and is soft: light reaches far inside.  While it hardens, what the images contradict is carved.
+Every point starts at its signed distance from the hull, or from the photo hull, so that the first
+surface is theirs, and is soft: light reaches far inside.  While it hardens, what the images
+contradict is carved.
 
     carved = distance - that of the hull >= 0
+
+Of a plain face most images contradict neither the face nor a hollow in it: what nothing keeps
+carving falls back to where it started.
 
 An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings.
 """
@@ -26,8 +30,11 @@ class Relief:
         hull: Float32[Tensor, "m"],
         beside: Int64[Tensor, "m 6"],
         settings: ReliefSettings,
+        start: Float32[Tensor, "m"] | None = None,
     ) -> None:
         self.hull, self._beside, self._ways = hull, beside, settings
+        start = hull if start is None else start.clamp(-FARTHEST, FARTHEST)
+        self._start = torch.maximum(start, hull)
         self._least = torch.where(hull > 0, hull, hull * settings.slack)
 
     def rate(self, taken: int, beta: float) -> float:
@@ -35,8 +42,14 @@ class Relief:
         return 0.0 if taken < self._ways.wait else self._ways.rate * beta
 
     def within(self, distance: Float32[Tensor, "m"] | None) -> Float32[Tensor, "m"]:
-        """To start from: the hull's distances, or `distance` and nowhere deeper than these."""
-        return self.hull if distance is None else torch.maximum(distance, self.hull)
+        """To start from: the start's distances, or `distance` and nowhere deeper than the hull."""
+        return self._start if distance is None else torch.maximum(distance, self.hull)
+
+    @torch.no_grad()
+    def fall_back(self, distance: Float32[Tensor, "m"], rate: float) -> None:
+        """A little of what was carved is undone: the share `back` of a step of Adam at `rate`."""
+        back = torch.maximum(distance - self._ways.back * rate, self._start)
+        distance.copy_(torch.where(distance > self._start, back, distance))
 
     @torch.no_grad()
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:

@@ -20,6 +20,7 @@ from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.finer import as_fine_as_fits, margin
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.pair import Pair
+from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.refine import refined
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
@@ -87,7 +88,7 @@ def run(
     Raises ReconstructionFailed if a field becomes empty.  Same seed, same bytes on a CPU.
     """
     torch.set_num_threads(1)  # parts are what runs side by side
-    work = _Work(posed, settings, seed, watch or Watch(), learned)
+    work = Work(posed, settings, seed, watch or Watch(), learned)
     if resume:
         work.restore(resume)
     while not work.finished:
@@ -96,8 +97,8 @@ def run(
     return work.outcome()
 
 
-class _Work:
-    """A run between two of its steps."""
+class Work:
+    """A run between two of its steps; `run` takes them all."""
 
     def __init__(
         self,
@@ -108,15 +109,17 @@ class _Work:
         learned: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         self._posed, self._watch = posed, watch
-        self._scene = scene_of(posed, device())
-        self._silhouettes = Silhouettes(self._scene) if settings.carve else None
+        self.scene = scene_of(posed, device())
+        self._silhouettes = Silhouettes(self.scene) if settings.carve else None
         if self._silhouettes:
             settings = as_fine_as_fits(settings, self._silhouettes)
         self._settings = settings
+        start = settings.relief.start
+        self._photo_hull = PhotoHull(posed, self.scene, start) if start.use else None
         self._generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
-            self._field = Field(self._scene, settings).to(self._scene.images.device)
+            self._field = Field(self.scene, settings).to(self.scene.images.device)
         if learned:
             Pair(self._field).load(learned)
         self._losses, self._first_steps = [], {}
@@ -124,7 +127,7 @@ class _Work:
         self._level = self._first = WARM_UP if settings.warm_up.steps else 0
         self.finished = False
         spacing = spacing_of(settings.grid_res, self._level)
-        self._training = self._start(Layer(grid(spacing, self._scene.images.device), spacing))
+        self.training = self._start(Layer(grid(spacing, self.scene.images.device), spacing))
 
     def _start(self, layer: Layer) -> Training:
         """The training of this level, of the points that are not carved away."""
@@ -137,22 +140,23 @@ class _Work:
                 "interest, and is the background's colour right?"
             )
         return Training(
-            self._scene,
+            self.scene,
             self._field,
             layer,
             self._level,
             self._settings,
             self._generator,
             self._silhouettes,
+            self._photo_hull,
         )
 
     def train(self) -> None:
         """Take the steps of this level that are left."""
         name = f"level {self._level}" if self._level >= 0 else "warm-up"
         self._first_steps.setdefault(name, len(self._losses))
-        self._watch.begin(name, self._training.steps - self._training.taken)
-        while self._training.taken < self._training.steps:
-            self._losses.append(self._training.step())
+        self._watch.begin(name, self.training.steps - self.training.taken)
+        while self.training.taken < self.training.steps:
+            self._losses.append(self.training.step())
             self._watch.step(self._losses[-1])
             if self._watch.wants_preview():
                 self._watch.preview(*self._preview())
@@ -162,13 +166,13 @@ class _Work:
     def listen(self) -> None:
         """Hear what the views say of the level's points; go on to the next level, or finish."""
         self.finished = self._level == len(self._settings.levels) - 1
-        if self.finished or not self._training.relief:  # which is refined without a word of theirs
-            self.told = self._training.testimony()
+        if self.finished or not self.training.relief:  # which is refined without a word of theirs
+            self.told = self.training.testimony()
         if not self.finished:
-            layer = refined(self._training, self.told, self._generator)
+            layer = refined(self.training, self.told, self._generator)
             self._prune()
             self._level += 1
-            self._training = self._start(layer)
+            self.training = self._start(layer)
 
     def _prune(self) -> None:
         """Once, when the first points have been learned from."""
@@ -179,8 +183,8 @@ class _Work:
     def outcome(self) -> Outcome:
         """The cloud, of the last level."""
         ways = self._settings
-        sigma, (_, rgb) = self._training.density(), self._training.values()
-        points = self._training.points.positions
+        sigma, (_, rgb) = self.training.density(), self.training.values()
+        points = self.training.points.positions
         cloud = final_cloud(
             points, rgb, self.told, ways.least_confidence, ways.spacing, ways.readings.cloud
         )
@@ -196,8 +200,8 @@ class _Work:
             self.told.confidence[dense].cpu().numpy(),
             self._losses,
             self._first_steps,
-            self._scene.background.cpu().numpy().astype(float),
-            partial(pictures, self._training, self._posed),
+            self.scene.background.cpu().numpy().astype(float),
+            partial(pictures, self.training, self._posed),
         )
 
     def _in_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:
@@ -206,8 +210,8 @@ class _Work:
 
     def _preview(self) -> tuple[np.ndarray, np.ndarray]:
         view = slice(0, 1)
-        cameras, behind = self._posed.cameras[view], self._scene.background[view]
-        seen = pictures(self._training, self._posed, cameras, behind.cpu().numpy())
+        cameras, behind = self._posed.cameras[view], self.scene.background[view]
+        seen = pictures(self.training, self._posed, cameras, behind.cpu().numpy())
         return self._posed.rgb[0], seen.rgb[0]
 
     def state(self) -> dict[str, Any]:
@@ -217,7 +221,7 @@ class _Work:
             "losses": self._losses,
             "first_steps": self._first_steps,
             "generator": self._generator.get_state(),
-            "training": self._training.state(),
+            "training": self.training.state(),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
@@ -227,10 +231,10 @@ class _Work:
         if self._level > self._first:
             self._prune()  # which weights, its state says
         trained = state["training"]
-        self._training = self._start(
+        self.training = self._start(
             Layer(trained["points"], trained["spacing"], trust=trained["trust"])
         )
-        self._training.restore(state["training"])
+        self.training.restore(state["training"])
         self._generator.set_state(state["generator"])
 
 

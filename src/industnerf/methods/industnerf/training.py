@@ -1,5 +1,6 @@
 """Learning the field of one level: re-rendering the source views is the only signal, R10."""
 
+from functools import cached_property
 from typing import Any
 
 import torch
@@ -10,6 +11,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, near_any, spacing_of
+from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.pixels import Pixels, footprint, noisier
 from industnerf.methods.industnerf.relief import Relief, beside_on_grid
 from industnerf.methods.industnerf.scene import Scene
@@ -37,16 +39,18 @@ class Training:
         settings: IndustnerfSettings,
         generator: torch.Generator,
         silhouettes: Silhouettes | None = None,
+        photo_hull: PhotoHull | None = None,
     ) -> None:
         self.field, self.spacing, self.ways = field, layer.spacing, settings
         self._scene, self.level, self._generator = scene, level, generator
         self.taken = 0
         points = layer.points
         hull = silhouettes.distance(points) / self._unit if settings.relief.use else None
-        self._index(points, points if hull is None else points[hull < OUTLINE])
+        self._index(points)
+        self._showing = points if hull is None else points[hull < OUTLINE]
         layer = layer.only(self.points.order)
         self._trust = layer.trust
-        self.relief = None if hull is None else self._relief(hull[self.points.order])
+        self.relief = None if hull is None else self._relief(hull[self.points.order], photo_hull)
         raw, rgb = layer.residuals or (None, None)
         raw = self.relief.within(raw) if self.relief else raw
         self.field.place(layer.points, raw, rgb, layer.trust, spacing=layer.spacing)
@@ -68,8 +72,8 @@ class Training:
     def _level(self) -> LevelSettings | WarmUpSettings:
         return self.ways.warm_up if self.level == WARM_UP else self.ways.levels[self.level]
 
-    def _index(self, points: Float32[Tensor, "m 3"], shown: Float32[Tensor, "n 3"]) -> None:
-        """Sort the points and find the pixels that can show those of them that are `shown`."""
+    def _index(self, points: Float32[Tensor, "m 3"]) -> None:
+        """Sort the points."""
         ways = self.ways
         reach, side = ways.radius * self.spacing, 1 + self.spacing
         self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
@@ -77,19 +81,28 @@ class Training:
         self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
         self.fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
         self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
-        seen = footprint(shown, self.points.reach, self._scene.eyes, self.image_px)
-        if ways.readings.signal == "left_out":
+
+    @cached_property
+    def pixels(self) -> Pixels:
+        """The images, at the resolution that is learned from; found when first asked for."""
+        return Pixels(self._scene, self.image_px, self._seen(self._showing))
+
+    def _seen(self, points: Float32[Tensor, "m 3"]) -> Bool[Tensor, "v h w"]:
+        """The pixels that can show any of the points."""
+        seen = footprint(points, self.points.reach, self._scene.eyes, self.image_px)
+        if self.ways.readings.signal == "left_out":
             seen[::2] = False  # these speak of the points, the others judge
         if not seen.any():
             raise ReconstructionFailed(
                 f"no source view can show a point of level {self.level}: are there views enough, "
                 "and do their cameras agree on where the part is?"
             )
-        self.pixels = Pixels(self._scene, self.image_px, seen)
+        return seen
 
-    def _relief(self, hull: Float32[Tensor, "m"]) -> Relief:
-        beside = beside_on_grid(self.points.positions, self.spacing)
-        return Relief(hull, beside, self.ways.relief)
+    def _relief(self, hull: Float32[Tensor, "m"], photo_hull: PhotoHull | None) -> Relief:
+        points = self.points.positions
+        start = photo_hull.distance(points) / self._unit if photo_hull else None
+        return Relief(hull, beside_on_grid(points, self.spacing), self.ways.relief, start)
 
     @property
     def _unit(self) -> float:
@@ -143,7 +156,8 @@ class Training:
         Returns which they are, in their new order: fewer points have other cells to sort by.
         """
         left = self.points.positions[needed]
-        self._index(left, left)
+        self._index(left)
+        self.pixels = self.pixels.showing(self._seen(left))
         self._harden()
         kept = needed.nonzero()[:, 0][self.points.order]
         self._trust = None if self._trust is None else self._trust[:, kept]
@@ -176,9 +190,10 @@ class Training:
         (loss + self._preference(seen) + self._off_depth(seen, read)).backward()
         self._adam.step()
         self.field.settle()
-        self.taken += 1
         if self.relief:
-            self.relief.settle(self.field.raw, self.taken, self.steps)
+            self.relief.fall_back(self.field.raw, self._pace())
+            self.relief.settle(self.field.raw, self.taken + 1, self.steps)
+        self.taken += 1
         if self.taken % SWEEP == 0:
             self._sweep()
             self.field.encode_anew()
@@ -189,7 +204,11 @@ class Training:
         for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
             group["lr"] = rate * DECAY**share
             if self.relief and group["params"][0] is self.field.raw:
-                group["lr"] = self.relief.rate(self.taken, self._softness())
+                group["lr"] = self._pace()
+
+    def _pace(self) -> float:
+        """Of distances, in this step."""
+        return self.relief.rate(self.taken, self._softness())
 
     def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
         """Of fields that re-render alike, rather the emptier one, and the one without veils.

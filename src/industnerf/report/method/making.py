@@ -11,7 +11,7 @@ from torch import Tensor
 from industnerf.artifacts.renderings import Renderings
 from industnerf.methods.industnerf.levels import WARM_UP
 from industnerf.methods.industnerf.pixels import Pixels, footprint
-from industnerf.methods.industnerf.run import Outcome, Watch, _Work, pictures
+from industnerf.methods.industnerf.run import Outcome, Watch, Work, pictures
 from industnerf.methods.industnerf.scene import Posed, Scene
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import testimony
@@ -72,20 +72,20 @@ class Making:
 
 def make(part_id: str, posed: Posed, settings: IndustnerfSettings, seed: int) -> Making:
     """Run the method, stopping to look.  Raises ReconstructionFailed as `run` does."""
-    work = _Work(posed, settings, seed, Watch())
+    work = Work(posed, settings, seed, Watch())
     view = nicest_view(posed.cameras)
     work.train()
-    if work._training.level == WARM_UP:
+    if work.training.level == WARM_UP:
         work.listen()
         work.train()
-    first = work._training
+    first = work.training
     with torch.no_grad():
-        inputs, features = _told(first, work._scene, view)
+        inputs, features = _told(first, work.scene, view)
     points, sigma, (_, rgb) = first.points.positions, first.density(), first.values()
     work.listen()
     told = points, sigma, rgb, work.told.confidence, inputs, features
     coarse = Coarse(*(x if x is None else x.cpu() for x in told))
-    second = points[:0] if work.finished else work._training.points.positions
+    second = points[:0] if work.finished else work.training.points.positions
     new = _is_new(second, points)
     kept, drawn = second[~new].cpu(), second[new].cpu()
     while not work.finished:
@@ -121,13 +121,13 @@ def _made(
     coarse: Coarse,
     kept: Float32[Tensor, "k 3"],
     drawn: Float32[Tensor, "d 3"],
-    work: _Work,
+    work: Work,
 ) -> Making:
     """All of it, from a run that has finished."""
     out: Outcome = work.outcome()
-    last, behind = work._training, out.background[view : view + 1]
+    last, behind = work.training, out.background[view : view + 1]
     sigma, (values, rgb), points = last.density(), last.values(), last.points.positions
-    some = {v: alone(last, work._scene, v).cpu() for v in witnesses_of(len(work._scene), view)}
+    some = {v: alone(last, work.scene, v).cpu() for v in witnesses_of(len(work.scene), view)}
     all_of_them = points, values, sigma, rgb, work.told.confidence
     fine = Fine(*(x.cpu() for x in all_of_them), some, last.spacing, last.fine.beta)
     rendered = pictures(last, posed, posed.cameras[view : view + 1], behind)

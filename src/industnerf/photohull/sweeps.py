@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Int32, UInt8
 
-from industnerf.methods.carve.lattice import Rig, shared
-from industnerf.schema import CarveSettings
+from industnerf.photohull.lattice import Rig, shared
+from industnerf.schema import SpaceCarvingSettings
 
 WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
 DONE = 1e-3  # share of the surface that a whole sweep may still take off
@@ -54,11 +54,11 @@ class Sweeper:
         solid: Bool[np.ndarray, "r r r"],
         rgb: UInt8[np.ndarray, "n h w 3"],
         rig: Rig,
-        settings: CarveSettings,
+        settings: SpaceCarvingSettings,
     ) -> None:
         import warp as wp
 
-        from industnerf.methods.carve import kernels
+        from industnerf.photohull import kernels
 
         self._side, self._threshold = len(solid), settings.threshold
         self._solid = solid.astype(np.uint8)
@@ -74,8 +74,8 @@ class Sweeper:
             self._rules(settings),
         ]
 
-    def _rules(self, settings: CarveSettings) -> Any:
-        from industnerf.methods.carve import kernels
+    def _rules(self, settings: SpaceCarvingSettings) -> Any:
+        from industnerf.photohull import kernels
 
         rules = kernels.Rules()
         for name, end in (("lo", 0), ("hi", 1)):
@@ -102,7 +102,7 @@ class Sweeper:
         """Take off those of `cells` that are inconsistent, and return them."""
         import warp as wp
 
-        from industnerf.methods.carve import kernels
+        from industnerf.photohull import kernels
 
         gap = np.empty(len(cells), np.float32)
         some, out = shared(cells, wp.int32), [shared(gap, wp.float32)]

@@ -28,7 +28,11 @@ class Rig:
 
 def rig_of(cameras: Cameras) -> Rig:
     """Cameras about the ball that all of them have in frame."""
-    centre, radius_mm = framed_ball(cameras)
+    return rig_about(cameras, *framed_ball(cameras))
+
+
+def rig_about(cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float) -> Rig:
+    """Cameras about the ball that is given."""
     return Rig(
         projections_from_ball(cameras, centre, radius_mm),
         ((cameras.eyes - centre) / radius_mm).astype(np.float32),
@@ -63,7 +67,7 @@ def measured(
     """The depth of `cells` of a lattice of `side`^3."""
     import warp as wp
 
-    from industnerf.methods.carve import kernels
+    from industnerf.photohull import kernels
 
     depth = np.empty(len(cells), np.float32)
     inputs = [

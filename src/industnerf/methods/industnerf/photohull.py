@@ -1,0 +1,48 @@
+"""How far outside the photo hull points are: where `industnerf_plus` starts, an addition."""
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float32
+from scipy.ndimage import distance_transform_edt, map_coordinates
+from torch import Tensor
+
+from industnerf.geometry.silhouettes import differs
+from industnerf.methods.industnerf.carving import TOLERANCE
+from industnerf.methods.industnerf.scene import Posed, Scene
+from industnerf.photohull import carved
+from industnerf.photohull.lattice import rig_about
+from industnerf.schema import SpaceCarvingSettings
+
+
+class PhotoHull:
+    """What the photographs leave of the hull; the hull itself, should they leave nothing."""
+
+    def __init__(self, posed: Posed, scene: Scene, ways: SpaceCarvingSettings) -> None:
+        mask = differs(posed.rgb, scene.background.cpu().numpy(), TOLERANCE)
+        rig = rig_about(posed.cameras, posed.centre, posed.radius)
+        cells = carved(mask, posed.rgb, rig, as_coarse_as_pixels(ways, posed.rgb.shape[2]))
+        left = depth_in(cells.left) if cells.left.any() else np.inf
+        self._depth = np.minimum(cells.depth, left)
+
+    def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
+        """How far each point is outside, in the scene's unit; < 0 inside."""
+        cell = 2 / len(self._depth)
+        places = (points.cpu().numpy() + 1) / cell - 0.5
+        depth = map_coordinates(self._depth, places.T, order=1, mode="nearest", prefilter=False)
+        return torch.from_numpy(-depth * np.float32(cell)).to(points)
+
+
+def as_coarse_as_pixels(ways: SpaceCarvingSettings, width: int) -> SpaceCarvingSettings:
+    """`ways` with no more cells a side than images have pixels.
+
+    The colours within a pixel are averaged: cells that are smaller would contradict their views.
+    """
+    return replace(ways, grid_res=min(ways.grid_res, max(32, width - width % 8)))
+
+
+def depth_in(solid: Bool[np.ndarray, "r r r"]) -> Float32[np.ndarray, "r r r"]:
+    """Signed distance (cells) of the cells' centres from the faces of `solid`, positive inside."""
+    inside, outside = distance_transform_edt(solid), distance_transform_edt(~solid)
+    return np.where(solid, inside - 0.5, 0.5 - outside).astype(np.float32)

@@ -1,0 +1,40 @@
+"""The photo hull: what space carving leaves of the visual hull.
+
+"A Theory of Shape by Space Carving" -- Kutulakos and Seitz (2000).  A point of the surface has
+one colour in all photographs that show it; where a pocket is closed by the hull, they show what
+lies behind, each something else.  Flat pockets whose floor is as bright as their rim stay as
+filled as in the visual hull.  `carve` answers with it, `industnerf_plus` starts from it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float32, UInt8
+
+from industnerf.photohull.lattice import Rig, depth_in_hull
+from industnerf.photohull.sweeps import Sweeper
+from industnerf.schema import SpaceCarvingSettings
+
+ANY = -0.5  # cells; a cell whose centre is so far outside holds some of the hull
+
+
+@dataclass(frozen=True)
+class Carved:
+    """A lattice of cells before and after."""
+
+    depth: Float32[np.ndarray, "r r r"]  # in the visual hull, cells; exact near its surface alone
+    hull: Bool[np.ndarray, "r r r"]
+    left: Bool[np.ndarray, "r r r"]
+
+
+def carved(
+    mask: Bool[np.ndarray, "n h w"],
+    rgb: UInt8[np.ndarray, "n h w 3"],
+    rig: Rig,
+    ways: SpaceCarvingSettings,
+) -> Carved:
+    """What photographs leave of the hull of their silhouettes, which may be nothing."""
+    depth = depth_in_hull(mask, rig, ways.grid_res)
+    hull = depth > ANY
+    left = Sweeper(hull, rgb, rig, ways).carved(ways.sweeps) if hull.any() else hull
+    return Carved(depth, hull, left)
