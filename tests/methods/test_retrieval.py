@@ -11,6 +11,7 @@ from industnerf.artifacts.part import Mesh
 from industnerf.capture.photograph import photograph
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.boxes import Cube
+from industnerf.learning.pictures import scaled
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, Given, hand_over
 from industnerf.methods.retrieval import distances, features
@@ -82,11 +83,26 @@ def test_its_points_are_scaled_to_the_part_asked_about(parts, learned):
     np.testing.assert_allclose(beyond("bar", (points - [1, 2, 3]) / 5), 0, atol=1e-6)
 
 
-def test_another_number_of_views_is_refused(parts, learned):
-    asked = given(parts / "bar")
-    fewer = replace(asked, handed={**asked.handed, "rgb": asked.rgb[:5]})
-    with pytest.raises(ReconstructionFailed, match="5 views to compare with 6"):
-        RETRIEVAL.reconstruct(fewer, SETTINGS, learned, 1)
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_fewer_views_are_compared_with_those_from_the_same_side(count, parts, learned):
+    """They are chosen otherwise than those learned from: nested, not by number."""
+    for name in PLACES:
+        asked = hand_over(RETRIEVAL, parts / name / "part", parts / name / "views", count)
+        looks = features(scaled(asked.rgb, SETTINGS.image_px))
+        both = np.isin(asked.chosen, learned.arrays["views"])
+        there = np.searchsorted(learned.arrays["views"], asked.chosen[both])
+        own = learned.arrays["features"][list(PLACES).index(name), there]
+        np.testing.assert_array_equal(looks[both], own)
+        points = RETRIEVAL.reconstruct(asked, SETTINGS, learned, 1).points_mm
+        scale, shift = PLACES[name]
+        np.testing.assert_allclose(beyond(name, (points - shift) / scale), 0, atol=2.5e-3)
+
+
+def test_without_a_view_in_common_there_is_nothing_to_compare(parts, learned):
+    asked = hand_over(RETRIEVAL, parts / "bar" / "part", parts / "bar" / "views", 3)
+    others = replace(asked, chosen=np.array([100, 101, 102]))
+    with pytest.raises(ReconstructionFailed, match="of 3 views none is among the 6"):
+        RETRIEVAL.reconstruct(others, SETTINGS, learned, 1)
 
 
 def test_distances_are_summed_view_by_view():

@@ -77,7 +77,11 @@ class Example:
         """At most `count` of the training views, evenly chosen, scaled to `px` a side."""
         self._refuse_undeclared(Input.RGB)
         taken = load_views(self.views)
-        return scaled(taken.rgb(taken.train[evenly(len(taken.train), count)]), px)
+        return scaled(taken.rgb(taken.train[self.numbers(count)]), px)
+
+    def numbers(self, count: int) -> Int64[np.ndarray, "_"]:
+        """Which of the training views `rgb` takes."""
+        return evenly(len(load_views(self.views).train), count)
 
     def _refuse_undeclared(self, name: Input) -> None:
         if name not in self.inputs:

@@ -14,7 +14,7 @@ from jaxtyping import Float, Float32, UInt8
 
 from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
-from industnerf.learning.pictures import evenly, scaled
+from industnerf.learning.pictures import scaled
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
 from industnerf.schema import RetrievalSettings
@@ -29,7 +29,12 @@ def fit(
     rng = np.random.default_rng(seed)
     looks = [features(one.rgb(settings.image_px, settings.views)) for one in examples]
     points = [surface_points(*one.mesh, settings.points, rng) for one in examples]
-    return State({"features": np.stack(looks), "points": np.stack(points)}, parts=len(examples))
+    known = {
+        "features": np.stack(looks),
+        "points": np.stack(points),
+        "views": examples[0].numbers(settings.views),
+    }
+    return State(known, parts=len(examples))
 
 
 def features(images: UInt8[np.ndarray, "views px px 3"]) -> Float32[np.ndarray, "views c"]:
@@ -44,28 +49,26 @@ def features(images: UInt8[np.ndarray, "views px px 3"]) -> Float32[np.ndarray, 
 def reconstruct(
     given: Given, settings: RetrievalSettings, state: State, seed: int
 ) -> Reconstruction:
-    """The surface of the part whose views are nearest, summed over the views.
+    """The surface of the part whose views are nearest, summed over the views that both have.
 
-    Raises ReconstructionFailed if this part was photographed from another number of views.
+    Raises ReconstructionFailed if they have none in common.
     """
-    chosen = evenly(len(given.rgb), settings.views)
-    mine = features(scaled(given.rgb[chosen], settings.image_px))
-    nearest = int(np.argmin(distances(state.arrays["features"], mine)))
+    given_views = np.arange(len(given.rgb)) if given.chosen is None else given.chosen
+    _, mine, theirs = np.intersect1d(given_views, state.arrays["views"], return_indices=True)
+    if not len(mine):
+        raise ReconstructionFailed(
+            f"of {len(given_views)} views none is among the {len(state.arrays['views'])} that were "
+            "learned from: more method.retrieval.views, or another number of reconstruct.views"
+        )
+    looks = features(scaled(given.rgb[mine], settings.image_px))
+    nearest = int(np.argmin(distances(state.arrays["features"][:, theirs], looks)))
     return answered([state.arrays["points"][nearest].astype(np.float64)], given.frame, state)
 
 
 def distances(
-    theirs: Float32[np.ndarray, "parts views c"], mine: Float32[np.ndarray, "asked c"]
+    theirs: Float32[np.ndarray, "parts views c"], mine: Float32[np.ndarray, "views c"]
 ) -> Float[np.ndarray, "parts"]:
-    """Of every part the sum over the views of the distance between features.
-
-    Raises ReconstructionFailed if `mine` are not as many views.
-    """
-    if theirs.shape[1] != len(mine):
-        raise ReconstructionFailed(
-            f"{len(mine)} views to compare with {theirs.shape[1]} of each part that was learned "
-            "from: views must be equally many"
-        )
+    """Of every part the sum over the views of the distance between features."""
     return np.linalg.norm(theirs - mine, axis=2).sum(axis=1)
 
 

@@ -73,6 +73,8 @@ def test_phases_share_the_steps_and_the_last_learns_slowly(settings):
     assert [plan.steps for plan in plans] == [300, 300, 100]
     rate = settings.training.rate
     assert [plan.rate for plan in plans] == [rate, rate, pytest.approx(rate / 10)]
+    drops = settings.training.drops
+    assert [plan.drops for plan in plans] == [drops, drops, drops[:1]]
 
 
 def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_path, watched):

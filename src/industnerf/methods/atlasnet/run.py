@@ -61,11 +61,11 @@ def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]
 
 
 def planned(settings: AtlasNetSettings) -> list[TrainingSettings]:
-    """The settings of each phase, which share the steps."""
+    """The settings of each phase, which share the steps; in the last, rates fall but once."""
     whole, total = settings.training, sum(settings.phases)
     steps = [max(1, round(whole.steps * share / total)) for share in settings.phases]
     plans = [replace(whole, steps=count) for count in steps]
-    return [*plans[:2], replace(plans[2], rate=LAST_RATE * whole.rate)]
+    return [*plans[:2], replace(plans[2], rate=LAST_RATE * whole.rate, drops=whole.drops[:1])]
 
 
 def kept(net: nn.Module, settings: AtlasNetSettings, parts: int, phases: list[Trained]) -> State:
