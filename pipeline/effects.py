@@ -13,7 +13,7 @@ from pathlib import Path
 from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
-from industnerf.errors import BadParams
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.blocks import replace_block
 from industnerf.report.effects import outcomes, table
 from industnerf.schema import readings
@@ -27,6 +27,8 @@ def main() -> None:
     params = load_params()
     default = params.method.industnerf.readings
     sweep = Path(sys.argv[1])
+    if not (sweep / "made.json").exists():
+        raise BadArtifact(f"{sweep / 'made.json'} is missing; a sweep writes it at its start")
     found = table(outcomes(sweep), default, numbers(), params.report)
     made = json.loads((sweep / "made.json").read_text())
     text = f"{made['date']}, commit {made['commit']}.\n\n{found}"

@@ -16,6 +16,7 @@ from industnerf.artifacts.scores import Score
 from industnerf.methods.base import Method, Role
 from industnerf.report.formats import csv_text, intervals_of, markdown
 from industnerf.report.gather import Study
+from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval, holm, sign_flip_p
 from industnerf.report.tables import MUST_BEAT, only, scores_of
 from industnerf.schema import ReportParams
@@ -75,7 +76,7 @@ def nets(study: Study) -> list[tuple[str, str]]:
 
 def even_by_part(study: Study, method: str) -> dict[str, Score]:
     """The EMD (even) of `method` on every test part."""
-    scores = only(scores_of(study, method, "test"), "emd", "P1-even")
+    scores = only(scores_of(study, method, "test"), *EVEN)
     return {row.part_id: row.score for row in scores}
 
 

@@ -1,6 +1,5 @@
 """What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
 
-import csv
 from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import fmean
@@ -8,6 +7,8 @@ from typing import get_args, get_type_hints
 
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
+from industnerf.report.formats import csv_rows
+from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
@@ -40,12 +41,11 @@ def _outcome(point: Path) -> Outcome:
     params = read_yaml(point / "params.yaml")
     method = next(name for name in METHODS if name in params["methods"])
     readings = params["method"][method]["readings"]
-    with (point / "reports" / "scores.csv").open(newline="") as file:
-        rows = [
-            row
-            for row in csv.DictReader(file)
-            if (row["method"], row["metric"], row["protocol"]) == (method, "emd", "P1-even")
-        ]
+    rows = [
+        row
+        for row in csv_rows(point / "reports" / "scores.csv")
+        if (row["method"], row["metric"], row["protocol"]) == (method, *EVEN)
+    ]
     return Outcome(
         readings,
         {row["part_id"]: float(row["value"]) for row in rows},

@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 
@@ -14,6 +15,12 @@ def csv_text(columns: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
     for line in lines:
         table.writerow([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in line])
     return text.getvalue()
+
+
+def csv_rows(path: Path) -> list[dict[str, str]]:
+    """What `csv_text` wrote to `path`, a row a line, by the names of the columns."""
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def markdown(columns: Sequence[str], lines: Iterable[Sequence[str]]) -> str:

@@ -45,14 +45,14 @@ def goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
     one, plus = even_by_part(study, OURS), even_by_part(study, PLUS)
     hull = even_by_part(study, HULL)
     found = [
-        _at_most(OURS, "EMD (even)", 0.020, [s.value for s in one.values()]),
-        _at_most(
+        _of_mean(OURS, "EMD (even)", 0.020, [s.value for s in one.values()]),
+        _of_mean(
             OURS,
             f"EMD (even) in floors, parts that the rig sees to {WHOLE:g} without pockets",
             1.4,
             [s.value / s.floor for part, s in one.items() if _open(study, part)],
         ),
-        _at_most(PLUS, "EMD (even)", 0.0122, [s.value for s in plus.values()]),
+        _of_mean(PLUS, "EMD (even)", 0.0122, [s.value for s in plus.values()]),
         *_against_hull(study, plus, hull),
     ]
     for method in (OURS, PLUS):
@@ -60,12 +60,10 @@ def goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
     return [goal for goal in found if goal]
 
 
-def _at_most(method: str, what: str, bound: float, values: list[float]) -> Goal | None:
-    return Goal(method, what, bound, False, fmean(values)) if values else None
-
-
-def _at_least(method: str, what: str, bound: float, values: list[float]) -> Goal | None:
-    return Goal(method, what, bound, True, fmean(values)) if values else None
+def _of_mean(
+    method: str, what: str, bound: float, values: list[float], *, at_least: bool = False
+) -> Goal | None:
+    return Goal(method, what, bound, at_least, fmean(values)) if values else None
 
 
 def _open(study: Study, part: str) -> bool:
@@ -91,25 +89,25 @@ def _against_hull(study: Study, plus: Found, hull: Found) -> list[Goal]:
 def _pictures(study: Study, method: str) -> Iterable[Goal | None]:
     """Of the held-out views, over the union of true and rendered foreground."""
     bounds = {
-        "rgb_mse": ("RGB MSE of held-out views", 0.004, _at_most),
-        "depth_mse": ("depth MSE of held-out views, diagonal 1", 0.0005, _at_most),
-        "coverage": ("share of the foreground that has a depth", 0.98, _at_least),
+        "rgb_mse": ("RGB MSE of held-out views", 0.004, False),
+        "depth_mse": ("depth MSE of held-out views, diagonal 1", 0.0005, False),
+        "coverage": ("share of the foreground that has a depth", 0.98, True),
     }
     scores = scores_of(study, method, "test")
-    for metric, (what, bound, judge) in bounds.items():
+    for metric, (what, bound, at_least) in bounds.items():
         values = [row.score.value for row in only(scores, metric, "P1-union")]
-        yield judge(method, what, bound, values)
+        yield _of_mean(method, what, bound, values, at_least=at_least)
 
 
 def _confidence(study: Study, method: str) -> Iterable[Goal | None]:
     scores = only(scores_of(study, method, "test"), "confidence_spearman", "P1-near")
     what = "rank correlation of confidence with the distance to the truth"
-    yield _at_most(method, what, -0.5, [row.score.value for row in scores])
+    yield _of_mean(method, what, -0.5, [row.score.value for row in scores])
 
 
 def _cost(costs: Sequence[CostRow], method: str) -> Iterable[Goal | None]:
     mine = [r.cost for r in costs if (r.stage, r.method) == ("reconstruct", method)]
-    yield _at_most(method, "seconds a part, one core", 30.0, [cost.seconds for cost in mine])
+    yield _of_mean(method, "seconds a part, one core", 30.0, [cost.seconds for cost in mine])
     if mine:
         most = max(cost.peak_mb for cost in mine) / 1000
         yield Goal(method, "peak memory of any part, GB", 2.0, False, most)

@@ -11,7 +11,7 @@ from statistics import fmean
 from industnerf.artifacts.files import read_json
 from industnerf.errors import BadArtifact
 from industnerf.report import paper
-from industnerf.report.formats import markdown
+from industnerf.report.formats import csv_rows, markdown
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
 
@@ -95,11 +95,10 @@ def read_grid(path: Path) -> list[Line]:
     means: dict[tuple, dict[str, float]] = defaultdict(dict)
     parts: dict[tuple, int] = {}
     try:
-        with path.open(newline="") as file:
-            for row in csv.DictReader(file):
-                cell = (int(row["points"]), *(row[name] for name in CELL[1:]))
-                means[cell][row["subject"]] = float(row["mean"])
-                parts[cell] = int(row["parts"])
+        for row in csv_rows(path):
+            cell = (int(row["points"]), *(row[name] for name in CELL[1:]))
+            means[cell][row["subject"]] = float(row["mean"])
+            parts[cell] = int(row["parts"])
     except (KeyError, ValueError, TypeError) as error:
         raise BadArtifact(f"{path} is no table of a grid: {error!r}; pipeline.grid") from None
     return [Line(cell, means[cell], parts[cell]) for cell in means]

@@ -10,6 +10,7 @@ from statistics import fmean, median
 from industnerf.artifacts.scores import PartScore
 from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
+from industnerf.report.lookup import EVEN
 from industnerf.report.tables import only, scores_of
 
 WITHIN = "within_"
@@ -41,7 +42,7 @@ def inspection(study: Study) -> list[Inspected]:
 
 
 def _line(study: Study, method: str, scores: list[PartScore], within: list[str]) -> Inspected:
-    even = only(scores, "emd", "P1-even")
+    even = only(scores, *EVEN)
     emds = [row.score.value * study.parts[row.part_id].diagonal_mm for row in even]
     worst = _values(scores, "hausdorff95")
     shares = {metric.removeprefix(WITHIN): _values(scores, metric) for metric in within}

@@ -21,7 +21,7 @@ from industnerf.report.snapshots import Album
 from industnerf.report.table2 import LOSSES
 
 NAMES = {  # as people say them; what is not here keeps the name it has in scores.csv
-    ("emd", "P1-even"): "EMD (even)",
+    EVEN: "EMD (even)",
     ("emd", "P1-iid"): "EMD (iid)",
     ("emd", "P1-full"): "EMD (full)",
     ("chamfer", "P1-dense"): "Chamfer",

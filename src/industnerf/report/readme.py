@@ -1,13 +1,12 @@
 """Tables for the README, made of what is published: only the columns that a reader needs there."""
 
-import csv
 import json
 from collections import defaultdict
 from pathlib import Path
 from statistics import fmean
 
 from industnerf.config import flat, read_yaml
-from industnerf.report.formats import brief, markdown, short
+from industnerf.report.formats import brief, csv_rows, markdown, short
 from industnerf.report.table2 import LOSSES
 
 Cells = dict[str, str]
@@ -18,8 +17,8 @@ def study_block(folder: Path, params: Path) -> str:
 
     `params` is params.yaml as it is now: what has changed in it since is named.
     """
-    rows = [row for row in _rows(folder / "table1.csv") if row["split"] == "test"]
-    scores = [row for row in _rows(folder / "scores.csv") if row["split"] == "test"]
+    rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
+    scores = [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
     made = json.loads((folder / "made.json").read_text())
     machine = json.loads((folder / "environment.json").read_text())
     parts, families = ({row[name] for row in scores} for name in ("part_id", "family"))
@@ -29,7 +28,7 @@ def study_block(folder: Path, params: Path) -> str:
         f"{machine['cpu']}, {made['date']}, commit {made['commit'][:7]}"
         f"{'' if made['clean'] else ' with changes'}; every number is in [{where}]({where}).\n\n"
         f"{_table1(rows, _seconds(folder), made['interval'])}"
-        f"{_table2(_rows(folder / 'table2.csv'))}"
+        f"{_table2(csv_rows(folder / 'table2.csv'))}"
         f"{_since(folder / 'params.yaml', params)}"
     )
 
@@ -47,15 +46,10 @@ def _since(then: Path, now: Path) -> str:
     )
 
 
-def _rows(path: Path) -> list[Cells]:
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def _seconds(folder: Path) -> dict[str, float]:
     """Mean seconds of each method for a part."""
     found = defaultdict(list)
-    for row in _rows(folder / "cost.csv"):
+    for row in csv_rows(folder / "cost.csv"):
         if row["stage"] == "reconstruct":
             found[row["method"]].append(float(row["seconds"]))
     return {method: fmean(seconds) for method, seconds in found.items()}

@@ -5,7 +5,6 @@ deviation of these means: to be held against differences between methods.  Besid
 single part, as the root of the mean variance over the parts.
 """
 
-import csv
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,8 @@ from pathlib import Path
 from statistics import fmean, stdev, variance
 
 from industnerf.errors import BadArtifact
-from industnerf.report.formats import csv_text, markdown
+from industnerf.report.formats import csv_rows, csv_text, markdown
+from industnerf.report.lookup import EVEN
 from industnerf.report.subsets import SEED_PARTS, by_hash
 
 Emds = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
@@ -52,12 +52,11 @@ def read_sweeps(folders: Sequence[Path]) -> dict[str, dict[int, dict[str, float]
 
 
 def _fixed_parts(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="") as file:
-        rows = [
-            row
-            for row in csv.DictReader(file)
-            if (row["metric"], row["protocol"], row["split"]) == ("emd", "P1-even", "test")
-        ]
+    rows = [
+        row
+        for row in csv_rows(path)
+        if (row["metric"], row["protocol"], row["split"]) == (*EVEN, "test")
+    ]
     fixed = set(by_hash("seeds", {row["part_id"] for row in rows})[:SEED_PARTS])
     return [row for row in rows if row["part_id"] in fixed]
 

@@ -1,10 +1,11 @@
 """The table of docs/sweeps.md: every sweep preset, what it asks, and what came out."""
 
-import csv
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from industnerf.report.formats import csv_rows
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
 HEAD = ("sweep", "question", "points", "time", "result")
@@ -44,7 +45,7 @@ def _row(root: Path, preset: Preset) -> list[str]:
     if not _published(root, preset):
         return [name, preset.question, "", f"{preset.time.lower()}, estimated", "not yet run"]
     folder = root / PUBLISHED / preset.name
-    lines = _lines(folder / "sweep.csv")
+    lines = csv_rows(folder / "sweep.csv")
     points = len({line["point"] for line in lines})
     result = f"{_ends(lines)} ([table](sweeps/{preset.name}/sweep.csv))"
     time = f"{_about(root, preset)['core_minutes']} minutes of one core, measured"
@@ -76,8 +77,3 @@ def _about(root: Path, preset: Preset) -> dict[str, Any]:
 
 def _published(root: Path, preset: Preset) -> bool:
     return (root / PUBLISHED / preset.name / "about.json").exists()
-
-
-def _lines(path: Path) -> list[dict[str, str]]:
-    with path.open() as file:
-        return list(csv.DictReader(file))

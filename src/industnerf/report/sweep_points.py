@@ -1,6 +1,5 @@
 """The finished points of a sweep, read from the reports that each of them wrote."""
 
-import csv
 import json
 from collections import defaultdict
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from statistics import fmean
 from typing import Any
 
 from industnerf.config import read_yaml
+from industnerf.report.formats import csv_rows
 from industnerf.report.leaves import leaves
 
 SELECT = "parts.select"
@@ -65,7 +65,7 @@ def _read(folder: Path) -> Point:
             seconds.get((row["method"], row["split"])),
             peaks.get((row["method"], row["split"])),
         )
-        for row in _rows(folder / "reports/table1.csv")
+        for row in csv_rows(folder / "reports/table1.csv")
     ]
     parts = [json.loads(path.read_text()) for path in folder.glob("data/parts/*/part.json")]
     params = leaves(read_yaml(folder / "params.yaml"))
@@ -74,9 +74,9 @@ def _read(folder: Path) -> Point:
 
 def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str, str], float]]:
     """Mean seconds and mean peak MB of a reconstruction, by method and split."""
-    split_of = {row["part_id"]: row["split"] for row in _rows(reports / "scores.csv")}
+    split_of = {row["part_id"]: row["split"] for row in csv_rows(reports / "scores.csv")}
     seconds, peaks = defaultdict(list), defaultdict(list)
-    for row in _rows(reports / "cost.csv"):
+    for row in csv_rows(reports / "cost.csv"):
         if row["stage"] == "reconstruct":
             at = row["method"], split_of[row["part_id"]]
             seconds[at].append(float(row["seconds"]))
@@ -86,15 +86,10 @@ def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str,
 
 def core_seconds(sweep: Path) -> float:
     """What all stages of all points took together; what points share counts once."""
-    rows = [row for path in sweep.glob("*/reports/cost.csv") for row in _rows(path)]
+    rows = [row for path in sweep.glob("*/reports/cost.csv") for row in csv_rows(path)]
     distinct = {tuple(row.values()) for row in rows}
     return sum(float(seconds) for _, _, _, seconds, *_ in distinct)
 
 
 def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:
     return {at: fmean(values) for at, values in groups.items()}
-
-
-def _rows(path: Path) -> list[dict[str, str]]:
-    with path.open() as file:
-        return list(csv.DictReader(file))

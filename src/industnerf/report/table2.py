@@ -11,6 +11,7 @@ from industnerf.artifacts.scores import PartScore
 from industnerf.report import paper
 from industnerf.report.formats import csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Study
+from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.report.subsets import figure3
 from industnerf.report.tables import only, scores_of
@@ -31,7 +32,7 @@ class Loss:
 
 
 LOSSES = (
-    Loss("Point Cloud (EMD)", "emd", "P1-even", 4),
+    Loss("Point Cloud (EMD)", *EVEN, 4),
     Loss("RGB 2D (MSE)", "rgb_mse", "P1-union", 5),
     Loss("Depth 2D (MSE)", "depth_mse", "P1-union", 6),
     Loss("depth: coverage", "coverage", "P1-union", 4),
@@ -110,7 +111,7 @@ def _line(
         fmean(row.score.floor for row in mine),
         paper.TABLE2.get(loss.metric) if mine[0].method == paper.OURS else None,
         len(mine),
-        sum(row.score.status != "ok" for row in only(scores, "emd", "P1-even")),
+        sum(row.score.status != "ok" for row in only(scores, *EVEN)),
     )
 
 

@@ -8,6 +8,7 @@ from industnerf.methods.base import Method, Role
 from industnerf.report import paper
 from industnerf.report.formats import brief, csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Lesson, Study
+from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
@@ -95,7 +96,7 @@ def only(scores: list[PartScore], metric: str, protocol: str) -> list[PartScore]
 def _row(
     study: Study, settings: ReportParams, method: Method, split: str, scores: list[PartScore]
 ) -> Row:
-    even = only(scores, "emd", "P1-even")
+    even = only(scores, *EVEN)
     values = [row.score.value for row in even]
     low, high = bootstrap_interval(
         values,
@@ -156,7 +157,7 @@ def table1_csv(rows: list[Row]) -> str:
 
 def without_failures(study: Study, row: Row) -> float | None:
     """Mean EMD (even) over the parts that did not fail."""
-    even = only(scores_of(study, row.method, row.split), "emd", "P1-even")
+    even = only(scores_of(study, row.method, row.split), *EVEN)
     values = [s.score.value for s in even if s.score.status == "ok"]
     return fmean(values) if values else None
 
