@@ -1,5 +1,9 @@
 """How work is dealt out to jobs, and what a job does that starts again."""
 
+import multiprocessing
+import os
+import signal
+import time
 from functools import partial
 
 from hypothesis import given
@@ -57,3 +61,28 @@ def test_a_job_notes_how_each_piece_ended_and_does_none_twice(tmp_path):
     assert notes.outcome(8) == Outcome(8, None)
     assert not (tmp_path / "a").exists()
     assert (tmp_path / "b").read_text() == "x"
+
+
+def end_the_job():
+    """As `scancel --signal=KILL` ends all processes of a job: a piece first, its parent after."""
+    job = os.getppid()
+    if not os.fork():
+        os.closerange(3, 256)  # else the parent waits for this process, which holds its pipe too
+        time.sleep(0.3)
+        os.kill(job, signal.SIGKILL)
+        os._exit(0)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_job_that_is_killed_does_not_say_that_its_piece_crashed(tmp_path):
+    """Of that piece nothing is known, and the next one is not begun."""
+    notes = Notes(tmp_path / "notes")
+    notes.folder.mkdir()
+    works = ((0, end_the_job), (1, partial(add, tmp_path / "a")))
+    chunk = Chunk(works, notes, workers=1, limit_s=60.0, memory_mb=None)
+    job = multiprocessing.get_context("spawn").Process(target=chunk)
+    job.start()
+    job.join()
+    assert job.exitcode == -signal.SIGKILL
+    assert notes.ended() == set()
+    assert notes.begun() == {0}

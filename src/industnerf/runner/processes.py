@@ -15,6 +15,7 @@ from typing import Any
 from industnerf.runner.base import Outcome, Work, attempt
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
+KILL_S = 1.0  # in which who kills all processes of a job has come from a piece of it to us
 
 
 @dataclass(frozen=True)
@@ -123,6 +124,8 @@ class _Worker:
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode
+            if code == -signal.SIGKILL:  # if we are next, the piece has not failed: say nothing
+                time.sleep(KILL_S)
             return f"crashed: its process ended with exit code {code}{limits.hint}"
 
     def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
