@@ -2,10 +2,11 @@
 
 import numpy as np
 import torch
+from edt import edt
 from jaxtyping import Bool, Float32
-from scipy.ndimage import distance_transform_edt
 from torch import Tensor
 
+from industnerf.geometry.silhouettes import differs
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 
@@ -19,12 +20,11 @@ class Silhouettes:
 
     def __init__(self, scene: Scene) -> None:
         self._eyes = scene.eyes
-        colours = scene.images.float() / 255
-        part = ((colours - scene.background[:, None, None]).abs() > TOLERANCE).any(dim=-1)
-        outside = [_away(mask.cpu().numpy()) for mask in part]
-        inside = [_away(~mask.cpu().numpy()) for mask in part]
-        self._outside = torch.stack(outside).to(scene.images.device)
-        self._inside = torch.stack(inside).to(scene.images.device)
+        part = differs(scene.images.cpu().numpy(), scene.background.cpu().numpy(), TOLERANCE)
+        self._outside, self._inside = (
+            torch.stack([_away(mask) for mask in masks]).to(scene.images.device)
+            for masks in (part, ~part)
+        )
 
     @property
     def device(self) -> torch.device:
@@ -74,4 +74,4 @@ def _away(part: Bool[np.ndarray, "h w"]) -> Float32[Tensor, "h w"]:
     """How many pixels each pixel is from the nearest of the part."""
     if not part.any():
         return torch.full(part.shape, float(sum(part.shape)))
-    return torch.from_numpy(distance_transform_edt(~part)).float()
+    return torch.from_numpy(edt(~part))
