@@ -36,8 +36,10 @@ SETTINGS = CarveSettings(
     outliers=0.1,
     views=3,
     sweeps=32,
+    least_filled=0.95,
     points=20_000,
 )
+STRICT = replace(SETTINGS, threshold=0.0, outliers=0.0, footprint=0.3, facing=-0.9, sweeps=200)
 CUP = cup(18.0, 13.0, 24.0, 6.0)  # its floor is at -6, its rim at 12
 
 
@@ -143,6 +145,18 @@ def test_a_carved_half_ends_where_it_ends_and_leaves_no_skin():
     np.testing.assert_allclose(depth[10, 10, 11:13], expected[11:13], atol=0.06)
     assert (depth[10, 10, 13:21] < -0.5).all()  # also above the hull's own lid
     assert (depth[10, 10, :8] > 1).all()
+
+
+def test_photographs_that_contradict_all_of_the_solid_are_not_believed():
+    """As of shining metal: without the safeguard nothing is left of the cup."""
+    noise = np.random.default_rng(0)
+
+    def glitter(at: np.ndarray) -> np.ndarray:
+        return noise.integers(0, 250, at.shape)
+
+    np.testing.assert_array_equal(points_of(CUP, glitter, STRICT), points_of(CUP, grey))
+    with pytest.raises(ReconstructionFailed, match=r"of \d+ cells 0 are left"):
+        points_of(CUP, glitter, replace(STRICT, least_filled=0.0))
 
 
 @pytest.mark.parametrize(("value", "match"), [(255, "no volume: the silhouettes of 40 views")])

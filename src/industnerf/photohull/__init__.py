@@ -4,6 +4,10 @@
 one colour in all photographs that show it; where a pocket is closed by the hull, they show what
 lies behind, each something else.  Flat pockets whose floor is as bright as their rim stay as
 filled as in the visual hull.  `carve` answers with it, `industnerf_plus` starts from it.
+
+The surface of the part is consistent, if it is as bright from all sides, and so what is left fills
+every silhouette.  If it does not, that was no such surface -- metal shines, lamps move, cameras
+are not where they are said to be -- and nothing that was carved is believed.
 """
 
 from dataclasses import dataclass
@@ -11,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
+from industnerf.photohull.filling import filled
 from industnerf.photohull.lattice import Rig, depth_in_hull
 from industnerf.photohull.sweeps import Sweeper
 from industnerf.schema import SpaceCarvingSettings
@@ -24,7 +29,10 @@ class Carved:
 
     depth: Float32[np.ndarray, "r r r"]  # in the visual hull, cells; exact near its surface alone
     hull: Bool[np.ndarray, "r r r"]
-    left: Bool[np.ndarray, "r r r"]
+    left: Bool[np.ndarray, "r r r"]  # the hull, unless the photographs are believed
+    believed: bool
+    hull_fills: float  # of the silhouettes
+    rest_fills: float  # of the silhouettes; what the photographs do not contradict
 
 
 def carved(
@@ -33,8 +41,10 @@ def carved(
     rig: Rig,
     ways: SpaceCarvingSettings,
 ) -> Carved:
-    """What photographs leave of the hull of their silhouettes, which may be nothing."""
+    """What photographs leave of the hull of their silhouettes."""
     depth = depth_in_hull(mask, rig, ways.grid_res)
     hull = depth > ANY
-    left = Sweeper(hull, rgb, rig, ways).carved(ways.sweeps) if hull.any() else hull
-    return Carved(depth, hull, left)
+    rest = Sweeper(hull, rgb, rig, ways).carved(ways.sweeps) if hull.any() else hull
+    of_hull, of_rest = (filled(solid, mask, rig) for solid in (hull, rest))
+    believed = of_rest >= ways.least_filled * of_hull
+    return Carved(depth, hull, rest if believed else hull, believed, of_hull, of_rest)

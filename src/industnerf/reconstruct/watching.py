@@ -37,6 +37,9 @@ class Watching(Watch):
         self._preview = preview
         self._next_checkpoint, self._next_preview = Due(checkpoint_every), Due(preview_every)
 
+    def remark(self, text: str) -> None:
+        self._display.say(text)
+
     def begin(self, level: str, steps: int) -> None:
         self._display.begin(level, steps)
 

@@ -19,3 +19,4 @@ class SpaceCarvingSettings:
     outliers: Annotated[float, within("[0, 0.5)")]
     views: Annotated[int, at_least(2)]
     sweeps: CountOr0
+    least_filled: Share

@@ -107,6 +107,7 @@ class ReliefSettings:
     rate: Positive
     wait: CountOr0
     back: Share
+    back_in_doubt: Share
     slack: Annotated[float, at_least(1)]
     fill_every: Count
     fill_from: Annotated[float, within("[0, 1]")]

@@ -43,6 +43,7 @@ def test_the_pocket_of_a_painted_cup_is_open_from_the_start():
     """Its floor keeps up to 4 cells where no three views see it straight (test_carve)."""
     places, points = in_the_pocket()
     outside = photo_hull(painted(CUP, CAMERAS, waves)[1]).distance(points).numpy()
+    assert photo_hull(painted(CUP, CAMERAS, waves)[1]).remarks == []
     high = places[:, 2] > FLOOR + 4 * CELL * RADIUS
     to_wall = (INNER - np.hypot(places[:, 0], places[:, 1])) / RADIUS
     assert (outside[high] > 0).all()
@@ -62,6 +63,16 @@ def test_when_the_photographs_contradict_all_of_it_it_is_the_visual_hull():
     hull = photo_hull(np.where(rgb < 255, noise, rgb), **strict)
     _, points = in_the_pocket()
     assert (hull.distance(points) < 0).all()
+    assert not hull.believed
+    [said] = hull.remarks
+    assert said.startswith("the photographs contradict the silhouettes")
+
+
+def test_silhouettes_that_contradict_each_other_are_spoken_of():
+    """Half of the views glint in the background's colour over the upper half of the picture."""
+    rgb = painted(CUP, CAMERAS, waves)[1]
+    rgb[::2, :96] = 255
+    assert photo_hull(rgb).remarks[0].startswith("the silhouettes contradict each other: their ")
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

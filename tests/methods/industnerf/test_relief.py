@@ -13,7 +13,13 @@ from industnerf.methods.industnerf.relief import FARTHEST, Relief, beside_on_gri
 from tests.methods.industnerf.scenes import settings
 
 WAYS = replace(
-    settings("industnerf_plus").relief, rate=0.1, wait=3, back=0.5, fill_every=5, fill_from=0.5
+    settings("industnerf_plus").relief,
+    rate=0.1,
+    wait=3,
+    back=0.5,
+    back_in_doubt=0.7,
+    fill_every=5,
+    fill_from=0.5,
 )
 SIDE = 7
 GRID = torch.tensor(list(product(range(SIDE), repeat=3))).float() * 0.1 - 0.3
@@ -54,6 +60,13 @@ def test_filling_never_carves(carved):
     after = without_pits(before, hull, BESIDE)
     assert (after <= before).all()
     assert (after >= hull - 1e-5).all()
+
+
+@pytest.mark.parametrize(("believed", "left"), [(True, 3.0), (False, 2.6)])
+def test_where_the_photographs_are_not_believed_more_falls_back(believed, left):
+    hull, carved = torch.zeros(SIDE**3), torch.full((SIDE**3,), 4.0)
+    Relief(hull, BESIDE, WAYS, believed=believed).fall_back(carved, 2.0)
+    assert carved.unique().item() == pytest.approx(left)
 
 
 def test_points_deeper_than_the_hull_stay_as_they_are():

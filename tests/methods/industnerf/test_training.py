@@ -371,6 +371,7 @@ def test_a_relief_starts_at_the_photo_hull_where_that_is_deeper_inside_than_the_
     class Inner(PhotoHull):
         def __init__(self) -> None:
             """Made of no photographs."""
+            self.believed = True
 
         def distance(self, points: torch.Tensor) -> torch.Tensor:
             return torch.full((len(points),), 2 * spacing_of(RES, 0))

@@ -12,18 +12,19 @@ from torch import Tensor
 from industnerf.geometry.silhouettes import differs
 from industnerf.methods.industnerf.carving import TOLERANCE
 from industnerf.methods.industnerf.scene import Posed, Scene
-from industnerf.photohull import carved
+from industnerf.photohull import Carved, carved
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
 
 
 class PhotoHull:
-    """What the photographs leave of the hull; the hull itself, should they leave nothing."""
+    """What the photographs leave of the hull; the hull itself, where they are not believed."""
 
     def __init__(self, posed: Posed, scene: Scene, ways: SpaceCarvingSettings) -> None:
         mask = differs(posed.rgb, scene.background.cpu().numpy(), TOLERANCE)
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
         cells = carved(mask, posed.rgb, rig, as_coarse_as_pixels(ways, posed.rgb.shape[2]))
+        self.believed, self.remarks = cells.believed, remarks(cells, ways.least_filled)
         left = depth_in(cells.left) if cells.left.any() else np.inf
         self._depth = np.minimum(cells.depth, left)
 
@@ -33,6 +34,23 @@ class PhotoHull:
         places = (points.cpu().numpy() + 1) / cell - 0.5
         depth = map_coordinates(self._depth, places.T, order=1, mode="nearest", prefilter=False)
         return torch.from_numpy(-depth * np.float32(cell)).to(points)
+
+
+def remarks(cells: Carved, least: float) -> list[str]:
+    """What is wrong with the photographs, a sentence each."""
+    said = []
+    if cells.hull_fills < least:
+        said.append(
+            f"the silhouettes contradict each other: their hull fills {cells.hull_fills:.0%} of "
+            "them; are cameras inexact, is the background plain, does the part glint in its colour?"
+        )
+    if not cells.believed:
+        said.append(
+            "the photographs contradict the silhouettes: what is alike from all sides fills "
+            f"{cells.rest_fills:.0%} of them (relief.start.least_filled), so the result stays "
+            "nearer to the visual hull; does the part shine, did a light move, are cameras inexact?"
+        )
+    return said
 
 
 def as_coarse_as_pixels(ways: SpaceCarvingSettings, width: int) -> SpaceCarvingSettings:

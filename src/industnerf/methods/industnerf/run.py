@@ -34,6 +34,9 @@ Background = Float[np.ndarray, "views 3"]
 class Watch:
     """Told how the work goes on; does nothing with it.  Subclass it, and override what you want."""
 
+    def remark(self, text: str) -> None:
+        """Something about the images that their owner should know."""
+
     def begin(self, level: str, steps: int) -> None:
         """`steps` steps follow."""
 
@@ -114,8 +117,11 @@ class Work:
         if self._silhouettes:
             settings = as_fine_as_fits(settings, self._silhouettes)
         self._settings = settings
-        start = settings.relief.start
-        self._photo_hull = PhotoHull(posed, self.scene, start) if start.use else None
+        self._photo_hull = None
+        if settings.relief.start.use:
+            self._photo_hull = PhotoHull(posed, self.scene, settings.relief.start)
+            for text in self._photo_hull.remarks:
+                watch.remark(text)
         self._generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)

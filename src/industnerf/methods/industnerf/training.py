@@ -101,8 +101,11 @@ class Training:
 
     def _relief(self, hull: Float32[Tensor, "m"], photo_hull: PhotoHull | None) -> Relief:
         points = self.points.positions
-        start = photo_hull.distance(points) / self._unit if photo_hull else None
-        return Relief(hull, beside_on_grid(points, self.spacing), self.ways.relief, start)
+        beside, ways = beside_on_grid(points, self.spacing), self.ways.relief
+        if photo_hull is None:
+            return Relief(hull, beside, ways)
+        start = photo_hull.distance(points) / self._unit
+        return Relief(hull, beside, ways, start, photo_hull.believed)
 
     @property
     def _unit(self) -> float:
