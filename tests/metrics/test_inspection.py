@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import Mesh
+from industnerf.metrics.gaps import between
 from industnerf.metrics.inspection import inspected
 from industnerf.metrics.visible import Frame
 
@@ -24,7 +25,8 @@ def on_top(count: int, height: float) -> np.ndarray:
 
 def asked(shown_mm, seen_mm, tolerances=(0.1, 0.5, 1.0)):
     of = frame()
-    values = inspected(of, of.unit(seen_mm), of.unit(shown_mm), tolerances)
+    seen, shown = of.unit(seen_mm), of.unit(shown_mm)
+    values = inspected(of, shown, between(seen, shown).truth, tolerances)
     assert {value.protocol for value in values} == {"P1-dense"}
     return {value.metric: value for value in values}
 

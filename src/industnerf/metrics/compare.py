@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from industnerf.metrics.chamfer import chamfer
 from industnerf.metrics.emd import emd
 from industnerf.metrics.fscore import fscore
+from industnerf.metrics.gaps import between
 from industnerf.metrics.inspection import inspected
 from industnerf.metrics.reduce import farthest_points, random_points
 from industnerf.metrics.values import Value
@@ -65,9 +66,10 @@ def compare_visible(
     n = settings.points
     seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
     even = emd(farthest_points(seen, n), farthest_points(shown, n))
+    gaps = between(seen, shown)
     return [
         Value("emd", "P1-even", even, "diagonal"),
-        Value("chamfer", "P1-dense", chamfer(seen, shown), "diagonal"),
-        Value("fscore", "P1-dense", fscore(seen, shown, settings.fscore), "share", False),
-        *inspected(frame, seen, shown, settings.tolerances_mm),
+        Value("chamfer", "P1-dense", chamfer(gaps), "diagonal"),
+        Value("fscore", "P1-dense", fscore(gaps, settings.fscore), "share", False),
+        *inspected(frame, shown, gaps.truth, settings.tolerances_mm),
     ]

@@ -3,33 +3,25 @@
 import math
 
 import numpy as np
-from jaxtyping import Float
-from scipy.spatial import cKDTree
+from jaxtyping import Float64
 
 from industnerf.errors import MetricError
-from industnerf.metrics.clouds import checked
+from industnerf.metrics.gaps import Gaps
 
 
-def share_within(
-    a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"], distance: float
-) -> float:
-    """Share of the points of `a` no farther than `distance` from some point of `b`."""
+def share_within(gaps: Float64[np.ndarray, "n"], distance: float) -> float:
+    """Share of points that have one of the other cloud no farther than `distance` away."""
     if not (math.isfinite(distance) and distance > 0):
         raise MetricError(f"a share within {distance!r} is undefined; it takes a positive length")
-    near, _ = cKDTree(checked(b, "b")).query(
-        checked(a, "a"), distance_upper_bound=np.nextafter(distance, np.inf)
-    )  # bounded, for the search for a far neighbour is the slow one; exclusive, hence nextafter
-    return float((near <= distance).mean())
+    return float((gaps <= distance).mean())
 
 
-def fscore(
-    truth: Float[np.ndarray, "n 3"], predicted: Float[np.ndarray, "m 3"], distance: float
-) -> float:
+def fscore(gaps: Gaps, distance: float) -> float:
     """Harmonic mean of precision and recall at `distance`; 0 where both are.
 
-    Precision is the share of `predicted` near `truth`, recall that of `truth` near `predicted`
+    Precision is the share of what was predicted near the truth, recall that of the truth near it
     -- Knapitsch et al. (2017), Tanks and Temples, eq. 5 to 8.
     """
-    precision = share_within(predicted, truth, distance)
-    recall = share_within(truth, predicted, distance)
+    precision = share_within(gaps.predicted, distance)
+    recall = share_within(gaps.truth, distance)
     return 2 * precision * recall / (precision + recall) if precision + recall else 0.0

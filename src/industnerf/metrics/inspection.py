@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from industnerf.metrics.chamfer import nearest
 from industnerf.metrics.values import Value
 from industnerf.metrics.visible import Frame
 
@@ -14,24 +13,22 @@ SHARE = 0.95  # of either side that the Hausdorff distance is taken of: the rest
 
 def inspected(
     frame: Frame,
-    seen: Float[np.ndarray, "m 3"],
     shown: Float[np.ndarray, "n 3"],
+    missed: Float[np.ndarray, "m"],
     tolerances_mm: Sequence[float],
 ) -> list[Value]:
-    """How far the points `shown` are from the true surface, and the samples `seen` of it from them.
+    """How far the points `shown` are from the true surface, and its samples from them: `missed`.
 
     Both in diagonals, about the frame's centre.  A point's deviation is its distance to the
     surface itself; what is `within` a tolerance is a share of the points `shown`.  Hausdorff-95 is
-    the larger of the 95th percentiles of the deviations and of the distances of what is `seen` to
-    its nearest point.
+    the larger of the 95th percentiles of the deviations and of what is `missed`.
     """
     # late: a stage that only names the metric need not wait for Warp
     from industnerf.geometry.closest import distance_to_surface
 
     mesh, to_mm = frame.mesh, frame.diagonal_mm
     away = distance_to_surface(shown, frame.unit(mesh.vertices), mesh.faces) * to_mm
-    missed = nearest(seen, shown) * to_mm
-    worst = max(float(np.quantile(side, SHARE)) for side in (away, missed))
+    worst = max(float(np.quantile(side, SHARE)) for side in (away, missed * to_mm))
     within = [
         Value(f"within_{limit:g}mm", "P1-dense", float((away <= limit).mean()), "share", False)
         for limit in tolerances_mm

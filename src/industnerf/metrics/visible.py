@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.spatial import cKDTree
 
 from industnerf.artifacts.part import Mesh
 from industnerf.geometry.raycast import Scene
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.geometry.visibility import seen_from
+from industnerf.metrics.gaps import nearest
 from industnerf.schema import EvaluateParams
 
 ON_SURFACE = 1e-4  # a sample of the surface lies this close to it, in diagonals
@@ -68,7 +68,7 @@ def scored(
     if truth_visible.all():
         return keep
     inside = np.flatnonzero(~rig.sees(predicted_mm, hidden))
-    to_visible, _ = cKDTree(truth_mm[truth_visible]).query(predicted_mm[inside])
-    to_hidden, _ = cKDTree(truth_mm[~truth_visible]).query(predicted_mm[inside])
+    to_visible = nearest(predicted_mm[inside], truth_mm[truth_visible])
+    to_hidden = nearest(predicted_mm[inside], truth_mm[~truth_visible])
     keep[inside[to_hidden < to_visible]] = False
     return keep
