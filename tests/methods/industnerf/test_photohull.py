@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from industnerf.geometry.cameras import framed_ball
-from industnerf.methods.industnerf.photohull import PhotoHull, depth_in
+from industnerf.methods.industnerf.photohull import PhotoHull, depth_in, of_two_pixels
 from industnerf.methods.industnerf.scene import Posed, scene_of
 from tests.methods.industnerf.scenes import settings
 from tests.methods.solids import cameras_around, cup, painted
@@ -73,6 +73,11 @@ def test_silhouettes_that_contradict_each_other_are_spoken_of():
     rgb = painted(CUP, CAMERAS, waves)[1]
     rgb[::2, :96] = 255
     assert photo_hull(rgb).remarks[0].startswith("the silhouettes contradict each other: their ")
+
+
+@pytest.mark.parametrize(("width", "cells"), [(512, 128), (200, 96), (128, 64), (40, 32)])
+def test_cells_are_two_pixels_wide_or_more(width, cells):
+    assert of_two_pixels(replace(WAYS, grid_res=128), width).grid_res == cells
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -23,7 +23,7 @@ class PhotoHull:
     def __init__(self, posed: Posed, scene: Scene, ways: SpaceCarvingSettings) -> None:
         mask = differs(posed.rgb, scene.background.cpu().numpy(), TOLERANCE)
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
-        cells = carved(mask, posed.rgb, rig, as_coarse_as_pixels(ways, posed.rgb.shape[2]))
+        cells = carved(mask, posed.rgb, rig, of_two_pixels(ways, posed.rgb.shape[2]))
         self.believed, self.remarks = cells.believed, remarks(cells, ways.least_filled)
         left = depth_in(cells.left) if cells.left.any() else np.inf
         self._depth = np.minimum(cells.depth, left)
@@ -53,12 +53,13 @@ def remarks(cells: Carved, least: float) -> list[str]:
     return said
 
 
-def as_coarse_as_pixels(ways: SpaceCarvingSettings, width: int) -> SpaceCarvingSettings:
-    """`ways` with no more cells a side than images have pixels.
+def of_two_pixels(ways: SpaceCarvingSettings, width: int) -> SpaceCarvingSettings:
+    """`ways` with cells of two pixels or more in images of this `width`.
 
-    The colours within a pixel are averaged: cells that are smaller would contradict their views.
+    The colours within a pixel are averaged: of smaller cells each view would show another mean.
     """
-    return replace(ways, grid_res=min(ways.grid_res, max(32, width - width % 8)))
+    most = width // 2 - width // 2 % 8
+    return replace(ways, grid_res=min(ways.grid_res, max(32, most)))
 
 
 def depth_in(solid: Bool[np.ndarray, "r r r"]) -> Float32[np.ndarray, "r r r"]:
