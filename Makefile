@@ -18,9 +18,9 @@ repro: $(INSTALLED)  ## the full study of params.yaml, resumable
 	@python -m pipeline.check && dvc repro
 
 ui: $(INSTALLED)  ## compare runs in the browser
-	@python -m industnerf.tracking
-	@MLFLOW_SERVER_ENABLE_JOB_EXECUTION=false MLFLOW_DISABLE_TELEMETRY=true mlflow ui --workers 1 \
-	  --backend-store-uri "sqlite:///$(CURDIR)/mlflow.db"
+	@database="$$(python -m industnerf.tracking)" && \
+	  MLFLOW_SERVER_ENABLE_JOB_EXECUTION=false MLFLOW_DISABLE_TELEMETRY=true mlflow ui --workers 1 \
+	  --backend-store-uri "$$database"
 
 lint: $(INSTALLED)  ## style and import contracts
 	@ruff check . && ruff format --check . && lint-imports

@@ -193,7 +193,7 @@ def write_report(report: Path, rows: int) -> None:
     (report / "scores.csv").write_text(head + "".join(lines))
     lines = [f"p{i},m,reconstruct,1.0,100.0\n" for i in range(rows)]
     (report / "cost.csv").write_text("part_id,method,stage,seconds,peak_mb\n" + "".join(lines))
-    summary = {"inputs": str(rows), "preset": "scaling", "metrics": defaultdict(float, m=0.01)}
+    summary = {"results": str(rows), "preset": "scaling", "metrics": defaultdict(float, m=0.01)}
     (report / "summary.json").write_text(json.dumps(summary))
 
 

@@ -7,7 +7,7 @@ from industnerf.cli import run_as_stage
 from industnerf.config import PARAMS, Masked, read_yaml
 from industnerf.report.build import build_report
 from industnerf.report.gather import Folders, gather
-from industnerf.tracking import log_report
+from industnerf.tracking import label, log_report
 
 
 def main(cfg: Masked, *paths: str) -> None:
@@ -16,6 +16,7 @@ def main(cfg: Masked, *paths: str) -> None:
     about = (cfg.preset, cfg.seed, views, cfg.split.hold_out, cfg.methods)
     study = gather(Folders(*folders), *about)
     build_report(study, cfg.report, grid, out)
+    label(out)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@ python -m pipeline.sweep --multirun views.count=8,16,32 'methods=[hull]'
 python -m pipeline.sweep experiment=demo seed=1
 """
 
+import shutil
 import sys
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,7 @@ from industnerf.errors import SuiteError
 from industnerf.report.provenance import origin
 from industnerf.report.sweep import write_sweep
 from industnerf.schema import Params
-from industnerf.tracking import log_report, prepare
+from industnerf.tracking import label, log_report, prepare
 from pipeline.chain import run_chain
 
 
@@ -31,11 +33,19 @@ class SweepEnd(Callback):
     """
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
+        folder = Path(config.hydra.sweep.dir)
+        for params in folder.glob("[0-9]*/params.yaml"):  # of an earlier sweep into this folder
+            shutil.rmtree(params.parent)  # what it made is in the store
         prepare()
-        write_json(Path(config.hydra.sweep.dir) / "made.json", origin())
+        write_json(folder / "made.json", origin())
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
-        if write_sweep(Path(config.hydra.sweep.dir)):
+        try:
+            failed = write_sweep(Path(config.hydra.sweep.dir))
+        except Exception:  # of which Hydra would make a warning, and end as if all were well
+            traceback.print_exc()
+            failed = True
+        if failed:
             sys.exit(1)
 
 
@@ -56,7 +66,8 @@ def _point(folder: Path, values: Any, overrides: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     OmegaConf.save(values, folder / "params.yaml")
     run_chain(build(Params, values, "the composed configuration"), folder)
-    log_report(folder / "reports", values, overrides, point=overrides)
+    label(folder / "reports", point=overrides)
+    log_report(folder / "reports", values)
 
 
 if __name__ == "__main__":

@@ -27,11 +27,11 @@ a,gears,net,test,psnr,P1-union,20,ok
 b,gears,hull,dev,emd,P1-even,0.5,ok
 """
 COSTS = """\
-stage,method,part_id,seconds,peak_mb,device
-views,,a,100,900,cpu
-reconstruct,hull,a,1,50,cpu
-reconstruct,hull,b,3,70,cpu
-evaluate,hull,a,100,900,cpu
+stage,method,part_id,seconds,peak_mb,device,aside_s
+views,,a,100,900,cpu,0
+reconstruct,hull,a,1,50,cpu,0.5
+reconstruct,hull,b,3,70,cpu,0.5
+evaluate,hull,a,100,900,cpu,0
 """
 
 
@@ -142,6 +142,12 @@ def test_without_renderings_the_points_are_drawn(study):
     assert picture.shape == (4 * SIDE, 2 * SIDE, 3)
     assert tuple(picture[SIDE // 2, SIDE + SIDE // 2]) == (200, 0, 0)
     assert (picture[0, SIDE] == 255).all()
+
+
+def test_without_a_held_out_camera_there_is_no_picture(study):
+    for path in (study / "views").glob("*/cameras.json"):
+        path.write_text(path.read_text().replace("true", "false"))
+    assert preview(study / "clouds", study / "views") is None
 
 
 def test_without_clouds_there_is_no_picture(study):

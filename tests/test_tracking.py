@@ -14,12 +14,33 @@ LOG = """
 import sys
 from pathlib import Path
 from industnerf.tracking import log_report
-log_report(Path(sys.argv[1]), {"views": {"count": 6}, "seed": 0}, "a run")
+log_report(Path(sys.argv[1]), {"views": {"count": 6}, "seed": 0})
+"""
+BROKEN_ONCE = """
+import sys
+from pathlib import Path
+from industnerf import tracking
+rightly, tracking._log_methods = tracking._log_methods, None
+tracking.log_report(Path(sys.argv[1]), {"seed": 0})
+tracking._log_methods = rightly
+"""
+LOG_POINT = """
+import sys
+from pathlib import Path
+from industnerf.tracking import backfill, label, log_report
+report = Path(sys.argv[1])
+label(report, point="views.count=6")
+log_report(report, {"views": {"count": 6}})
+backfill(report.parent)
 """
 READ = """
 import sys, mlflow
 mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
-(run,) = mlflow.search_runs(experiment_names=["industnerf"], output_format="list")
+only = "attributes.status = 'FINISHED'"
+(run,) = mlflow.search_runs(
+    experiment_names=["industnerf"], filter_string=only, output_format="list"
+)
+print(run.info.run_name)
 files = mlflow.MlflowClient().list_artifacts(run.info.run_id, "report")
 print(run.data.params, run.data.metrics, sorted(run.data.tags), [f.path for f in files])
 curve = mlflow.MlflowClient().get_metric_history(run.info.run_id, "net.loss")
@@ -35,14 +56,14 @@ print(mlflow.artifacts.load_dict(f"{run.info.artifact_uri}/per_part.json"))
 def report(tmp_path, monkeypatch):
     folder = tmp_path / "reports"
     folder.mkdir()
-    summary = {"schema": 1, "inputs": "abc", "preset": "smoke", "metrics": {"hull.test.emd": 0.1}}
+    summary = {"schema": 1, "results": "abc", "preset": "smoke", "metrics": {"hull.test.emd": 0.1}}
     (folder / "summary.json").write_text(json.dumps(summary))
     (folder / "scores.csv").write_text(
         "part_id,family,method,split,metric,protocol,value,status\n"
         "p1,gears,net,test,emd,P1-even,0.1,ok\n"
     )
     (folder / "cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device\nreconstruct,net,p1,3,70,cpu\n"
+        "stage,method,part_id,seconds,peak_mb,device,aside_s\nreconstruct,net,p1,3,70,cpu,0\n"
     )
     cloud = tmp_path / "data" / "clouds" / "net" / "p1"
     cloud.mkdir(parents=True)
@@ -82,8 +103,25 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
     assert "[0.75]" in output
     assert "['per_part.json', 'report']" in output
     assert "[['p1', 'gears', 'test', 'net', 0.1, 'ok', 3, 70]]" in output
-    assert "'git.commit', 'git.dirty', 'inputs'" in output
+    assert "'git.commit', 'git.dirty', 'mlflow." in output
+    assert "'results'" in output
     assert "report/report.html" in output
+
+
+def test_what_was_logged_by_half_is_logged_anew(report, tmp_path):
+    code, output = finish(start(BROKEN_ONCE + LOG, report))
+    assert code == 0
+    assert "MLflow: not logged (TypeError" in output
+    code, output = finish(start(READ, tmp_path / "mlflow"))
+    assert code == 0, output
+    assert "[(0, 0.5), (5, 0.25)]" in output
+
+
+def test_a_point_of_a_sweep_is_not_logged_a_second_time_as_a_study(report, tmp_path):
+    assert finish(start(LOG_POINT, report))[0] == 0
+    code, output = finish(start(READ, tmp_path / "mlflow"))
+    assert code == 0, output
+    assert output.startswith("views.count=6\n")
 
 
 def test_a_broken_database_is_said_and_not_fatal(report, tmp_path):

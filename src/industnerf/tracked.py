@@ -85,9 +85,10 @@ def preview(clouds: Path, views: Path) -> UInt8[np.ndarray, "h w 3"] | None:
     """A few parts from their first held-out camera: left the photograph, right what was made of it.
 
     That is the rendering, or of a method that does not render the points of the cloud.  None if
-    there is no cloud.  Raises BadArtifact if a file is missing or torn.
+    there is no cloud or no held-out camera.  Raises BadArtifact if a file is missing or torn.
     """
     made = [path.parent for path in sorted(clouds.glob("*/cloud.npz"))]
+    made = [cloud for cloud in made if load_views(views / cloud.name).held_out.any()]
     chosen = made[:: -(-len(made) // PREVIEWS) or 1]
     rows = [_beside(cloud, views / cloud.name) for cloud in chosen]
     return np.concatenate(rows) if rows else None

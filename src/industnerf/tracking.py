@@ -15,17 +15,22 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from industnerf import environment
+from industnerf.artifacts.files import write_json
+from industnerf.cli import exit_with_message
 from industnerf.config import flat, read_yaml
+from industnerf.errors import BadParams
 from industnerf.tracked import loss_curve, mean_costs, per_part, preview
 
 EXPERIMENT = "industnerf"
 # Without it the UI opens on a page for language models instead of the table of runs.
 TABLE_OF_RUNS = {"mlflow.experimentKind": "custom_model_development"}
+LABEL = "label.json"  # of a report: the tags of its run, whenever it is logged
 
 
 def home() -> Path:
     """Where the tracking database lives: an absolute path, or a run elsewhere would start anew."""
-    return Path(os.environ.get("INDUSTNERF_MLFLOW", ".")).absolute()
+    return Path(environment.text("INDUSTNERF_MLFLOW") or ".").absolute()
 
 
 def prepare() -> None:
@@ -34,24 +39,31 @@ def prepare() -> None:
     MLflow's first connection corrupts the database if two processes make it at once, so it is
     made under a lock; call this before any fan-out.
     """
-    if _is_on():
+    if is_on():
         with _locked():
             _client()
 
 
-def _is_on() -> bool:
+def is_on() -> bool:
+    """Whether anything is to be logged."""
     return os.environ.get("INDUSTNERF_MLFLOW") != "off"
 
 
-def log_report(
-    report: Path, params: Mapping[str, Any], name: str | None = None, **tags: str
-) -> None:
+def label(report: Path, **tags: str) -> None:
+    """Note how the run of the report in `report` is to be tagged, today's commit included.
+
+    Of a sweep the tag `point` says what was set, and is its name.
+    """
+    write_json(report / LABEL, {**git_state(), **tags})
+
+
+def log_report(report: Path, params: Mapping[str, Any]) -> None:
     """Log the report in `report` as one run, unless one with the same results is there."""
-    if not _is_on():
+    if not is_on():
         return
     try:
         with _locked():
-            _log(report, params, name, tags)
+            _log(report, params)
     except Exception as error:  # whatever MLflow or SQLite throws, the results are on disk
         print(
             f"MLflow: not logged ({type(error).__name__}: {error}). The result is safe in {report};"
@@ -60,23 +72,25 @@ def log_report(
         )
 
 
-def _log(report: Path, params: Mapping[str, Any], name: str | None, tags: dict[str, str]) -> None:
-    summary = json.loads((report / "summary.json").read_text())
+def _log(report: Path, params: Mapping[str, Any]) -> None:
+    summary, note = json.loads((report / "summary.json").read_text()), report / LABEL
+    tags = json.loads(note.read_text()) if note.exists() else git_state()
     mlflow, experiment = _client()
-    inputs = summary["inputs"] + tags.get("point", "")
+    results = summary["results"] + tags.get("point", "")
     same = mlflow.search_runs(
-        [experiment], f"tags.inputs = '{inputs}'", max_results=1, output_format="list"
+        [experiment], f"tags.results = '{results}'", max_results=1, output_format="list"
     )
     if same:
         return
     mlflow.set_experiment(experiment_id=experiment)
-    with mlflow.start_run(run_name=name or summary["preset"]) as run:
-        mlflow.set_tags({"inputs": inputs, **git_state(), **tags})
+    with mlflow.start_run(run_name=tags.get("point", summary["preset"])) as run:
+        mlflow.set_tags(tags)
         mlflow.log_params(flat(params))
         mlflow.log_metrics(summary["metrics"] | mean_costs(report))
         mlflow.log_table(per_part(report), "per_part.json")
         mlflow.log_artifacts(str(report), "report")
         _log_methods(mlflow, run.info.run_id, report.parent / "data")
+        mlflow.set_tag("results", results)  # last: what is half logged is logged anew
 
 
 def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:
@@ -148,5 +162,13 @@ def backfill(root: Path) -> None:
         log_report(summary.parent, read_yaml(params) if params.exists() else {})
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """`python -m industnerf.tracking`: bring MLflow up to date, print where its database is."""
+    if not is_on():
+        raise BadParams("INDUSTNERF_MLFLOW is off: there is nothing to look at")
     backfill(Path.cwd())
+    print(f"sqlite:///{home() / 'mlflow.db'}")
+
+
+if __name__ == "__main__":
+    exit_with_message(main)

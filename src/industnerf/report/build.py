@@ -6,7 +6,7 @@ inspection.csv .md         the same clouds in millimetres
 comparisons.csv .md        what is better than what, beyond chance
 strata.csv .md             which kinds of parts suit which method
 contact_sheet.png
-summary.json               the means, for `dvc metrics` and MLflow
+summary.json               the means, for MLflow
 cost.csv cost.md table1.md goals.csv goals.md pareto.png report.html
                            with timings, so they differ from run to run
 """
@@ -92,7 +92,7 @@ def _summary(results: Results, out: Path) -> dict:
     }
     return {
         "schema": 1,
-        "inputs": content_digest([out / "table1.csv", out / "scores.csv"]),
+        "results": content_digest([out / "table1.csv", out / "scores.csv"]),
         "preset": results.study.preset,
         "parts": len(results.study.parts),
         "metrics": table1_means | means(results.lines),
