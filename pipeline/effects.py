@@ -12,7 +12,7 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
-from industnerf.config import load_params
+from industnerf.config import load_params, read_yaml
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.blocks import replace_block
 from industnerf.report.effects import outcomes, table
@@ -27,8 +27,12 @@ def main() -> None:
     params = load_params()
     default = params.method.industnerf.readings
     sweep = Path(sys.argv[1])
-    if not (sweep / "made.json").exists():
-        raise BadArtifact(f"{sweep / 'made.json'} is missing; a sweep writes it at its start")
+    for name, when in (("made.json", "start"), ("sweep.csv", "end")):
+        if not (sweep / name).exists():
+            raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
+    preset = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
+    if preset != "readings":
+        raise BadArtifact(f"{sweep} is of preset {preset!r}, not of experiment=readings")
     found = table(outcomes(sweep), default, numbers(), params.report)
     made = json.loads((sweep / "made.json").read_text())
     text = f"{made['date']}, commit {made['commit']}.\n\n{found}"

@@ -17,7 +17,7 @@ from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
-from industnerf.report.sweep_points import core_seconds
+from industnerf.report.sweep_points import core_seconds, unfinished
 
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
@@ -33,6 +33,8 @@ def publish(sweep: Path, machine: str) -> None:
     for name, when in (("made.json", "start"), ("sweep.csv", "end")):
         if not (sweep / name).exists():
             raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
+    if failed := unfinished(sweep):
+        raise BadArtifact(f"{failed} points of {sweep} have no report; the same line goes on")
     name = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
     if name not in [preset.name for preset in presets(Path.cwd())]:
         raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")

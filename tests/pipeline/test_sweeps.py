@@ -22,9 +22,10 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     sweep = tmp_path / "runs/sweeps/now"
     for number in "01":
         (sweep / number / "reports").mkdir(parents=True)
+        (sweep / number / "reports/summary.json").write_text("{}")
         (sweep / number / "reports/cost.csv").write_text(
-            "stage,method,part_id,seconds,peak_mb,device\n"
-            f"parts,,p1,30,9,cpu\nreconstruct,hull,p1,6{number},9,cpu\n"
+            "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+            f"parts,,p1,20,9,cpu,10\nreconstruct,hull,p1,6{number},9,cpu,0\n"
         )
     (sweep / "0/params.yaml").write_text("preset: sweep-b\n")
     (sweep / "sweep.csv").write_text(
@@ -72,6 +73,22 @@ def test_an_unfinished_sweep_is_refused(project: Path):
     (project / "runs/sweeps/now/sweep.csv").unlink()
     with pytest.raises(BadArtifact, match="writes it at its end"):
         main("runs/sweeps/now")
+
+
+def test_a_sweep_with_a_failed_point_is_refused(project: Path):
+    (project / "runs/sweeps/now/1/reports/summary.json").unlink()
+    with pytest.raises(BadArtifact, match=r"1 points of .* have no report"):
+        main("runs/sweeps/now")
+
+
+def test_every_split_of_a_sweep_has_ends_of_its_own(project: Path):
+    (project / "runs/sweeps/now/sweep.csv").write_text(
+        "point,n,method,split,emd\n0,1,hull,test,0.03\n0,1,hull,dev,0.5\n1,4,hull,test,0.02\n"
+        "1,4,hull,dev,0.6\n"
+    )
+    main("runs/sweeps/now")
+    text = (project / "docs/sweeps.md").read_text()
+    assert "`hull` (test) 0.0300 to 0.0200, `hull` (dev) 0.5000 to 0.6000" in text
 
 
 def test_a_sweep_of_no_preset_is_refused(project: Path):

@@ -25,10 +25,10 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
     )
     (folder / "reports/scores.csv").write_text("part_id,split\np1,dev\np2,dev\n")
     (folder / "reports/cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device\n"
-        "views,,p1,1000,1000,cpu\n"
-        f"reconstruct,hull,p1,{0.5 * seconds},100,cpu\n"
-        f"reconstruct,hull,p2,{1.5 * seconds},300,cpu\n"
+        "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+        "views,,p1,1000,1000,cpu,0\n"
+        f"reconstruct,hull,p1,{0.5 * seconds},100,cpu,0\n"
+        f"reconstruct,hull,p2,{1.5 * seconds},300,cpu,0\n"
     )
     part = folder / "data/parts/p1"
     part.mkdir(parents=True)
@@ -86,7 +86,7 @@ def test_an_unfinished_point_counts_as_failed(sweep: Path):
 
 def test_without_costs_there_is_a_table_and_no_trend(sweep: Path):
     for path in sweep.glob("*/reports/cost.csv"):
-        path.write_text("stage,method,part_id,seconds,peak_mb,device\n")
+        path.write_text("stage,method,part_id,seconds,peak_mb,device,aside_s\n")
     assert write_sweep(sweep) == 0
     assert rows(sweep / "sweep.csv")[0]["seconds"] == ""
     assert rows(sweep / "trend.csv") == []

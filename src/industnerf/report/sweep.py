@@ -15,7 +15,7 @@ from rich.table import Table
 
 from industnerf.artifacts.files import write_text
 from industnerf.report.sweep_plot import plot
-from industnerf.report.sweep_points import Point, Result, read_points, swept_keys
+from industnerf.report.sweep_points import Point, Result, read_points, swept_keys, unfinished
 from industnerf.report.sweep_series import Trend, series, trends
 
 COLUMNS = ("method", "split", "emd", "low", "high", "x floor", "seconds", "peak_mb")
@@ -25,7 +25,6 @@ ONLY_IN_FILES = ("point", "split", "low", "high")  # the others fit into 80 char
 def write_sweep(folder: Path) -> int:
     """Write the three files into `folder`, print the tables; returns failed points."""
     points = read_points(folder)
-    failed = len([p for p in folder.iterdir() if p.name.isdigit()]) - len(points)
     if points:
         swept = swept_keys(points)
         lines, found = series(points, swept), trends(series(points, swept))
@@ -34,7 +33,7 @@ def write_sweep(folder: Path) -> int:
         write_text(folder / "trend.csv", _csv(growth))
         plot(lines, found, swept[0], folder / "sweep.png")
         _show(table, growth, folder)
-    return failed
+    return unfinished(folder)
 
 
 def _table(points: list[Point], swept: list[str]) -> list[list[str]]:

@@ -53,13 +53,13 @@ def _row(root: Path, preset: Preset) -> list[str]:
 
 
 def _ends(lines: list[dict[str, str]]) -> str:
-    """EMD at the first and at the last point, of each method."""
-    methods = dict.fromkeys(line["method"] for line in lines)
-    swept = list(lines[0])[1]
-    texts = []
-    for method in methods:
-        first, *_, last = [line for line in lines if line["method"] == method]
-        texts.append(f"`{method}` {float(first['emd']):.4f} to {float(last['emd']):.4f}")
+    """EMD at the first and at the last point, of each method and split."""
+    swept, texts = list(lines[0])[1], []
+    several = len({line["split"] for line in lines}) > 1
+    for method, split in dict.fromkeys((line["method"], line["split"]) for line in lines):
+        mine = [line for line in lines if (line["method"], line["split"]) == (method, split)]
+        first, last = (f"{float(line['emd']):.4f}" for line in (mine[0], mine[-1]))
+        texts.append(f"`{method}`{f' ({split})' if several else ''} {first} to {last}")
     return f"EMD at `{swept}` {lines[0][swept]} and {lines[-1][swept]}: {', '.join(texts)}"
 
 

@@ -44,8 +44,20 @@ class Point:
 
 def read_points(sweep: Path) -> list[Point]:
     """The finished points in the folder of a sweep, in their order."""
-    folders = sorted((p for p in sweep.iterdir() if p.name.isdigit()), key=lambda p: int(p.name))
-    return [_read(folder) for folder in folders if (folder / "reports/summary.json").exists()]
+    return [_read(folder) for folder in _folders(sweep) if _is_finished(folder)]
+
+
+def unfinished(sweep: Path) -> int:
+    """How many points of the sweep were begun and have no report: they failed."""
+    return sum(not _is_finished(folder) for folder in _folders(sweep))
+
+
+def _folders(sweep: Path) -> list[Path]:
+    return sorted((p for p in sweep.iterdir() if p.name.isdigit()), key=lambda p: int(p.name))
+
+
+def _is_finished(folder: Path) -> bool:
+    return (folder / "reports/summary.json").exists()
 
 
 def swept_keys(points: list[Point]) -> list[str]:
@@ -77,7 +89,7 @@ def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str,
     split_of = {row["part_id"]: row["split"] for row in csv_rows(reports / "scores.csv")}
     seconds, peaks = defaultdict(list), defaultdict(list)
     for row in csv_rows(reports / "cost.csv"):
-        if row["stage"] == "reconstruct":
+        if row["stage"] == "reconstruct" and row["part_id"] in split_of:  # it may have no score
             at = row["method"], split_of[row["part_id"]]
             seconds[at].append(float(row["seconds"]))
             peaks[at].append(float(row["peak_mb"]))
@@ -87,8 +99,8 @@ def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str,
 def core_seconds(sweep: Path) -> float:
     """What all stages of all points took together; what points share counts once."""
     rows = [row for path in sweep.glob("*/reports/cost.csv") for row in csv_rows(path)]
-    distinct = {tuple(row.values()) for row in rows}
-    return sum(float(seconds) for _, _, _, seconds, *_ in distinct)
+    distinct = {tuple(row.values()): row for row in rows}.values()
+    return sum(float(row["seconds"]) + float(row["aside_s"]) for row in distinct)
 
 
 def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:
