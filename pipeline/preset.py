@@ -13,11 +13,13 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from industnerf.cli import exit_with_message
-from industnerf.config import build
+from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
 from industnerf.doctor.places import Places
 from industnerf.errors import BadParams, SuiteError
 from industnerf.schema import Params
+from industnerf.store import Store
+from industnerf.tracking import home, is_on
 
 SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic", "results/grid")
 
@@ -27,12 +29,17 @@ def main(preset: str) -> None:
     known = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
     if preset not in known:
         raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(known)}")
+    settings = read_yaml(root / "conf/experiment" / f"{preset}.yaml")
+    if settings.get("hydra", {}).get("mode") == "MULTIRUN":
+        raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
     project = root / "runs" / preset
     lay_out(root, project, [f"experiment={preset}"])
     lockfile.require_whole(Places.of(root), project)
-    places = {"INDUSTNERF_STORE": root / ".store", "INDUSTNERF_MLFLOW": root}
-    environment = {**{name: str(path) for name, path in places.items()}, **os.environ}
-    if subprocess.run(["dvc", "repro"], cwd=project, env=environment).returncode:
+    # whatever is relative is relative to the root, not to the project
+    os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
+    if is_on():
+        os.environ["INDUSTNERF_MLFLOW"] = str(home())
+    if subprocess.run(["dvc", "repro"], cwd=project).returncode:
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
     print(f"open {project.relative_to(root) / 'reports' / 'report.html'}")
 

@@ -32,6 +32,12 @@ def test_what_is_put_can_be_placed_and_its_cost_is_known(tmp_path):
     assert store.cost("step", "other") is None
 
 
+def test_an_empty_variable_is_none(monkeypatch):
+    """`INDUSTNERF_STORE=` in .industnerf.env would make the repository itself the store."""
+    monkeypatch.setenv("INDUSTNERF_STORE", "")
+    assert Store.from_environment().root.name == ".store"
+
+
 def test_a_placed_result_replaces_what_was_there(tmp_path):
     store = Store(tmp_path / "store")
     store.put("step", "k", maker())

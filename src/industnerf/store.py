@@ -4,12 +4,14 @@
     <root>/<step>/<key>/cost.json    what it cost; never part of a key, never hashed
 
 `dvc repro`, sweeps and workers on other machines share it.  A key is a hash of the step, its
-parameters, its code and the content of its inputs, so an entry is right or it is not found.
+parameters, its code and the content of its inputs.  Not in it are the libraries and the kind of
+processor: on another, the same entry may differ in its last digits.
 """
 
 import hashlib
 import json
 import os
+import re
 import shutil
 import socket
 from collections.abc import Callable, Iterable
@@ -17,6 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from industnerf import environment
 from industnerf.code import code_digest
 
 
@@ -28,6 +31,9 @@ class Cost:
     peak_mb: float
     device: str
     aside_s: float = 0.0  # further seconds, for what only the tables ask for: pictures of Table 2
+
+
+KEY = re.compile(r"[0-9a-f]{32}")
 
 
 def content_digest(paths: Iterable[Path]) -> str:
@@ -60,7 +66,7 @@ class Store:
     @staticmethod
     def from_environment() -> "Store":
         """The store in INDUSTNERF_STORE, else in `.store` of the current folder."""
-        return Store(Path(os.environ.get("INDUSTNERF_STORE", ".store")).absolute())
+        return Store(Path(environment.text("INDUSTNERF_STORE") or ".store").absolute())
 
     def out(self, step: str, key: str) -> Path:
         """Where the result is, if it is there."""

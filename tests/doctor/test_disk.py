@@ -40,12 +40,25 @@ def test_without_a_selection_files_are_counted(study: Path, tmp_path: Path):
     assert estimate(tmp_path, load_params(study)) == 3 * one
 
 
-def test_what_the_store_holds_need_not_be_written_again(study: Path, plain: WorkingCopy):
+def test_a_single_file_is_one_part(study: Path, tmp_path: Path):
+    text = study.read_text().replace("path: data/embedded", f"path: {tmp_path / 'one.stl'}")
+    (tmp_path / "one.stl").touch()
+    study.write_text(text.replace("  select:\n  - a\n  - b\n", "  select: []\n"))
+    one = PER_PART + 10 * 100**2 * PER_PIXEL + 3 * PER_CLOUD
+    assert estimate(tmp_path, load_params(study)) == one
+
+
+def test_what_the_study_has_made_need_not_be_written_again(study: Path, plain: WorkingCopy):
     def make(out: Path) -> Cost:
         (out / "pictures").write_bytes(bytes(3_000_000))
         return Cost(1.0, 1.0, "cpu")
 
-    Store(plain.places.store).put("views", "k", make)
+    for key in ("k", "of-another-study"):
+        Store(plain.places.store).put("views", key, make)
+    views = plain.folder / "data" / "views"
+    views.mkdir(parents=True)
+    (views / "index.json").write_text('{"schema": 1, "step": "views", "keys": {"a": "k"}}')
+    (plain.folder / "data" / "index.json").write_text('{"sch')
     findings = plain.find("disk")
     assert all("about 14.1 MB are still needed" in finding.what for finding in findings)
     assert not any(finding.is_wrong for finding in findings)

@@ -1,6 +1,7 @@
 """What killed processes leave in the store and in the cache."""
 
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -54,9 +55,17 @@ def test_a_fresh_draft_may_be_that_of_another_machine(plain: WorkingCopy, draft:
 
 
 def test_a_process_that_lives_keeps_its_draft(plain: WorkingCopy, draft: Path):
-    mine = draft.rename(draft.with_name(f".draft-k-{os.getpid()}"))
+    mine = draft.rename(draft.with_name(f".draft-k-{socket.gethostname()}-{os.getpid()}"))
     age(mine, 2 * HOUR)
     assert plain.find("leftovers") == []
+
+
+@pytest.mark.parametrize(("seconds", "found"), [(2 * HOUR, False), (2 * MONTH, True)])
+def test_what_another_machine_began_may_take_it_days(
+    plain: WorkingCopy, draft: Path, seconds: float, found: bool
+):
+    age(draft.rename(draft.with_name(".draft-k-an-other-host-1")), seconds)
+    assert bool(plain.find("leftovers")) == found
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ import pytest
 from industnerf.store import Cost, Store
 from tests.doctor.conftest import WorkingCopy
 
+KEY = 32 * "a"
+
 
 def make(out: Path) -> Cost:
     (out / "rgb").mkdir()
@@ -20,8 +22,8 @@ def make(out: Path) -> Cost:
 @pytest.fixture
 def entry(plain: WorkingCopy) -> Path:
     """A result as the store makes it."""
-    Store(plain.places.store).put("views", "k", make)
-    return plain.places.store / "views" / "k"
+    Store(plain.places.store).put("views", KEY, make)
+    return plain.places.store / "views" / KEY
 
 
 def rewrite(path: Path, text: str) -> None:
@@ -52,8 +54,14 @@ def test_a_torn_result_is_removed_and_can_be_made_anew(
     assert said in finding.what
     plain.mend("stored")
     store = Store(plain.places.store)
-    store.put("views", "k", make)
-    assert store.cost("views", "k") == Cost(2.0, 70.0, "cpu")
+    store.put("views", KEY, make)
+    assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
+
+
+def test_what_is_not_the_stores_is_left_alone(plain: WorkingCopy):
+    """A store may be named that is none: no advice may cost its owner anything."""
+    (plain.places.store / "src" / "industnerf").mkdir(parents=True)
+    assert plain.find("stored") == []
 
 
 def test_a_file_that_can_be_written_to_is_found_and_closed(plain: WorkingCopy, entry: Path):

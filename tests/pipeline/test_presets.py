@@ -11,6 +11,7 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
 from industnerf.config import build, load_params
+from industnerf.errors import BadParams
 from industnerf.methods import load_method
 from industnerf.methods.base import Scope
 from industnerf.parts.split import assign
@@ -18,6 +19,7 @@ from industnerf.report.leaves import leaves
 from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
+from pipeline.preset import main as run_preset
 from tests.samples import unit_part
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -48,6 +50,12 @@ def points_of(preset: str, monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
 @pytest.mark.parametrize("preset", [path.stem for path in sorted(CONF.glob("experiment/*.yaml"))])
 def test_a_preset_names_itself_and_is_valid(preset, monkeypatch):
     assert composed(preset, monkeypatch).preset == preset
+
+
+def test_a_sweep_is_no_preset_to_be_run_once(monkeypatch):
+    monkeypatch.chdir(CONF.parent)
+    with pytest.raises(BadParams, match=r"pipeline\.sweep experiment=sweep-noise"):
+        run_preset("sweep-noise")
 
 
 def of_reading(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:

@@ -5,6 +5,7 @@ a pixel, with mask and depth; a cloud of 65536 points with its PLY takes 2.2 MB;
 truth together less than 1 MB.  Hard links make cache, store and outputs one.
 """
 
+import json
 import os
 import shutil
 from pathlib import Path
@@ -28,19 +29,30 @@ def estimate(root: Path, params: Params) -> int:
     """Bytes that the study of `params` takes when it is finished."""
     views = params.views.count + params.views.held_out
     photographs = PER_PIXEL * views * params.views.resolution**2
-    parts = len(params.parts.select) or sum(
-        path.is_file() for path in (root / params.parts.path).rglob("*")
-    )
+    source = root / params.parts.path
+    files = [source] if source.is_file() else source.rglob("*")
+    parts = len(params.parts.select) or sum(path.is_file() for path in files)
     return int(parts * (PER_PART + photographs + PER_CLOUD * len(params.methods)))
 
 
 def _held(places: Places) -> int:
-    """Bytes of what the store holds: as much need not be written any more."""
+    """Bytes of what the study has made so far: as much need not be written any more."""
+    made = {entry for path in places.root.glob("data/**/index.json") for entry in _entries(path)}
     return sum(
         os.stat(os.path.join(folder, name)).st_size
-        for folder, _, names in os.walk(places.store)
+        for entry in made
+        for folder, _, names in os.walk(places.store / entry)
         for name in names
     )
+
+
+def _entries(index: Path) -> list[str]:
+    """Step and key of each result that `index` names; none if it is torn: see `lockfile`."""
+    try:
+        made = json.loads(index.read_text())
+        return [f"{made['step']}/{key}" for key in made["keys"].values()]
+    except (ValueError, KeyError, TypeError):
+        return []
 
 
 def _existing(path: Path) -> Path:

@@ -1,9 +1,11 @@
 """What killed processes left behind.  It harms nobody, but takes room.
 
-A store may be shared with other machines, whose processes cannot be seen from here: what was
-touched within the last hour is left alone, and what a result resumes from for a month.
+What was touched within the last hour is left alone.  A store may be shared with other machines,
+whose processes cannot be seen from here: what one of them began, and what a result resumes from, is
+left alone for a month.
 """
 
+import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -38,8 +40,9 @@ def _of(places: Places, where: Path, kind: str, paths: Iterator[Path]) -> list[F
 
 def _drafts(store: Path) -> Iterator[Path]:
     for path in store.glob("*/.draft-*"):
-        pid = path.name.rpartition("-")[2]
-        if pid.isdigit() and not is_alive(int(pid)) and _age(path) > HOUR:
+        host, _, pid = path.name.split("-", 2)[-1].rpartition("-")
+        dead = host == socket.gethostname() and pid.isdigit() and not is_alive(int(pid))
+        if _age(path) > (HOUR if dead else MONTH):
             yield path
 
 

@@ -1,10 +1,10 @@
 """Where a working copy keeps what can break."""
 
-import os
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+from industnerf import environment
 from industnerf.store import Store
 
 
@@ -31,7 +31,7 @@ class Places:
     @staticmethod
     def of(root: Path) -> "Places":
         """Of the repository `root`, with store and database where INDUSTNERF_* say."""
-        tracking = Path(os.environ.get("INDUSTNERF_MLFLOW", root)).absolute()
+        tracking = Path(environment.text("INDUSTNERF_MLFLOW") or root).absolute()
         return Places(root.absolute(), Store.from_environment().root, tracking / "mlflow.db")
 
     def projects(self) -> list[Project]:

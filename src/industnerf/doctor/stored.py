@@ -12,12 +12,12 @@ from pathlib import Path
 
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
-from industnerf.store import Cost
+from industnerf.store import KEY, Cost
 
 
 def find(places: Places) -> list[Finding]:
-    """One finding a spoilt result."""
-    entries = sorted(path for path in places.store.glob("*/*") if not path.name.startswith("."))
+    """One finding a spoilt result.  What has no key is not the store's, and left alone."""
+    entries = sorted(path for path in places.store.glob("*/*") if KEY.fullmatch(path.name))
     return [finding for entry in entries for finding in _faults(places, entry)]
 
 
