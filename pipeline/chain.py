@@ -1,6 +1,7 @@
 """All stages of dvc.yaml in one process, below one folder: what a point of a sweep runs."""
 
 import re
+import shlex
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ def run_chain(params: Params, folder: Path) -> None:
     ]
     outs = {out for stage in stages for out in stage.outs}
     for stage in stages:
-        module, *arguments = stage.command.removeprefix("python -m ").split()
+        module, *arguments = shlex.split(stage.command.removeprefix("python -m "))
         placed = [_place(_filled(text, params), outs, folder) for text in arguments]
         import_module(module).main(stage.mask(params), *placed)
 

@@ -14,7 +14,7 @@ def main(cfg: Masked, parts: str, out: str) -> None:
         Task(
             part_id,
             partial(measure_truth, Path(parts) / part_id, settings=cfg.evaluate, seed=cfg.seed),
-            [cfg.evaluate, cfg.seed],
+            [cfg.evaluate, cfg.seed, part_id],  # the samples are drawn by its name
             (Path(parts) / part_id / "mesh.npz",),
         )
         for part_id in read_index(Path(parts))

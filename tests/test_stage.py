@@ -75,6 +75,16 @@ def test_report_lists_a_failure_and_goes_on(place, capsys):
     assert "p13 failed: thirteen" in capsys.readouterr().out
 
 
+def test_failures_stand_in_one_order_whichever_part_ends_first(place, monkeypatch):
+    class Backwards:
+        def map(self, works, limit_s, memory_mb):
+            return [Outcome(1, "late"), Outcome(0, "early")]
+
+    monkeypatch.setattr(stage, "runner_from_environment", Backwards)
+    run_stage("s", tasks(place, [1, 2]), place / "out", "report", needs_one=False)
+    assert list(read_failures(place / "out")) == ["p1", "p2"]
+
+
 def test_strict_ends_after_everything_else_is_stored(place):
     with pytest.raises(PartsFailed, match=r"(?s)1 of 3 parts failed.*p13: thirteen"):
         run_stage("s", tasks(place, [1, 13, 2]), place / "out", "strict")

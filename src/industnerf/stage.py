@@ -80,7 +80,8 @@ def run_stage(
             store.place(step, key, out / task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
-    write_json(out / "failures.json", {"schema": SCHEMA, "failures": failures})
+    said = dict(sorted(failures.items()))  # they come in the order in which parts end
+    write_json(out / "failures.json", {"schema": SCHEMA, "failures": said})
     if lost or (failures and (on_failure == "strict" or (needs_one and not index))):
         raise _refusal(step, failures, len(index), lost)
 
@@ -113,7 +114,13 @@ def measured(make: Callable[[Path], float | None], target: Path) -> Cost:
     start = time.perf_counter()
     aside = make(target) or 0.0
     seconds = time.perf_counter() - start - aside
-    return Cost(round(seconds, 4), _peak_mb(), "cpu", round(aside, 4))
+    return Cost(round(seconds, 4), _peak_mb(), _device(), round(aside, 4))
+
+
+def _device() -> str:
+    """Where this process has put tensors: `cuda`, or `cpu`."""
+    torch = sys.modules.get("torch")
+    return "cuda" if torch and torch.cuda.is_initialized() else "cpu"
 
 
 def _reset_peak() -> None:
