@@ -31,8 +31,9 @@ readme: demo  ## bring the demo's table and picture into the README
 results: $(INSTALLED)  ## copy the finished study's numbers to results/study and the README
 	@python -m pipeline.publish
 
-clean:  ## remove the environment, the store and every result
-	rm -rf .venv .store runs reports mlruns mlflow.db mlflow.db.lock
+clean:  ## remove the environment, the store and every result that is not committed
+	rm -rf .venv .store .slurm runs reports mlruns mlflow.db mlflow.db.lock .dvc/cache .dvc/tmp
+	rm -rf data/solids data/parts data/views data/split.json data/truth data/states data/clouds data/scores
 
 # uv does not read pip's configuration: hand its find-links on, so that both choose the same torch.
 $(INSTALLED): pyproject.toml constraints.txt

@@ -44,8 +44,9 @@ def write_report(folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     write_tables(Results.of(study, SETTINGS), folder)
     (folder / "cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device\n"
-        "reconstruct,hull,a,1.0,5,cpu\nreconstruct,hull,b,2.0,5,cpu\nevaluate,hull,a,9.0,5,cpu\n"
+        "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+        "reconstruct,hull,a,1.0,5,cpu,0\nreconstruct,hull,b,2.0,5,cpu,0\n"
+        "reconstruct,hull,g,9.0,5,cpu,0\nevaluate,hull,a,9.0,5,cpu,0\n"
     )
     (folder / "contact_sheet.png").write_bytes(png(np.zeros((30, 40, 3), np.uint8)))
     return folder

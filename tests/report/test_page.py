@@ -59,6 +59,14 @@ def test_what_others_wrote_stays_text(study):
     assert shown.count("&lt;script&gt;alert") >= 3
 
 
+def test_a_part_that_could_not_be_scored_is_said(study):
+    scored = [row for row in study.scores if row.part_id != "near-ball"]
+    shown = bare(replace(study, scores=scored, failures={"truth": {"near-ball": "too thin"}}))
+    assert "1 have no score: see Failures." in shown
+    assert "too thin" in shown
+    assert bare(study).count("have no score") == 0
+
+
 def test_a_name_cannot_end_the_element_that_holds_the_clouds(study):
     failures = {"box": {"near-ball": "</script><b>"}}
     told = replace(study, failures=failures)

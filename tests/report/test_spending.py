@@ -18,11 +18,11 @@ COSTS = [
 ]
 
 
-def test_a_line_holds_means_and_of_learning_the_largest_peak():
+def test_a_line_holds_means_and_of_memory_the_largest_peak():
     study = study_of(PARTS, {"r2n2": [0.1, 0.1], "hull": [0.1, 0.1]})
     hull, net = spending(study, COSTS)
     assert (hull.method, net.method) == ("hull", "r2n2")
-    assert (hull.seconds, hull.aside_s, hull.peak_mb, hull.scoring_s) == (2.0, 1.0, 200.0, 7.0)
+    assert (hull.seconds, hull.aside_s, hull.peak_mb, hull.scoring_s) == (2.0, 1.0, 300.0, 7.0)
     assert (net.nets, net.net_minutes, net.net_peak_mb) == (2, 2.0, 700.0)
     assert net.seconds is None
     assert cells(net)[1] == ""

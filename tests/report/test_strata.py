@@ -2,10 +2,12 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import pytest
 
 from industnerf.report.strata import strata, strata_csv, strata_md
+from industnerf.report.verdicts import strata_html
 from tests.samples import unit_part
 from tests.studies import SETTINGS, study_of
 
@@ -39,6 +41,15 @@ def test_a_mean_is_over_the_test_parts_of_the_stratum(study):
     assert (nerf.parts, nerf.families, nerf.failures) == (2, 2, 0)
     assert (hull.emd_even, hull.failures) == (pytest.approx(0.51), 1)
     assert (rows["all", "nerf"].emd_even, rows["all", "nerf"].parts) == (pytest.approx(0.04), 3)
+
+
+def test_a_stratum_that_a_method_has_no_score_of_stays_empty(study):
+    """Scoring failed, not the method: that would be a score too."""
+    torn = [s for s in study.scores if (s.part_id, s.method) != ("b", "hull")]
+    rows = strata(replace(study, scores=torn), SETTINGS)
+    hull = next(line for line in strata_md(rows).splitlines() if line.startswith("| hull"))
+    assert hull.split(" | ")[2] == ""
+    assert "hull" in strata_html(rows)
 
 
 def test_the_files_hold_what_the_rows_do(study):

@@ -51,7 +51,7 @@ def renderings(taken: Snapshots) -> str:
     if not views:
         return ""
     heads = ["photograph", *taken.methods] * views
-    head = "".join(f"<th class=text>{escape(name)}" for name in ["part", *heads])
+    head = "".join(f"<th class=text scope=col>{escape(name)}" for name in ["part", *heads])
     body = "".join(
         f"<tr><td>{part_link(part.part_id, part.designation)}"
         + "".join(_cells(part.designation, ["photograph", *taken.methods], views))

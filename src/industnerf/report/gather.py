@@ -49,7 +49,7 @@ class Study:
     parts: dict[str, Part]
     places: dict[str, Place]
     scores: list[PartScore]
-    failures: dict[str, dict[str, str]]  # stage or method -> part id -> why
+    failures: dict[str, dict[str, str]]  # stage, method or its scoring -> part id -> why
     training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part or net
     lessons: dict[str, Lesson]  # method that learns from other parts -> what of
     seen_by_training: dict[str, float]  # part id -> share of its area
@@ -71,8 +71,7 @@ def gather(
         {part.part_id: part for part in load_parts(folders.parts)},
         load_split(folders.split),
         [row for name in methods for row in load_method_scores(folders.scores / name, name)],
-        {"parts": read_failures(folders.parts)}
-        | {name: read_failures(folders.clouds / name) for name in methods},
+        failures_of(folders, methods),
         {name: _training(folders.clouds / name) for name in methods},
         {
             name: lesson
@@ -86,6 +85,16 @@ def gather(
         },
         folders,
     )
+
+
+def failures_of(folders: Folders, methods: list[str]) -> dict[str, dict[str, str]]:
+    """Of each stage on the way from a part to its score; a stage hands on those before it."""
+    parts, truth = read_failures(folders.parts), read_failures(folders.truth)
+    found = {"parts": parts, "truth": {name: truth[name] for name in truth.keys() - parts.keys()}}
+    for name in methods:
+        found[name] = read_failures(folders.clouds / name)
+        found[f"scoring {name}"] = read_failures(folders.scores / name)
+    return found
 
 
 def _training(clouds: Path) -> tuple[int, int]:

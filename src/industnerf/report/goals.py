@@ -56,7 +56,8 @@ def goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
         *_against_hull(study, plus, hull),
     ]
     for method in (OURS, PLUS):
-        found += [*_pictures(study, method), *_confidence(study, method), *_cost(costs, method)]
+        found += [*_pictures(study, method), *_confidence(study, method)]
+        found += _cost(study, costs, method)
     return [goal for goal in found if goal]
 
 
@@ -105,8 +106,13 @@ def _confidence(study: Study, method: str) -> Iterable[Goal | None]:
     yield _of_mean(method, what, -0.5, [row.score.value for row in scores])
 
 
-def _cost(costs: Sequence[CostRow], method: str) -> Iterable[Goal | None]:
-    mine = [r.cost for r in costs if (r.stage, r.method) == ("reconstruct", method)]
+def _cost(study: Study, costs: Sequence[CostRow], method: str) -> Iterable[Goal | None]:
+    mine = [
+        row.cost
+        for row in costs
+        if (row.stage, row.method) == ("reconstruct", method)
+        and study.places[row.part_id].split == "test"
+    ]
     yield _of_mean(method, "seconds a part, one core", 30.0, [cost.seconds for cost in mine])
     if mine:
         most = max(cost.peak_mb for cost in mine) / 1000

@@ -5,6 +5,7 @@ from html import escape
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import Score
+from industnerf.methods.base import Role
 from industnerf.report import table2
 from industnerf.report.formats import brief, intervals_of, short
 from industnerf.report.gather import Study
@@ -68,7 +69,7 @@ def _line1(row: Row, extra: Extra) -> Line:
         texts["failed"] = warning(texts["failed"])
     else:
         texts["without failures"] = ""  # the same as with them
-    return Line([texts[name] for name in ORDER], "aside" if "(" in row.inputs else "")
+    return Line([texts[name] for name in ORDER], "" if extra.role == Role.METHOD else "aside")
 
 
 def lessons(rows: Sequence[Row]) -> str:

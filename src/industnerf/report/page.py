@@ -79,7 +79,8 @@ def _anchor(name: str) -> str:
 
 
 def _sheet(exhibits: Exhibits) -> str:
-    return picture("jpeg", exhibits.sheet, "contact sheet", "sheet") + note(texts.SHEET)
+    about = "contact sheet: a row a part, a column a method, coloured by the error"
+    return picture("jpeg", exhibits.sheet, about, "sheet") + note(texts.SHEET)
 
 
 def _costs(results: Results, exhibits: Exhibits) -> str:
@@ -94,11 +95,14 @@ def _web(name: str) -> str:
 def _summary(study: Study, made: str) -> str:
     tested = sum(place.split == "test" for place in study.places.values())
     families = len({part.family for part in study.parts.values()})
+    unscored = len(study.parts.keys() - {row.part_id for row in study.scores})
+    missing = f" {unscored} have no score: see Failures." if unscored else ""
     return (
         f"<p>{len(study.parts)} parts of {families} families, {study.views} training views each, "
         f"reconstructed by {len(study.methods)} methods and scored by the exact Earth Mover's "
         f"Distance; {tested} parts are reported, {len(study.parts) - tested} are set apart for "
-        f"tuning (dev). Seed {study.seed}.</p>" + (note(f"Made {escape(made)}.") if made else "")
+        f"tuning (dev).{missing} Seed {study.seed}.</p>"
+        + (note(f"Made {escape(made)}.") if made else "")
     )
 
 

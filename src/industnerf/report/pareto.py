@@ -3,6 +3,7 @@
 import io
 from collections.abc import Sequence
 
+from industnerf.methods.base import Role
 from industnerf.report.tables import Extra, Row
 
 
@@ -15,7 +16,7 @@ def pareto(rows: Sequence[Row], extras: Sequence[Extra]) -> bytes:
     from matplotlib.figure import Figure
 
     known = [
-        (extra.seconds, row.emd_even, row)
+        (extra.seconds, row.emd_even, row.method, extra.role == Role.METHOD)
         for row, extra in zip(rows, extras, strict=True)
         if extra.seconds and row.split == rows[0].split
     ]
@@ -26,11 +27,10 @@ def pareto(rows: Sequence[Row], extras: Sequence[Extra]) -> bytes:
         axis.set(xscale="log", yscale="log")
     else:
         axis.text(0.5, 0.5, "the store, which knows the seconds, is not at hand", ha="center")
-    for seconds, emd, row in known:
-        rival = "(" not in row.inputs
+    for seconds, emd, method, rival in known:
         axis.plot(seconds, emd, "o", color="#30638e", mfc="#30638e" if rival else "white")
-        axis.annotate(row.method, (seconds, emd), (5, 4), textcoords="offset points", fontsize=8)
-    best = front([(seconds, emd) for seconds, emd, row in known if "(" not in row.inputs])
+        axis.annotate(method, (seconds, emd), (5, 4), textcoords="offset points", fontsize=8)
+    best = front([(seconds, emd) for seconds, emd, _, rival in known if rival])
     if best:
         axis.step(*zip(*best, strict=True), where="post", color="#d1495b", lw=1, zorder=0)
     axis.grid(color="#eaeef2")

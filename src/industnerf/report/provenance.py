@@ -11,7 +11,7 @@ from typing import Any
 from industnerf.errors import BadArtifact
 
 PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
-# Written after a result is made, and read by nothing that makes one.
+# Written after a result is made; no number of it depends on them (the page shows results/grid).
 LATER = ("dvc.lock", "results", "README.md")
 
 

@@ -45,11 +45,12 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
 
     `project` has what was run beside it: settings go on to change, a published result does not.
 
-    Raises BadArtifact that names the first file that `report` lacks, and leaves `out` as it is.
+    Raises BadArtifact that names the first file that is missing, and leaves `out` as it is.
     """
-    for name in COPIED:
-        if not (report / name).exists():
-            raise BadArtifact(f"{report / name} is missing; `dvc repro -f report` writes it")
+    needed = [*(report / name for name in COPIED), *(project / name for name, _ in KEPT.values())]
+    for path in needed:
+        if not path.exists():
+            raise BadArtifact(f"{path} is missing; `dvc repro -f report` writes it")
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
     for name in COPIED:

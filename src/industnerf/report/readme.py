@@ -27,7 +27,7 @@ def study_block(folder: Path, params: Path) -> str:
         f"{len(parts)} test parts of {len(families)} families, {machine['cores']} cores of "
         f"{machine['cpu']}, {made['date']}, commit {made['commit'][:7]}"
         f"{'' if made['clean'] else ' with changes'}; every number is in [{where}]({where}).\n\n"
-        f"{_table1(rows, _seconds(folder), made['interval'])}"
+        f"{_table1(rows, _seconds(folder, parts), made['interval'])}"
         f"{_table2(csv_rows(folder / 'table2.csv'))}"
         f"{_since(folder / 'params.yaml', params)}"
     )
@@ -46,11 +46,11 @@ def _since(then: Path, now: Path) -> str:
     )
 
 
-def _seconds(folder: Path) -> dict[str, float]:
-    """Mean seconds of each method for a part."""
+def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:
+    """Mean seconds of each method for one of `parts`."""
     found = defaultdict(list)
     for row in csv_rows(folder / "cost.csv"):
-        if row["stage"] == "reconstruct":
+        if row["stage"] == "reconstruct" and row["part_id"] in parts:
             found[row["method"]].append(float(row["seconds"]))
     return {method: fmean(seconds) for method, seconds in found.items()}
 

@@ -43,6 +43,7 @@ class Results:
                     without_failures(study, row),
                     seconds_per_part(costs, row.method, _parts(study, row.split)),
                     to_ours(rows, row),
+                    study.methods[row.method].role,
                 )
                 for row in rows
             ],

@@ -24,7 +24,6 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    mpl.rcParams["svg.hashsalt"] = "industnerf"
     colour_map = mpl.colormaps["turbo"]
     heads = ["truth (orange: hidden)", "a view", *study.methods]
     wide, high = CELL * len(heads) + 0.5, CELL * len(parts) + 1.3

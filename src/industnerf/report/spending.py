@@ -1,4 +1,4 @@
-"""What each method costs: seconds and memory of a reconstruction, and of learning before it."""
+"""What each method costs, dev parts included: a reconstruction, and learning before it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ COLUMNS = (
     "method",
     "s a part",
     "beside it, s",
-    "peak, MB",
+    "highest peak, MB",
     "nets",
     "minutes a net",
-    "peak of learning, MB",
+    "highest peak of learning, MB",
     "numbers",
     "steps",
     "scoring, s a part",
@@ -24,7 +24,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Spending:
-    """Means over parts, or nets, of one method; None where the store does not know."""
+    """One method: means over parts or nets, of memory the most; None where nothing is known."""
 
     method: str
     seconds: float | None
@@ -54,7 +54,7 @@ def _line(study: Study, method: str, costs: Sequence[CostRow]) -> Spending:
         method,
         _mean([cost.seconds for cost in made]),
         _mean([cost.aside_s for cost in made]),
-        _mean([cost.peak_mb for cost in made]),
+        max((cost.peak_mb for cost in made), default=None),
         len(learned),
         _mean([cost.seconds / 60 for cost in learned]),
         max((cost.peak_mb for cost in learned), default=None),

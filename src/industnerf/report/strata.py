@@ -84,9 +84,11 @@ def strata_md(rows: Sequence[Stratum]) -> str:
     cells = {(row.method, row.stratum): row for row in rows}
     sizes = {row.stratum: row.parts for row in rows}
     methods = [row.method for row in rows if row.stratum == ALL]
-    lines = [[method, *(_cell(cells[method, stratum]) for stratum in sizes)] for method in methods]
+    lines = [[name, *(_cell(cells.get((name, kind))) for kind in sizes)] for name in methods]
     return markdown(["EMD (even)", *(f"{name} ({parts})" for name, parts in sizes.items())], lines)
 
 
-def _cell(row: Stratum) -> str:
+def _cell(row: Stratum | None) -> str:
+    if row is None:  # none of its parts could be scored
+        return ""
     return f"{row.emd_even:.4f}, {brief(row.emd_mm)} mm, {row.ratio_to_floor:.2f} x floor"

@@ -70,7 +70,7 @@ def strips(
     pieces = [_grid(scale, high, label, best)]
     pieces += [_strip(scale, TOP + STEP * (i + 0.5), *row) for i, row in enumerate(ordered)]
     return (
-        f"<svg class=plot viewBox='0 0 {WIDE} {high + BOTTOM}' role=img "
+        f"<svg class=plot viewBox='0 0 {WIDE} {high + BOTTOM}' role=group "
         f"aria-label='{escape(label)}'>{''.join(pieces)}</svg>"
     )
 
@@ -104,6 +104,7 @@ def _dot(scale: Scale, y: float, dot: Dot) -> str:
     failed = " class=failed" if dot.failed else ""
     said = f"{dot.part_id}: {dot.value:.4g}" + (" (failed)" if dot.failed else "")
     return (
-        f"<a href='{part_address(dot.part_id)}'><circle{failed} cx={scale.x(dot.value)} "
-        f"cy={y:.1f} r=3><title>{escape(said)}</title></circle></a>"
+        f"<a tabindex=-1 href='{part_address(dot.part_id)}'>"
+        f"<circle{failed} cx={scale.x(dot.value)} cy={y:.1f} r=3>"
+        f"<title>{escape(said)}</title></circle></a>"
     )

@@ -52,6 +52,7 @@ class Extra:
     emd_without_failures: float | None
     seconds: float | None
     to_ours: float | None = None  # EMD (even) as a multiple of the paper's method's
+    role: Role = Role.METHOD
 
 
 def table1(study: Study, settings: ReportParams) -> list[Row]:

@@ -18,9 +18,10 @@ TABLE2 = (
     "share of the true foreground that has one. Over the whole frame, pixels that both leave empty "
     "count as right. <i>best</i> is the floor of the EMD, and of the others what nothing beats. "
     "Failed parts count in the EMD alone. <i>Confidence</i> is of all candidates within 5 % of the "
-    "diagonal of the visible surface, against their distance to the true surface: rank correlation "
-    "(-1 is best), and the area between the sparsification curves by confidence and by the true "
-    "error, which is 0 for the true order. The paper does not say what its errors average over."
+    "diagonal of the visible surface, against their distance to the true surface as densely "
+    "sampled: rank correlation (-1 is best), and the area between the sparsification curves by "
+    "confidence and by the true error, which is 0 for the true order. The paper does not say what "
+    "its errors average over."
 )
 BY_PART = (
     "EMD (even) of every method. <i>visible</i> is the share of the surface that can be seen from "

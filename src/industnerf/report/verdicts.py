@@ -85,12 +85,14 @@ def strata_html(rows: Sequence[Stratum]) -> str:
     columns = [Column("method", True)]
     columns += [Column(f"{name} ({parts})") for name, parts in sizes.items()]
     lines = [
-        Line([escape(row.method), *(_mean(means[row.method, name]) for name in sizes)])
+        Line([escape(row.method), *(_mean(means.get((row.method, name))) for name in sizes)])
         for row in rows
         if row.stratum == ALL
     ]
     return table(columns, lines) + note(KINDS)
 
 
-def _mean(row: Stratum) -> str:
+def _mean(row: Stratum | None) -> str:
+    if row is None:  # none of its parts could be scored
+        return ""
     return f"{row.emd_even:.4f} <small>{brief(row.emd_mm)} mm</small>"

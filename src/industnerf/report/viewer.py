@@ -101,7 +101,7 @@ def _says(scores: Scores, part: Part, name: str, says: str) -> str:
 
 
 def _json(name: str, content: dict) -> str:
-    text = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    text = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     return f"<script type='application/json' id='{escape(name)}'>{text}</script>"
 
 
