@@ -80,6 +80,16 @@ def failures(study: Study) -> str:
     return items and f"<ul>{items}</ul>"
 
 
+def remarks(study: Study) -> str:
+    """What methods said of the images they were given, by part; empty if nothing."""
+    items = "".join(
+        f"<li><b>{escape(method)}</b>, {_named(study, part)}: {escape('; '.join(said))}"
+        for method, parts in study.remarks.items()
+        for part, said in parts.items()
+    )
+    return items and f"<ul>{items}</ul>"
+
+
 def _named(study: Study, part: str) -> str:
     """A part that could not be read has no section to lead to."""
     return part_link(part, part) if part in study.parts else escape(part)
