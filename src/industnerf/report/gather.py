@@ -51,7 +51,7 @@ class Study:
     scores: list[PartScore]
     failures: dict[str, dict[str, str]]  # stage, method or its scoring -> part id -> why
     remarks: dict[str, dict[str, list[str]]]  # method -> part id -> what it said of its images
-    training: dict[str, tuple[int, int]]  # method -> trained numbers, steps a part or net
+    training: dict[str, tuple[int, int]]  # method -> trained numbers, most steps a part or net
     lessons: dict[str, Lesson]  # method that learns from other parts -> what of
     seen_by_training: dict[str, float]  # part id -> share of its area
     seen_by_rig: dict[str, float]  # the same, of what counts
@@ -105,8 +105,9 @@ def _remarks(clouds: Path) -> dict[str, list[str]]:
 
 
 def _training(clouds: Path) -> tuple[int, int]:
-    made = list(read_index(clouds))
-    return Cloud.training(clouds / made[0]) if made else (0, 0)
+    """The most that any part, or any of several nets, took."""
+    made = [Cloud.training(clouds / part) for part in read_index(clouds)]
+    return max(made, key=lambda one: one[::-1], default=(0, 0))
 
 
 def _lesson(states: Path, hold_out: str) -> Lesson | None:

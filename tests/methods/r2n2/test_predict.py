@@ -7,9 +7,11 @@ import pytest
 import torch
 
 from industnerf.artifacts.state import State
+from industnerf.config import load_params
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.boxes import Cube
 from industnerf.geometry.cameras import Cameras
+from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.methods.base import Given, Input
 from industnerf.methods.r2n2 import METHODS, predict
 from industnerf.methods.r2n2.net import new_net
@@ -27,10 +29,16 @@ def state(settings):
 
 @pytest.fixture
 def given():
-    """Seven views, each brighter by 10 than the one before."""
-    cameras = Cameras(np.tile(np.eye(3), (7, 1, 1)), np.tile(np.eye(4), (7, 1, 1)), 32, 32)
-    level = 10 * np.arange(7, dtype=np.uint8)
-    rgb = np.broadcast_to(level[:, None, None, None], (7, 32, 32, 3))
+    """Seven views from places in a row, each brighter by 5 than the one before."""
+    return given_from(np.arange(7)[:, None] * np.array([1.0, 0, 0]))
+
+
+def given_from(eyes):
+    c2w = np.tile(np.eye(4), (len(eyes), 1, 1))
+    c2w[:, :3, 3] = eyes
+    cameras = Cameras(np.tile(np.eye(3), (len(eyes), 1, 1)), c2w, 32, 32)
+    level = 5 * np.arange(len(eyes), dtype=np.uint8)
+    rgb = np.broadcast_to(level[:, None, None, None], (len(eyes), 32, 32, 3))
     return Given("r2n2", cameras, cameras[:0], {Input.RGB: rgb, Input.FRAME: FRAME})
 
 
@@ -81,8 +89,8 @@ def test_a_net_that_sees_nothing_fails_with_a_reason(points):
         points(np.full((32, 32, 32), 0.39))
 
 
-@pytest.mark.parametrize(("views", "chosen"), [(3, [0, 2, 4]), (7, range(7)), (9, range(7))])
-def test_evenly_chosen_views_are_seen_in_one_pass(given, settings, views, chosen):
+def shown_to_the_net(given, settings) -> list[int]:
+    """Which views the net is shown, in one pass."""
     net, seen = new_net(settings.image_px, settings.divisor, 0), []
 
     def listen(pictures):
@@ -90,7 +98,20 @@ def test_evenly_chosen_views_are_seen_in_one_pass(given, settings, views, chosen
         return torch.zeros(1, 2, 32, 32, 32)
 
     net.forward = listen
-    likely = predict.likelihood(given, replace(settings, views=views), net)
-    assert (likely == 0.5).all()
+    assert (predict.likelihood(given, settings, net) == 0.5).all()
     assert len(seen) == 1
-    np.testing.assert_allclose(seen[0][0].numpy(), [10 * i for i in chosen], atol=1e-3)
+    return [round(float(level)) // 5 for level in seen[0][0]]
+
+
+@pytest.mark.parametrize(("views", "chosen"), [(3, [0, 3, 6]), (7, range(7)), (9, range(7))])
+def test_the_views_farthest_apart_are_seen_in_one_pass(given, settings, views, chosen):
+    assert shown_to_the_net(given, replace(settings, views=views)) == list(chosen)
+
+
+def test_they_look_from_all_sides():
+    """Every eighth of a spiral of 40 looks from one side: its azimuths are 20 degrees apart."""
+    settings, eyes = load_params().method.r2n2, fibonacci_sphere(40)
+    chosen = shown_to_the_net(given_from(eyes), replace(settings, image_px=32, divisor=32))
+    assert len(chosen) == 5
+    assert np.linalg.norm(eyes[chosen].mean(axis=0)) < 0.3
+    assert np.linalg.norm(eyes[::8].mean(axis=0)) > 0.5

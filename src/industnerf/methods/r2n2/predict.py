@@ -7,8 +7,9 @@ from jaxtyping import Float32
 from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
+from industnerf.geometry.nested import nested
 from industnerf.learning.augment import as_tensor
-from industnerf.learning.pictures import evenly, scaled
+from industnerf.learning.pictures import scaled
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Given, Reconstruction
 from industnerf.methods.r2n2.decoder import VOXELS
@@ -34,6 +35,7 @@ def rebuilt(settings: R2n2Settings, state: State) -> R2N2:
 
 def likelihood(given: Given, settings: R2n2Settings, net: R2N2) -> Float32[np.ndarray, "n n n"]:
     """How likely each voxel of the unit cube is full, after all of `views` views."""
-    chosen = evenly(len(given.rgb), settings.views)
+    # farthest from each other in space: every so-manieth of a spiral may look from one side
+    chosen = nested(given.cameras.eyes, min(settings.views, len(given.rgb)))
     pictures = as_tensor(scaled(given.rgb[chosen], settings.image_px)).to(device())
     return net.full(pictures[None])[0].cpu().numpy()
