@@ -2,8 +2,9 @@
 
 results/study    tables, scores, costs, small pictures, machine and commit
 README.md        what stands between its marks `study`
+docs/            the same of baselines.md and scaling.md
 
-python -m pipeline.publish readme    README.md alone: after params.yaml has changed, it says so
+python -m pipeline.publish readme    the documents alone: after params.yaml has changed, they say so
 python -m pipeline.publish organic   the same of a finished preset: runs/organic to results/organic
 """
 
@@ -17,6 +18,7 @@ from industnerf.cli import exit_with_message
 from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
+from industnerf.report.documents import cluster_block, costs_block, nets_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
@@ -30,9 +32,21 @@ def main(what: str = "study") -> None:
         return
     if what == "study":
         bring(Path(), OUT, "make repro")
-    shown = study_block(OUT, PARAMS)
-    write_text(README, replace_block(README.read_text(), "study", shown))
-    print(f"{OUT} and {README}; commit them together with dvc.lock")
+    for document, blocks in shown(OUT, PARAMS).items():
+        text = document.read_text()
+        for name, content in blocks.items():
+            text = replace_block(text, name, content)
+        write_text(document, text)
+    print(f"{OUT}, {README} and docs; commit them together with dvc.lock")
+
+
+def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
+    """What documents show of the published study, by document and the name of its marks."""
+    return {
+        README: {"study": study_block(study, params)},
+        Path("docs/baselines.md"): {"nets": nets_block(study)},
+        Path("docs/scaling.md"): {"costs": costs_block(study), "cluster": cluster_block(study)},
+    }
 
 
 def bring(project: Path, out: Path, command: str) -> None:

@@ -7,8 +7,10 @@ import pytest
 
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import block, replace_block
+from industnerf.report.documents import cluster_block, costs_block, nets_block
 from industnerf.report.publish import COPIED, KEPT, publish
 from industnerf.report.readme import study_block
+from pipeline.publish import shown as shown_of
 from tests.report.published import disagreements, rows_of, write_report
 
 MADE = {
@@ -157,10 +159,62 @@ def test_missing_or_double_marks_are_refused(text):
         replace_block(text, "study", "new")
 
 
-def test_the_readme_shows_the_committed_study_or_none(root):
+def test_the_documents_show_the_committed_study(root):
     """Run `make results` if this fails, or `python -m pipeline.publish readme`."""
-    wanted = "".join(study_block(folder, root / "params.yaml") for folder in committed_studies())
-    assert block((root / "README.md").read_text(), "study") == wanted
+    for document, blocks in shown_of(STUDY, root / "params.yaml").items():
+        for name, wanted in blocks.items():
+            assert block((root / document).read_text(), name) == wanted, document
+
+
+COSTS = """\
+stage,method,part_id,seconds,peak_mb,device,aside_s
+views,,a,60,9,cpu,0
+truth,,a,60,9,cpu,0
+train,r2n2,fold-0,120,9,cpu,0
+train,r2n2,fold-1,240,9,cpu,0
+reconstruct,industnerf,a,30,9,cpu,6
+reconstruct,industnerf,b,90,9,cpu,0
+reconstruct,industnerf_plus,a,60,9,cpu,0
+evaluate,hull,a,6,9,cpu,0
+"""
+
+
+def test_costs_are_summed_by_step_and_spread_by_method(published):
+    (published / "cost.csv").write_text(COSTS)
+    shown = costs_block(published)
+    assert (
+        "All of it is 11 minutes of one core: 1 for photographs, 1 for truth and floors," in shown
+    )
+    assert "6 for training, 3 for reconstruction and 0 for its pictures" in shown
+    assert "| reconstruct | `industnerf` | 2 | 60.00 | 60.00 | 90.00 |" in shown
+    assert "| train | `r2n2` | 2 | 180.00 | 180.00 | 240.00 |" in shown
+    # of one photographed part 120 s, so of 10 000 on 64 nodes 18 750 s
+    assert "| `industnerf` | 10 000 x 120.0 s / 64 | 5.2 h |" in cluster_block(published)
+
+
+def test_a_net_stands_beside_what_it_must_beat(tmp_path):
+    names = {"industnerf": 0.02, "r2n2": 0.08, "retrieval": 0.06}
+    head = "method,split,emd_even,ci_low,ci_high,steps,size,learned_from,paper_emd"
+    lines = [
+        f"{name},test,{emd},0.01,0.1,9,{'cpu' if name == 'r2n2' else ''},"
+        f"{0 if name == 'industnerf' else 73},{'' if name == 'retrieval' else emd / 2}"
+        for name, emd in names.items()
+    ]
+    (tmp_path / "table1.csv").write_text("\n".join([head, *lines]) + "\n")
+    rows = [("a", "r2n2", 0.05), ("b", "r2n2", 0.11), ("a", "retrieval", 0.06)]
+    rows += [("b", "retrieval", 0.06)]
+    scores = [f"{part},{method},test,emd,P1-even,{emd}" for part, method, emd in rows]
+    head = "part_id,method,split,metric,protocol,value"
+    (tmp_path / "scores.csv").write_text("\n".join([head, *scores]) + "\n")
+    (tmp_path / "cost.csv").write_text(COSTS + "train,retrieval,fold-0,6,9,cpu,0\n")
+    for name, content in (("made", MADE), ("environment", {"cores": 2, "cpu": "chip"})):
+        (tmp_path / f"{name}.json").write_text(json.dumps(content))
+    shown = nets_block(tmp_path)
+    assert "`make repro`, 2026-01-02, commit 0123456, 2 cores of chip." in shown
+    assert (
+        "| `r2n2` | 3.0 | 9 | 0.0800 (0.0100 to 0.1000) | 4.00 | 0.0400, 4.00 | 50 % |  |" in shown
+    )
+    assert "| `retrieval` | 0.1 |  | 0.0600 (0.0100 to 0.1000) | 3.00 |  |  |  |" in shown
 
 
 def test_committed_results_are_small_enough_for_a_repository():

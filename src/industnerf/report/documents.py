@@ -1,0 +1,128 @@
+"""What the documents show of the published study: made of its files, as the README's tables are."""
+
+import json
+from pathlib import Path
+from statistics import fmean, median
+
+from industnerf.report.formats import csv_rows, markdown, short
+from industnerf.report.lookup import EVEN
+
+Cells = dict[str, str]
+OURS = "industnerf"
+RIVALS = {"retrieval": "better than retrieval on", "mean_shape": "than the mean shape on"}
+MEAN = ("emd_even", "ci_low", "ci_high")
+STEPS = ("views", "truth", "train", "reconstruct", "evaluate")
+NODES, PARTS = 64, 10_000  # of docs/scaling.md
+
+
+def nets_block(folder: Path) -> str:
+    """docs/baselines.md: every method that learns from other parts, against those it must beat."""
+    rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
+    ours = next(row for row in rows if row["method"] == OURS)
+    costs, even = csv_rows(folder / "cost.csv"), _even(folder)
+    heads = ["method", "minutes", "most steps", "EMD", f"x `{OURS}`", "paper, x its own"]
+    lines = [
+        [
+            f"`{row['method']}`",
+            short(fmean(_seconds(costs, "train", row["method"])) / 60, 1),
+            row["steps"] if row["size"] else "",
+            "{:.4f} ({:.4f} to {:.4f})".format(*(float(row[name]) for name in MEAN)),
+            short(float(row["emd_even"]) / float(ours["emd_even"]), 2),
+            _published(row, ours),
+            *(_wins(even, row["method"], rival) for rival in RIVALS),
+        ]
+        for row in rows
+        if int(row["learned_from"])
+    ]
+    return f"{_made(folder)}\n\n{markdown([*heads, *RIVALS.values()], lines)}"
+
+
+def _published(row: Cells, ours: Cells) -> str:
+    if not row["paper_emd"]:
+        return ""
+    paper = float(row["paper_emd"])
+    return f"{paper:.4f}, {paper / float(ours['paper_emd']):.2f}"
+
+
+def _even(folder: Path) -> dict[tuple[str, str], float]:
+    """EMD (even) of each test part, by method and part."""
+    return {
+        (row["method"], row["part_id"]): float(row["value"])
+        for row in csv_rows(folder / "scores.csv")
+        if row["split"] == "test" and (row["metric"], row["protocol"]) == EVEN
+    }
+
+
+def _wins(even: dict[tuple[str, str], float], method: str, rival: str) -> str:
+    """On how many of the parts `method` has the lower EMD; nothing if one of them is the other."""
+    both = [(even[method, p], even[m, p]) for m, p in even if m == rival and (method, p) in even]
+    return f"{100 * fmean(a < b for a, b in both):.0f} %" if both and method not in RIVALS else ""
+
+
+def costs_block(folder: Path) -> str:
+    """docs/scaling.md: seconds of every step and method, and what all of it took."""
+    costs = csv_rows(folder / "cost.csv")
+    kinds = dict.fromkeys((row["stage"], row["method"]) for row in costs if row["stage"] in STEPS)
+    lines = [
+        [stage, f"`{method}`" if method else "", str(len(found)), *_spread(found)]
+        for stage, method in sorted(kinds, key=lambda kind: STEPS.index(kind[0]))
+        if (found := _seconds(costs, stage, method))
+    ]
+    heads = ["step", "method", "results", "mean, s", "median, s", "most, s"]
+    return f"{_made(folder)}\n{_whole(costs)}\n\n{markdown(heads, lines)}"
+
+
+def _spread(seconds: list[float]) -> list[str]:
+    return [short(of(seconds), 2) for of in (fmean, median, max)]
+
+
+def _whole(costs: list[Cells]) -> str:
+    """Minutes of one core, by step."""
+    views, truth, train, made, scored = (sum(_seconds(costs, step)) / 60 for step in STEPS)
+    aside = sum(float(row["aside_s"]) for row in costs) / 60
+    return (
+        f"All of it is {views + truth + train + made + aside + scored:.0f} minutes of one core: "
+        f"{views:.0f} for photographs, {truth:.0f} for truth and floors,\n"
+        f"{train:.0f} for training, {made:.0f} for reconstruction and {aside:.0f} for its pictures "
+        f"of the held-out views, {scored:.0f} for scoring."
+    )
+
+
+def cluster_block(folder: Path) -> str:
+    """docs/scaling.md: what that makes of 10 000 parts on 64 nodes."""
+    costs = csv_rows(folder / "cost.csv")
+    parts = len({row["part_id"] for row in costs if row["stage"] == "views"})
+    methods = len({row["method"] for row in costs if row["stage"] == "reconstruct"})
+    each = {
+        "photographs": sum(_seconds(costs, "views")),
+        "`industnerf`": sum(_seconds(costs, "reconstruct", "industnerf")),
+        "`industnerf_plus`": sum(_seconds(costs, "reconstruct", "industnerf_plus")),
+        f"all {methods} methods": sum(_seconds(costs, "reconstruct")),
+        "scoring them": sum(_seconds(costs, "evaluate")),
+    }
+    lines = [
+        [what, f"10 000 x {total / parts:.1f} s / {NODES}", _time(PARTS * total / parts / NODES)]
+        for what, total in each.items()
+    ]
+    return markdown(["what", "arithmetic", "time"], lines)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds / 60:.0f} min" if seconds < 3600 else f"{seconds / 3600:.1f} h"
+
+
+def _seconds(costs: list[Cells], stage: str, method: str | None = None) -> list[float]:
+    return [
+        float(row["seconds"])
+        for row in costs
+        if row["stage"] == stage and method in (None, row["method"])
+    ]
+
+
+def _made(folder: Path) -> str:
+    made = json.loads((folder / "made.json").read_text())
+    machine = json.loads((folder / "environment.json").read_text())
+    return (
+        f"`{made['command']}`, {made['date']}, commit {made['commit'][:7]}, {machine['cores']} "
+        f"cores of {machine['cpu']}."
+    )
