@@ -33,6 +33,7 @@ def study_of(
         "places": {name: Place("dev" if name in dev else "test", None) for name in names},
         "scores": [row for name in emds for row in _scores(name, names, emds[name])],
         "failures": {},
+        "remarks": {},
         "training": dict.fromkeys(emds, (0, 0)),
         "lessons": {},
         "seen_by_training": {},

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.candidates import Candidates
-from industnerf.artifacts.cloud import Cloud, load_others
+from industnerf.artifacts.cloud import Cloud, load_others, load_remarks
 from industnerf.artifacts.history import History
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.renderings import Renderings
@@ -36,6 +36,18 @@ def test_all_that_a_method_returns_is_kept(photographed, tmp_path):
     assert cloud.steps == 6
     assert len(Candidates.load(tmp_path)) == 500
     assert History.load(tmp_path).levels == {"first": 0, "second": 3}
+
+
+def test_what_a_method_remarks_is_kept_and_nothing_if_it_is_silent(photographed, tmp_path):
+    def remarking(given, settings, state, seed):
+        found = CASTER.reconstruct(given, settings, state, seed)
+        return replace(found, remarks=("it glints",))
+
+    for name, method in (("a", CASTER), ("b", replace(CASTER, reconstruct=remarking))):
+        (tmp_path / name).mkdir()
+        run(method, photographed, tmp_path / name)
+    assert load_remarks(tmp_path / "a") == []
+    assert load_remarks(tmp_path / "b") == ["it glints"]
 
 
 def test_the_held_out_cameras_are_those_of_the_held_out_photographs(photographed, tmp_path):

@@ -108,6 +108,13 @@ def test_hands_may_shake(photos):
     assert np.linalg.norm(centre) < 0.5  # of a mean of six aims 0.35 off each
 
 
+def test_a_region_that_a_camera_is_in_is_refused(photos):
+    """Such as one in mm about cameras in m."""
+    cameras = standing(5 * ring(), np.zeros((6, 3)))
+    with pytest.raises(BadArtifact, match="has a radius of 50, and a camera is 5 from its centre"):
+        region(cameras, photos, None, 50.0)
+
+
 def test_frames_end_at_their_edges():
     """A camera at the origin that looks along +z, with edges at known slopes."""
     (fx, _, cx), (_, fy, cy), _ = CAMERAS.K[0]

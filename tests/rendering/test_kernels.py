@@ -9,6 +9,7 @@ import math
 import pytest
 import torch
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Rays, Renderer
@@ -136,3 +137,34 @@ def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(sce
         each.confide(values, agreement, seen_by, own=False, opaque=True, adding=False)
         told.append((seen.colour, seen.through, leaf.grad, seen_by))
     assert all(torch.equal(again, first) for again, first in zip(*told, strict=True))
+
+
+def test_the_way_back_is_refused_after_another_look(scene):
+    renderer, rays = compiled(scene)
+    values, rgb = in_order(renderer, scene.sigma).requires_grad_(), in_order(renderer, scene.rgb)
+    seen = renderer.look(rays, values, rgb)
+    renderer.look(rays, values, rgb)
+    with pytest.raises(RuntimeError, match="other rays since"):
+        seen.through.sum().backward()
+
+
+def test_confidence_is_of_the_rays_last_looked_along(scene):
+    renderer, rays = compiled(scene)
+    values = in_order(renderer, scene.sigma)
+    renderer.look(rays, values, in_order(renderer, scene.rgb))
+    seen_by, ways = torch.zeros_like(values), {"own": False, "opaque": True, "adding": False}
+    with pytest.raises(RuntimeError, match=f"agreement of 1 rays, looked along {len(rays)}"):
+        renderer.confide(values, torch.ones(1), seen_by, **ways)
+
+
+def test_more_neighbours_than_can_be_numbered_are_refused():
+    points = Points(torch.zeros(1, 3), 1.0, 64, "inverse")
+    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 1e-3, 0.01)
+    with pytest.raises(ReconstructionFailed, match="lower `rays` or `neighbours`"):
+        renderer._met_by(10_000)
+
+
+def test_more_cells_than_fit_into_memory_are_refused():
+    corners = torch.tensor([[-1.0, -1, -1], [1, 1, 1]])
+    with pytest.raises(ReconstructionFailed, match="raise `radius`"):
+        Points(corners, 1e-3, 8, "inverse")

@@ -113,6 +113,7 @@ def study(folder: Path) -> Study:
         {name: Place("test", None) for name in PARTS},
         [score for name in PARTS for score in scores(name)],
         {"box": dict.fromkeys(PARTS, BROKEN), "parts": {"torn-part": "torn.step: no solid"}},
+        {},
         dict.fromkeys(EMD, (0, 0)),
         {},
         dict.fromkeys(PARTS, 0.9),

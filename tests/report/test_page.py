@@ -59,6 +59,13 @@ def test_what_others_wrote_stays_text(study):
     assert shown.count("&lt;script&gt;alert") >= 3
 
 
+def test_what_a_method_remarked_stands_with_the_part_and_in_a_list(study):
+    said = {"hull": {"near-ball": ["the <images> contradict each other"]}}
+    shown = bare(replace(study, remarks=said))
+    assert shown.count("the &lt;images&gt; contradict each other") == 2
+    assert "What methods remarked" not in bare(study)
+
+
 def test_a_part_that_could_not_be_scored_is_said(study):
     scored = [row for row in study.scores if row.part_id != "near-ball"]
     shown = bare(replace(study, scores=scored, failures={"truth": {"near-ball": "too thin"}}))

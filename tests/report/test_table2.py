@@ -72,6 +72,7 @@ def study_of(rendering: bool, method: str = "hull") -> Study:
         {name: Place("dev" if name == "d" else "test", None) for name in PARTS},
         scores,
         {},
+        {},
         {method: (0, 0), "oracle": (0, 0)},
         {},
         {},

@@ -59,6 +59,7 @@ def study():
         {name: Place("dev" if name == "d" else "test", None) for name in "abcd"},
         scores("hull", [0.02, 0.04, 0.3, 9.0], failed="c") + scores("oracle", [0.01] * 4),
         {},
+        {},
         {"hull": (0, 0), "oracle": (0, 0)},
         {},
         {},

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Float32, Int16, UInt8
 
-from industnerf.artifacts.files import read_npz
+from industnerf.artifacts.files import read_json, read_npz, write_json
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
 
 SCHEMA = 2
-OTHERS = "others.npz"
+OTHERS, REMARKS = "others.npz", "remarks.json"
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,17 @@ def load_others(folder: Path) -> list[Float32[np.ndarray, "_ 3"]]:
         return []
     points, ends = read_npz(folder / OTHERS, ("points_mm", "ends"), "reconstruct")
     return np.split(points, ends[:-1])
+
+
+def save_remarks(folder: Path, remarks: Sequence[str]) -> None:
+    """Write beside the cloud in `folder` what its method had to say of what it was given."""
+    write_json(folder / REMARKS, {"schema": 1, "remarks": remarks})
+
+
+def load_remarks(folder: Path) -> list[str]:
+    """What `save_remarks` wrote, none if there is none; raises BadArtifact if the file is torn."""
+    path = folder / REMARKS
+    return read_json(path, 1, "reconstruct")["remarks"] if path.exists() else []
 
 
 def files_of_cloud(folder: Path) -> tuple[Path, ...]:

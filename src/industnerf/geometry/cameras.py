@@ -104,11 +104,12 @@ def pinhole(fov_deg: float, resolution: int) -> Float[np.ndarray, "3 3"]:
 
 
 def framed_ball(cameras: Cameras) -> tuple[Float[np.ndarray, "3"], float]:
-    """Centre and radius (mm) of the ball that every camera has in frame.
+    """Centre and radius (mm) of the ball that every camera would have in frame if it aimed at it.
 
     The centre is the point nearest to all optical axes in the least-squares sense, the radius
-    the smallest over the cameras of (distance x sin of half the field of view).  It is the
-    region of interest that a method may derive from its cameras alone.
+    the smallest over the cameras of (distance x sin of half the field of view), as if each looked
+    straight at the centre.  It is the region of interest that a method may derive from its cameras
+    alone.
     """
     axes, eyes = cameras.c2w[:, :3, 2], cameras.eyes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # projections off each axis

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from industnerf.artifacts.cloud import Cloud, save_others
+from industnerf.artifacts.cloud import Cloud, save_others, save_remarks
 from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.base import Example, Input, Method, hand_over
@@ -93,6 +93,8 @@ def reconstruct_part(
         result.parameters,
         result.steps,
     ).save(target)
+    if result.remarks:
+        save_remarks(target, result.remarks)
     if result.others_mm:
         save_others(target, result.others_mm)
     for more in (result.candidates, result.history):

@@ -149,6 +149,7 @@ class Reconstruction:
     history: History | None = None
     # Further answers of a method that sees one view at a time: its score is the mean over all.
     others_mm: tuple[Float[np.ndarray, "_ 3"], ...] = ()
+    remarks: tuple[str, ...] = ()  # on what it was given, for whoever reads the result
 
 
 @dataclass(frozen=True)

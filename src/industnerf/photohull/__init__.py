@@ -48,3 +48,20 @@ def carved(
     of_hull, of_rest = (filled(solid, mask, rig) for solid in (hull, rest))
     believed = of_rest >= ways.least_filled * of_hull
     return Carved(depth, hull, rest if believed else hull, believed, of_hull, of_rest)
+
+
+def remarks(cells: Carved, ways: SpaceCarvingSettings, then: str) -> tuple[str, ...]:
+    """What is wrong with the photographs, a sentence each, and what comes of it: `then`."""
+    said = []
+    if cells.hull_fills < ways.least_filled:
+        said.append(
+            f"the silhouettes contradict each other: their hull fills {cells.hull_fills:.0%} of "
+            "them; are cameras inexact, is the background plain, does the part glint in its colour?"
+        )
+    if not cells.believed:
+        said.append(
+            "the photographs contradict the silhouettes: what is alike from all sides fills "
+            f"{cells.rest_fills:.0%} of them (least_filled), so {then}; "
+            "does the part shine, did a light move, are cameras inexact?"
+        )
+    return tuple(said)

@@ -13,7 +13,7 @@ def filled(solid: Bool[np.ndarray, "r r r"], mask: Bool[np.ndarray, "n h w"], ri
 
     Of images about as coarse as the cells, and to within one of their pixels.
     """
-    coarse = max(1, mask.shape[2] // len(solid))
+    coarse = max(1, round(rig.px_across / len(solid)))
     wanted = mask[:, coarse // 2 :: coarse, coarse // 2 :: coarse]
     cells = np.stack(np.unravel_index(exposed(solid.astype(np.uint8)), solid.shape), axis=1)
     points = ((cells + 0.5) * (2 / len(solid)) - 1).astype(np.float32)
@@ -33,7 +33,7 @@ def shown(
     """The pixels, `coarse` px wide, in or beside which one of the points is."""
     u, v, depth = projection[:, :3] @ points.T + projection[:, 3:]
     column, row = (np.floor(at / depth / coarse).astype(np.int64) for at in (u, v))
-    framed = (row >= 0) & (row < shape[0]) & (column >= 0) & (column < shape[1])
+    framed = (row >= 0) & (row < shape[0]) & (column >= 0) & (column < shape[1]) & (depth > 0)
     image = np.zeros(shape, bool)
     image[row[framed], column[framed]] = True
     return maximum_filter(image, 3)

@@ -19,6 +19,7 @@ UNKNOWN = wp.constant(-1.0e6)  # too few views see the cell
 OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
 MOST = wp.constant(0.12)  # that a cell's gap may say to its neighbours
 AROUND = wp.constant(2)  # cells on either side that a normal is taken from
+DROPPED = wp.constant(3)  # views at most that may disagree: `insert` keeps one more
 
 
 @wp.func
@@ -75,8 +76,9 @@ def measure_depth(
     for view in range(projection.shape[0]):
         if least > -OUTSIDE:
             at = seen_at(projection[view], x)
-            inside = bilinear(distance, view, at[0], at[1])
-            least = wp.min(least, inside * at[2] / (focal[view] * spacing))
+            if at[2] > 0.0:
+                inside = bilinear(distance, view, at[0], at[1])
+                least = wp.min(least, inside * at[2] / (focal[view] * spacing))
     depth[i] = least
 
 
@@ -191,7 +193,8 @@ def measure_gap(
             at = seen_at(projection[view], x)
             u = int(wp.floor(at[0]))
             v = int(wp.floor(at[1]))
-            framed = u >= 0 and v >= 0 and u < darkest.shape[2] and v < darkest.shape[1]
+            framed = at[2] > 0.0 and u >= 0 and v >= 0
+            framed = framed and u < darkest.shape[2] and v < darkest.shape[1]
             hidden = is_hidden(solid, x, towards, BEGIN, spacing, rules.lo, rules.hi)
             if framed and not hidden:
                 count += 1
@@ -201,7 +204,7 @@ def measure_gap(
                 r1 = insert(r1, 255.0 - float(brightest[view, v, u, 0]))
                 g1 = insert(g1, 255.0 - float(brightest[view, v, u, 1]))
                 b1 = insert(b1, 255.0 - float(brightest[view, v, u, 2]))
-    drop = wp.min(int(rules.outliers * float(count)), 3)
+    drop = wp.min(int(rules.outliers * float(count)), DROPPED)
     if count < rules.views:
         gap[i] = UNKNOWN
     else:

@@ -25,6 +25,11 @@ class Rig:
     centre: Float[np.ndarray, "3"]  # of the region of interest, mm
     radius_mm: float
 
+    @property
+    def px_across(self) -> float:
+        """How many pixels span the region of interest where it is smallest."""
+        return float((2 * self.focal / np.linalg.norm(self.eyes, axis=1)).min())
+
 
 def rig_of(cameras: Cameras) -> Rig:
     """Cameras about the ball that all of them have in frame."""

@@ -3,8 +3,8 @@
 A surface cell is consistent if there is a colour that its views can agree on: one within the
 range that each of them shows across the cell's footprint (the r-consistency of Kutulakos, 2000).
 Only views count that look at the cell nearly straight and unhidden; a convex edge shows its two
-faces to different views, but both of them to those.  What is hidden now may be seen later, and
-a cell that is inconsistent in some views stays so in more: the order of removal does not matter.
+faces to different views, but both of them to those.  What is hidden now may be seen later.  All
+cells of a sweep are judged before any of them is taken off, so that their order does not matter.
 """
 
 from typing import Any
@@ -63,7 +63,7 @@ class Sweeper:
         self._side, self._threshold = len(solid), settings.threshold
         self._solid = solid.astype(np.uint8)
         self._gap = np.full(solid.shape, UNKNOWN)
-        width = max(1, round(settings.footprint * rgb.shape[2] / self._side))
+        width = max(1, round(settings.footprint * rig.px_across / self._side))
         darkest, brightest = ranges(rgb, width)
         self._inputs = [
             shared(self._solid, wp.uint8),

@@ -22,8 +22,24 @@ def region(
     """Centre and radius of the region of interest, in the unit of the cameras.
 
     What is not given is that of `framed_ball`.  Raises BadArtifact if the cameras do not look at
-    a common point, or fewer than two have the given centre in frame.
+    a common point, if fewer than two have the given centre in frame, or if one is in the ball.
     """
+    middle, reach = _region(cameras, photos, centre, radius)
+    nearest = float(np.linalg.norm(cameras.eyes - middle, axis=1).min())
+    if reach >= nearest:
+        raise BadArtifact(
+            f"the region of interest has a radius of {reach:g}, and a camera is {nearest:g} from "
+            "its centre: is --radius in the unit of the cameras?"
+        )
+    return middle, reach
+
+
+def _region(
+    cameras: Cameras,
+    photos: Sequence[Path],
+    centre: tuple[float, float, float] | None,
+    radius: float | None,
+) -> tuple[Float[np.ndarray, "3"], float]:
     if centre is not None:
         if radius is None:
             raise BadParams("--centre needs --radius beside it")

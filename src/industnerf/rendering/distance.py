@@ -3,12 +3,14 @@
 Points may hold how far the surface is (> 0 outside, < 0 inside) instead of a density.
 """
 
+import math
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 REACH = 6.0  # in beta: from there on outside nothing is dense, that empty space can be skipped
-FAINT = 0.0024726231566347743  # the logistic function at -REACH
+FAINT = 1 / (1 + math.exp(REACH))  # the logistic function at -REACH
 
 
 def density_of_distance(distance: Float[Tensor, "*any"], beta: float) -> Float[Tensor, "*any"]:

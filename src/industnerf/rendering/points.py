@@ -1,5 +1,7 @@
 """Cloud points sorted into cells, and the empty space between them: where kernels look up."""
 
+import math
+
 import numpy as np
 import torch
 import warp as wp
@@ -7,21 +9,31 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import distance_transform_cdt
 from torch import Tensor
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.rendering.nearest import Cells, mark
-from industnerf.rendering.weights import WeightReading
+from industnerf.schema.readings import WeightReading
 
 READINGS: dict[WeightReading, int] = {"inverse": 0, "inverse_square": 1, "tapered": 2, "tent": 3}
+MOST_CELLS = 2**27  # 1.5 GB while they are sorted
 FARTHEST = 255  # cells that a byte can say space is empty
 
 
 class Points:
-    """A cloud in an order that lies well in memory: `positions` are the given ones [`order`]."""
+    """A cloud in an order that lies well in memory: `positions` are the given ones [`order`].
+
+    Raises ReconstructionFailed if so small a radius has more cells than fit into memory.
+    """
 
     def __init__(
         self, positions: Float[Tensor, "m 3"], radius: float, k: int, weights: WeightReading
     ) -> None:
         corner = positions.amin(0) - 2.5 * radius  # cells all round, so that none has to be asked
         size = ((positions.amax(0) - corner) / radius).long() + 4
+        if (count := math.prod(size.tolist())) > MOST_CELLS:
+            raise ReconstructionFailed(
+                f"the points span {count} cells of the neighbours' radius, at most {MOST_CELLS} "
+                "fit into memory: raise `radius`, or lower `grid_res` or the number of levels"
+            )
         cell = ((positions - corner) / radius).long()
         key, self.order = torch.sort(
             (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2], stable=True

@@ -9,6 +9,7 @@ import warp as wp
 from jaxtyping import Float
 from torch import Tensor
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.rendering import kernels
 from industnerf.rendering.nearest import Met
 from industnerf.rendering.points import Points
@@ -62,6 +63,7 @@ class Renderer:
         self._march.room = int(diagonal / step) + 2
         self.beta = 0.0
         self._met: tuple | None = None  # rays that fit, `Met`, and the tensors that it points to
+        self._looks = self._rays = 0  # how often it has looked, and along how many rays last
 
     def look(self, rays: Rays, values: Float[Tensor, "m"], rgb: Float[Tensor, "m 3"]) -> Seen:
         """What `rays` see of points that hold `values` and colour `rgb`, differentiable in both.
@@ -81,7 +83,12 @@ class Renderer:
         opaque: bool,
         adding: bool,
     ) -> None:
-        """Bring (13) of the rays last looked along into `confidence`, by maximum or adding."""
+        """Bring (13) of the rays last looked along into `confidence`, by maximum or adding.
+
+        Raises RuntimeError if those were not as many as `agreement` is of.
+        """
+        if len(agreement) != self._rays:
+            raise RuntimeError(f"agreement of {len(agreement)} rays, looked along {self._rays}")
         wp.launch(
             kernels.confide,
             dim=len(agreement),
@@ -116,9 +123,17 @@ class Renderer:
         """Room for what so many rays or more meet; memory is only used as far as it is filled.
 
         It is kept for the next rays: to be given fresh pages costs as much as a third of looking.
+
+        Raises ReconstructionFailed if there are more neighbours than 32 bits can number.
         """
         if self._met is None or self._met[0] < rays:
             slots = rays * self._march.room
+            if slots * self.points.k >= 2**31:  # kernels number them in 32 bits
+                raise ReconstructionFailed(
+                    f"{rays} rays of up to {self._march.room} samples of {self.points.k} "
+                    "neighbours are too many to be numbered: lower `rays` or `neighbours`, or "
+                    "raise `step` and `fine_step`"
+                )
             like = {"device": self.points.positions.device}
             kept = [
                 torch.empty(rays, dtype=torch.int32, **like),
@@ -133,6 +148,7 @@ class Renderer:
         return self._met[1]
 
     def _forward(self, values: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
+        self._looks, self._rays = self._looks + 1, len(rays)
         colour = torch.empty_like(rays.origins)
         through, depth, median = (torch.empty_like(rays.offsets) for _ in range(3))
         wp.launch(
@@ -185,18 +201,23 @@ class Renderer:
 
 
 class _Look(torch.autograd.Function):
-    """The way back must follow before the renderer looks along other rays: it keeps one record."""
+    """The way back must follow before the renderer looks along other rays: it keeps one record.
+
+    `backward` raises RuntimeError if it did not.
+    """
 
     @staticmethod
     def forward(ctx, values, rgb, renderer, rays):
         colour, through, depth, median = renderer._forward(values, rgb, rays)
         ctx.save_for_backward(values, rgb, colour, through, depth)
-        ctx.renderer = renderer
+        ctx.renderer, ctx.look = renderer, renderer._looks
         ctx.mark_non_differentiable(median)
         return colour, through, depth, median
 
     @staticmethod
     def backward(ctx, d_colour, d_through, d_depth, d_median):
+        if ctx.look != ctx.renderer._looks:
+            raise RuntimeError("the renderer has looked along other rays since")
         values, rgb, *seen = ctx.saved_tensors
         d_seen = d_colour, d_through, d_depth
         return *ctx.renderer._backward(values, rgb, seen, d_seen), None, None

@@ -72,10 +72,24 @@ def _cells(part: str, names: list[str], views: list[list[bytes | None]]) -> Iter
 
 def failures(study: Study) -> str:
     """Every failure with its reason; empty if there is none."""
+    return _listed(study, study.failures)
+
+
+def remarks(study: Study) -> str:
+    """What methods said of the images they were given, by part; empty if nothing."""
+    joined = {
+        method: {part: "; ".join(said) for part, said in parts.items()}
+        for method, parts in study.remarks.items()
+    }
+    return _listed(study, joined)
+
+
+def _listed(study: Study, said: dict[str, dict[str, str]]) -> str:
+    """Who said what of which part."""
     items = "".join(
-        f"<li><b>{escape(where)}</b>, {_named(study, part)}: {escape(why)}"
-        for where, failed in study.failures.items()
-        for part, why in failed.items()
+        f"<li><b>{escape(who)}</b>, {_named(study, part)}: {escape(text)}"
+        for who, parts in said.items()
+        for part, text in parts.items()
     )
     return items and f"<ul>{items}</ul>"
 

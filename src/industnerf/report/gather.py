@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.cloud import Cloud, load_remarks
 from industnerf.artifacts.part import Part, load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import Place, load_split
@@ -50,6 +50,7 @@ class Study:
     places: dict[str, Place]
     scores: list[PartScore]
     failures: dict[str, dict[str, str]]  # stage, method or its scoring -> part id -> why
+    remarks: dict[str, dict[str, list[str]]]  # method -> part id -> what it said of its images
     training: dict[str, tuple[int, int]]  # method -> trained numbers, most steps a part or net
     lessons: dict[str, Lesson]  # method that learns from other parts -> what of
     seen_by_training: dict[str, float]  # part id -> share of its area
@@ -72,6 +73,7 @@ def gather(
         load_split(folders.split),
         [row for name in methods for row in load_method_scores(folders.scores / name, name)],
         failures_of(folders, methods),
+        {name: _remarks(folders.clouds / name) for name in methods},
         {name: _training(folders.clouds / name) for name in methods},
         {
             name: lesson
@@ -95,6 +97,11 @@ def failures_of(folders: Folders, methods: list[str]) -> dict[str, dict[str, str
         found[name] = read_failures(folders.clouds / name)
         found[f"scoring {name}"] = read_failures(folders.scores / name)
     return found
+
+
+def _remarks(clouds: Path) -> dict[str, list[str]]:
+    said = {part: load_remarks(clouds / part) for part in read_index(clouds)}
+    return {part: remarks for part, remarks in said.items() if remarks}
 
 
 def _training(clouds: Path) -> tuple[int, int]:

@@ -8,7 +8,7 @@ from importlib.resources import files
 from industnerf.report import table2, texts
 from industnerf.report.comparisons import OURS
 from industnerf.report.exhibits import Exhibits
-from industnerf.report.figures import calibration, distribution, failures, renderings
+from industnerf.report.figures import calibration, distribution, failures, remarks, renderings
 from industnerf.report.gather import Study
 from industnerf.report.headline import by_part, table1, table2_html
 from industnerf.report.lookup import Scores
@@ -71,6 +71,7 @@ def _sections(
     yield "What was to be reached", goals_html(results.reached)
     yield "Part by part", f"{note(texts.BY_PART)}{by_part(study, scores)}"
     yield "Failures", failures(study)
+    yield "What methods remarked on the photographs", remarks(study)
 
 
 def _anchor(name: str) -> str:

@@ -75,7 +75,7 @@ def _section(study: Study, scores: Scores, part: Part) -> str:
     beyond = {kind: unit for kind, unit in kinds.items() if kind[1] in BEYOND}
     return (
         f"{_facts(study, part)}{_scores(study, scores, part, surface)}"
-        f"{_scores(study, scores, part, beyond)}{_failures(study, part)}"
+        f"{_scores(study, scores, part, beyond)}{_failures(study, part)}{_remarks(study, part)}"
     )
 
 
@@ -148,4 +148,12 @@ def _failures(study: Study, part: Part) -> str:
         note(f"<b>{escape(where)}</b> failed: {escape(failed[part.part_id])}")
         for where, failed in study.failures.items()
         if part.part_id in failed
+    )
+
+
+def _remarks(study: Study, part: Part) -> str:
+    return "".join(
+        note(f"<b>{escape(method)}</b>: {escape('; '.join(said[part.part_id]))}")
+        for method, said in study.remarks.items()
+        if part.part_id in said
     )

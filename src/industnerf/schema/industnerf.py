@@ -151,6 +151,8 @@ class IndustnerfSettings:
         require(learns, "network.use", False, "true, or residual.use: else nothing is learned")
         steps = self.levels[0].steps
         require(steps >= 1, "levels[0].steps", steps, "at least 1: else nothing is learned")
+        halved = not self.warm_up.steps or self.grid_res % 2 == 0
+        require(halved, "grid_res", self.grid_res, "even: the warm-up has half of it")
         cut = self.grid_points == 0 or self.carve
         require(cut, "grid_points", self.grid_points, "0 where carve is false")
         fits = not self.relief.use or self._has_grid_of_distances()

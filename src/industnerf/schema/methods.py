@@ -145,4 +145,7 @@ class MethodSettings:
         learns, name = self.industnerf_shared, "industnerf_shared"
         encoder, steps = learns.readings.encoder, learns.warm_up.steps
         require(encoder == "shared", f"{name}.readings.encoder", encoder, "shared")
+        require(
+            learns.network.use, f"{name}.network.use", False, "true: E and N are what is learned"
+        )
         require(steps >= 1, f"{name}.warm_up.steps", steps, "at least 1: E learns in warm-ups")

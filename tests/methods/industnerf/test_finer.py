@@ -47,6 +47,16 @@ def test_the_grid_is_at_most_so_much_finer(rod):
     assert as_fine_as_fits(of_plus(10**9), rod).grid_res == FINEST * RES
 
 
+def test_a_grid_that_is_warmed_up_can_be_halved(rod):
+    warm = {"steps": 5, "image_px": 32}
+    for share in (1.5, 1.7, 2.0):
+        asked = int(share * held(rod, of_plus(0)))
+        ways = settings("industnerf_plus", grid_res=RES, grid_points=asked, warm_up=warm)
+        assert as_fine_as_fits(ways, rod).grid_res % 2 == 0
+    with pytest.raises(BadParams, match="grid_res is 25, must be even"):
+        settings("industnerf_plus", grid_res=25, warm_up=warm)
+
+
 def test_light_reaches_as_deep_at_first_whatever_the_grid(rod):
     before, after = of_plus(10**9), as_fine_as_fits(of_plus(10**9), rod)
     deep = [ways.softness.first * spacing_of(ways.grid_res, 0) for ways in (before, after)]

@@ -43,7 +43,7 @@ def test_the_pocket_of_a_painted_cup_is_open_from_the_start():
     """Its floor keeps up to 4 cells where no three views see it straight (test_carve)."""
     places, points = in_the_pocket()
     outside = photo_hull(painted(CUP, CAMERAS, waves)[1]).distance(points).numpy()
-    assert photo_hull(painted(CUP, CAMERAS, waves)[1]).remarks == []
+    assert photo_hull(painted(CUP, CAMERAS, waves)[1]).remarks == ()
     high = places[:, 2] > FLOOR + 4 * CELL * RADIUS
     to_wall = (INNER - np.hypot(places[:, 0], places[:, 1])) / RADIUS
     assert (outside[high] > 0).all()
@@ -75,9 +75,9 @@ def test_silhouettes_that_contradict_each_other_are_spoken_of():
     assert photo_hull(rgb).remarks[0].startswith("the silhouettes contradict each other: their ")
 
 
-@pytest.mark.parametrize(("width", "cells"), [(512, 128), (200, 96), (128, 64), (40, 32)])
-def test_cells_are_two_pixels_wide_or_more(width, cells):
-    assert of_two_pixels(replace(WAYS, grid_res=128), width).grid_res == cells
+@pytest.mark.parametrize(("px", "cells"), [(512.0, 128), (200.0, 96), (128.0, 64), (40.0, 32)])
+def test_cells_are_two_pixels_wide_or_more(px, cells):
+    assert of_two_pixels(replace(WAYS, grid_res=128), px).grid_res == cells
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -8,7 +8,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.geometry.silhouettes import differs
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
-from industnerf.photohull import Carved, carved
+from industnerf.photohull import Carved, carved, remarks
 from industnerf.photohull.lattice import rig_of
 from industnerf.schema import CarveSettings
 
@@ -37,7 +37,8 @@ def reconstruct(given: Given, settings: CarveSettings, state: None, seed: int) -
             f"no surface: of {cells.hull.sum()} cells {cells.left.sum()} are left; a larger "
             "method.carve.threshold takes less off"
         )
-    return Reconstruction(rig.centre + rig.radius_mm * points)
+    said = remarks(cells, settings, "the answer is the visual hull")
+    return Reconstruction(rig.centre + rig.radius_mm * points, remarks=said)
 
 
 def surface_points(cells: Carved, count: int, rng: np.random.Generator) -> Float[np.ndarray, "_ 3"]:

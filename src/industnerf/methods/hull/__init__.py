@@ -17,6 +17,8 @@ from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT, draw
 from industnerf.schema import HullRgbSettings, HullSettings
 
+HINT = "; it is seen where a pixel differs from the background by more than hull_rgb.tolerance"
+
 
 def reconstruct_from_masks(
     given: Given, settings: HullSettings, state: None, seed: int
@@ -33,7 +35,9 @@ def reconstruct_from_colour(
     A part of the background's own colour is taken for background and cut away.
     """
     mask = differs(given.rgb, given.background, settings.tolerance)
-    return Reconstruction(hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED))
+    return Reconstruction(
+        hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED, hint=HINT)
+    )
 
 
 def hull(
@@ -43,6 +47,7 @@ def hull(
     seed: int,
     *,
     grown_px: float,
+    hint: str = "",
 ) -> Float[np.ndarray, "points 3"]:
     """Area-uniform points (mm) on the surface of the hull of `mask`.
 
@@ -51,9 +56,8 @@ def hull(
     blank = np.flatnonzero(~mask.any(axis=(1, 2)))
     if len(blank):
         raise ReconstructionFailed(
-            f"{len(blank)} of {len(mask)} views show no part, the first of them view {blank[0]}; "
-            "`hull_rgb` sees one where a pixel differs from the background by more than "
-            "method.hull_rgb.tolerance"
+            f"{len(blank)} of {len(mask)} views show no part, the first of them view {blank[0]} "
+            f"of those that were given{hint}"
         )
     seen = distance_images(mask, cameras, grown_px)
     families = refine(seen, settings.cell_px, SEGMENT)

@@ -8,12 +8,12 @@ All is float32: a coordinate below 4096 px is known to 1/4000 px, a position in 
 to 1e-7, where the smallest cell in use is some 1e-4.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32
 
-from industnerf.geometry.cameras import Cameras, framed_ball
+from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
 from industnerf.geometry.silhouettes import signed_distance
 
 REACH = 1.2  # no cell in use has its centre farther than this from the origin
@@ -36,18 +36,15 @@ def distance_images(
 ) -> Silhouettes:
     """Distance images of `mask`, whose outlines run `grown_px` outside the part's."""
     centre, radius_mm = framed_ball(cameras)
-    to_mm = np.diag([radius_mm, radius_mm, radius_mm, 1.0])
-    to_mm[:3, 3] = centre
     K = cameras.K.copy()
     K[:, :2, 2] -= 0.5
-    projection = K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm
     away = np.linalg.norm(cameras.eyes - centre, axis=1) / radius_mm
     focal = cameras.K[:, [0, 1], [0, 1]].max(axis=1)
     # d(u, v) of a step s at the angle a off the axis is at most f s / (depth cos a)
     slant = np.arcsin(np.minimum(REACH / away, 0.99))
     return Silhouettes(
         np.stack([signed_distance(one) for one in mask]) - np.float32(grown_px),
-        projection.astype(np.float32),
+        projections_from_ball(replace(cameras, K=K), centre, radius_mm),
         (focal / np.cos(slant)).astype(np.float32),
         float(((away - 1) / focal).min()),
         centre,

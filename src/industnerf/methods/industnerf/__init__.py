@@ -105,6 +105,7 @@ def _reconstruct(
         history=History(
             np.arange(outcome.steps), np.array(outcome.losses, float), outcome.first_steps
         ),
+        remarks=outcome.remarks,
     )
 
 

@@ -60,9 +60,7 @@ class Silhouettes:
         for K, c2w, outside in zip(self._eyes.K, self._eyes.c2w, self._outside, strict=True):
             uv, depth = project(points[kept], K, c2w)
             seen = in_view(uv, depth, self._eyes.width, self._eyes.height)
-            column, row = uv.nan_to_num(0).clamp(min=0).long().unbind(1)
-            column = column.clamp(max=self._eyes.width - 1)
-            row = row.clamp(max=self._eyes.height - 1)
+            column, row = uv.masked_fill(~seen[:, None], 0.0).long().unbind(1)
             inside = outside[row, column] <= slack * K[0, 0] / depth + 1
             kept = kept[inside | ~seen]
         mask = torch.zeros(len(points), dtype=torch.bool, device=points.device)

@@ -27,7 +27,8 @@ def as_fine_as_fits(settings: IndustnerfSettings, silhouettes: Silhouettes) -> I
     finer = min((settings.grid_points / max(held, 1)) ** (1 / 3), FINEST)
     if finer <= 1:
         return settings
-    grid_res = int(finer * settings.grid_res)
+    halves = 2 if settings.warm_up.steps else 1
+    grid_res = int(finer * settings.grid_res) // halves * halves
     first = settings.softness.first * grid_res / settings.grid_res
     return replace(settings, grid_res=grid_res, softness=replace(settings.softness, first=first))
 

@@ -42,7 +42,7 @@ class Layer:
 def grid(spacing: float, device: torch.device) -> Float32[Tensor, "m 3"]:
     """X = S(r): the centres of r^3 cells of [-1, 1]^3, r = 2 / spacing, that touch the unit ball.
 
-    Every camera has the ball in frame; what is beyond it some cameras do not see.
+    Every camera that aims at it has the ball in frame; what is beyond it some do not see.
     """
     axis = -1 + spacing * (torch.arange(round(2 / spacing), device=device) + 0.5)
     points = torch.cartesian_prod(axis, axis, axis)

@@ -12,7 +12,7 @@ from torch import Tensor
 from industnerf.geometry.silhouettes import differs
 from industnerf.methods.industnerf.carving import TOLERANCE
 from industnerf.methods.industnerf.scene import Posed, Scene
-from industnerf.photohull import Carved, carved
+from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
 
@@ -23,8 +23,9 @@ class PhotoHull:
     def __init__(self, posed: Posed, scene: Scene, ways: SpaceCarvingSettings) -> None:
         mask = differs(posed.rgb, scene.background.cpu().numpy(), TOLERANCE)
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
-        cells = carved(mask, posed.rgb, rig, of_two_pixels(ways, posed.rgb.shape[2]))
-        self.believed, self.remarks = cells.believed, remarks(cells, ways.least_filled)
+        cells = carved(mask, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
+        self.believed = cells.believed
+        self.remarks = remarks(cells, ways, "the result stays nearer to the visual hull")
         left = depth_in(cells.left) if cells.left.any() else np.inf
         self._depth = np.minimum(cells.depth, left)
 
@@ -36,29 +37,12 @@ class PhotoHull:
         return torch.from_numpy(-depth * np.float32(cell)).to(points)
 
 
-def remarks(cells: Carved, least: float) -> list[str]:
-    """What is wrong with the photographs, a sentence each."""
-    said = []
-    if cells.hull_fills < least:
-        said.append(
-            f"the silhouettes contradict each other: their hull fills {cells.hull_fills:.0%} of "
-            "them; are cameras inexact, is the background plain, does the part glint in its colour?"
-        )
-    if not cells.believed:
-        said.append(
-            "the photographs contradict the silhouettes: what is alike from all sides fills "
-            f"{cells.rest_fills:.0%} of them (relief.start.least_filled), so the result stays "
-            "nearer to the visual hull; does the part shine, did a light move, are cameras inexact?"
-        )
-    return said
-
-
-def of_two_pixels(ways: SpaceCarvingSettings, width: int) -> SpaceCarvingSettings:
-    """`ways` with cells of two pixels or more in images of this `width`.
+def of_two_pixels(ways: SpaceCarvingSettings, px: float) -> SpaceCarvingSettings:
+    """`ways` with cells of two pixels or more, where `px` span the region of interest.
 
     The colours within a pixel are averaged: of smaller cells each view would show another mean.
     """
-    most = width // 2 - width // 2 % 8
+    most = int(px / 2) // 8 * 8
     return replace(ways, grid_res=min(ways.grid_res, max(32, most)))
 
 

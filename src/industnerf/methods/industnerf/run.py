@@ -76,6 +76,7 @@ class Outcome:
     first_steps: dict[str, int]  # of every level
     background: Background  # behind the part, view by view
     pictures: Callable[[Cameras, Background], Renderings]  # the field from other cameras
+    remarks: tuple[str, ...] = ()  # on the images
 
 
 def run(
@@ -117,11 +118,12 @@ class Work:
         if self._silhouettes:
             settings = as_fine_as_fits(settings, self._silhouettes)
         self._settings = settings
-        self._photo_hull = None
+        self._photo_hull, self._remarks = None, ()
         if settings.relief.start.use:
             self._photo_hull = PhotoHull(posed, self.scene, settings.relief.start)
-            for text in self._photo_hull.remarks:
-                watch.remark(text)
+            self._remarks = self._photo_hull.remarks
+        for text in self._remarks:
+            watch.remark(text)
         self._generator = torch.Generator().manual_seed(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
@@ -208,6 +210,7 @@ class Work:
             self._first_steps,
             self.scene.background.cpu().numpy().astype(float),
             partial(pictures, self.training, self._posed),
+            self._remarks,
         )
 
     def _in_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:

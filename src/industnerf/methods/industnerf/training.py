@@ -144,7 +144,7 @@ class Training:
                 "show anything but background?"
             )
         if self.field.network is not None:
-            needed = near_any(self.points.positions, sigma > 0, 2 * self.points.radius)
+            needed = near_any(self.points.positions, sigma > 0, 2 * self.points.reach)
             if needed.float().mean() < CROWD:
                 sigma = sigma[self._keep(needed)]
         self._fill(sigma > 0)

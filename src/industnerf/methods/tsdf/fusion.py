@@ -57,7 +57,7 @@ class Image:
         u, v, depth = self._projection[:, :3] @ points.T + self._projection[:, 3:]
         column, row = (u / depth).astype(np.int32), (v / depth).astype(np.int32)
         height, width = self._size
-        framed = (u >= 0) & (column < width) & (v >= 0) & (row < height)
+        framed = (depth > 0) & (u >= 0) & (column < width) & (v >= 0) & (row < height)
         return np.where(framed, row * width + column, 0), framed, depth
 
 

@@ -34,7 +34,8 @@ def profile(making: Making, row: int, column: int) -> Profile:
     view = torch.tensor([making.view])
     rays = looking.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
     side, radius = 1 + fine.spacing, ways.radius * fine.spacing
-    close = off_axis(fine.points, rays.origins[0], rays.directions[0]) < 1.01 * radius
+    corner = 3**0.5 * radius  # the farthest that a neighbour can be, of a tent
+    close = off_axis(fine.points, rays.origins[0], rays.directions[0]) < 1.01 * corner
     cube = fine.points.new_full((3,), side)
     samples = radiance_points(
         *vars(rays).values(),

@@ -1,0 +1,84 @@
+"""The r-consistency of a cell, against the same rule in plain loops."""
+
+import numpy as np
+import pytest
+import warp as wp
+
+from industnerf.config import load_params
+from industnerf.photohull import kernels
+from industnerf.photohull.lattice import rig_about, shared
+from industnerf.photohull.sweeps import Sweeper, exposed, ranges
+from industnerf.schema import SpaceCarvingSettings
+from tests.methods.solids import cameras_around
+
+N, PX, REACH = 16, 96, 30.0
+CAMERAS = cameras_around(24, PX, REACH)
+RIG = rig_about(CAMERAS, np.zeros(3), REACH)
+RGB = np.random.default_rng(0).integers(0, 256, (24, PX, PX, 3), np.uint8)
+AT = (np.indices((N, N, N)) + 0.5) * 2 / N - 1
+# A ball with a bite taken out of it: some of its surface is hidden by the rest.
+SOLID = (np.linalg.norm(AT, axis=0) < 0.8) & (np.linalg.norm(AT - 0.5, axis=0) > 0.5)
+
+
+def ways(**changed: float) -> SpaceCarvingSettings:
+    start = load_params().method.industnerf_plus.relief.start
+    known = {name: getattr(start, name) for name in SpaceCarvingSettings.__dataclass_fields__}
+    return SpaceCarvingSettings(**(known | {"facing": 0.2} | changed))
+
+
+def gaps(settings: SpaceCarvingSettings) -> tuple[np.ndarray, np.ndarray]:
+    """The compiled gap of every surface cell, and the cells."""
+    sweeper = Sweeper(SOLID, RGB, RIG, settings)
+    cells = exposed(SOLID.astype(np.uint8))
+    gap = np.empty(len(cells), np.float32)
+    inputs = [shared(cells, wp.int32), *sweeper._inputs]
+    wp.launch(kernels.measure_gap, len(cells), inputs, [shared(gap, wp.float32)], device="cpu")
+    return cells, gap
+
+
+def slow_gap(cell: int, settings: SpaceCarvingSettings) -> float:
+    """How far the colours of the views are apart that see the cell; UNKNOWN of too few."""
+    place = np.array(np.unravel_index(cell, SOLID.shape))
+    x = (place + 0.5) * 2 / N - 1
+    around = np.argwhere(SOLID) - place
+    normal = -around[np.abs(around).max(axis=1) <= 2].sum(axis=0)
+    width = max(1, round(settings.footprint * RIG.px_across / N))
+    darkest, brightest = ranges(RGB, width)
+    low, high = [], []
+    for view, (projection, eye) in enumerate(zip(RIG.projection, RIG.eyes, strict=True)):
+        towards = (eye - x) / np.linalg.norm(eye - x)
+        if towards @ normal <= settings.facing * np.linalg.norm(normal) or hidden(x, towards):
+            continue
+        u, v, depth = projection @ [*x, 1]
+        low.append(darkest[view, int(v / depth), int(u / depth)].astype(int))
+        high.append(brightest[view, int(v / depth), int(u / depth)].astype(int))
+    if len(low) < settings.views:
+        return float(kernels.UNKNOWN)
+    drop = min(int(settings.outliers * len(low)), 3)
+    apart = np.sort(low, axis=0)[-1 - drop] - np.sort(high, axis=0)[drop]
+    return apart.max() / 255
+
+
+def hidden(x: np.ndarray, towards: np.ndarray) -> bool:
+    """Whether the solid is in the way, from two cells on."""
+    for step in range(2, 4 * N):
+        there = np.floor((x + step * 2 / N * towards + 1) * N / 2).astype(int)
+        if ((there < 0) | (there >= N)).any():
+            return False
+        if SOLID[tuple(there)]:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("outliers", [0.0, 0.2, 0.4])
+def test_the_gap_is_that_of_plain_loops(outliers):
+    """A ray that grazes a cell may be rounded to either side: at most one cell in a hundred."""
+    settings = ways(outliers=outliers)
+    cells, found = gaps(settings)
+    slow = np.array([slow_gap(int(cell), settings) for cell in cells])
+    assert len(cells) > 300
+    assert np.isclose(found, slow, rtol=0, atol=1e-6).mean() > 0.99
+
+
+def test_fewer_views_than_asked_for_say_nothing():
+    assert (gaps(ways(views=25))[1] == np.float32(kernels.UNKNOWN)).all()
