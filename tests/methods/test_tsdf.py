@@ -55,7 +55,7 @@ def test_the_floor_of_a_cup_is_found_where_no_silhouette_shows_it():
 def test_cells_behind_a_camera_are_in_no_image():
     """With a wide lens close by, corners of the cube are behind cameras."""
     image = fusion.Image(np.ones((8, 8), np.float32), np.eye(3, 4, dtype=np.float32))
-    behind = np.array([[-1.0, -1, -1], [-4, -4, -1]], np.float32)
+    behind = np.array([[1.0, 1, -1], [4, 4, -1]], np.float32)
     assert not image.empty(behind, 0.1).any()
     assert (image.look(behind, 0.1)[1] == 0).all()
 
