@@ -42,17 +42,18 @@ def test_what_is_right_ends_with_0_and_without_heavy_imports(plain: WorkingCopy)
 
 
 def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(plain: WorkingCopy):
-    (plain.folder / "store/views/k").mkdir(parents=True)
+    entry = f"store/views/{32 * 'a'}"
+    (plain.folder / entry).mkdir(parents=True)
     code, output = doctor(plain.folder, "-m", "industnerf.doctor", "locks", "stored")
     assert code == 1
     assert output == (
         "locks        ok\n"
         "stored       wrong\n"
-        "  store/views/k: has nothing in out/: no run can finish or use it\n"
-        "    mend: rm -rf store/views/k\n"
+        f"  {entry}: has nothing in out/: no run can finish or use it\n"
+        f"    mend: rm -rf {entry}\n"
         "1 thing is wrong\n"
     )
-    assert (plain.folder / "store/views/k").exists()  # it never mends by itself
+    assert (plain.folder / entry).exists()  # it never mends by itself
 
 
 def test_an_unknown_check_is_refused_with_the_known_ones(plain: WorkingCopy):

@@ -20,6 +20,7 @@ REPORT = {
     "goals.md",
     "inspection.csv",
     "inspection.md",
+    "label.json",
     "pareto.png",
     "report.html",
     "scores.csv",
