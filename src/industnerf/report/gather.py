@@ -92,7 +92,7 @@ def gather(
 def failures_of(folders: Folders, methods: list[str]) -> dict[str, dict[str, str]]:
     """Of each stage on the way from a part to its score; a stage hands on those before it."""
     parts, truth = read_failures(folders.parts), read_failures(folders.truth)
-    found = {"parts": parts, "truth": {name: truth[name] for name in truth.keys() - parts.keys()}}
+    found = {"parts": parts, "truth": {k: why for k, why in truth.items() if k not in parts}}
     for name in methods:
         found[name] = read_failures(folders.clouds / name)
         found[f"scoring {name}"] = read_failures(folders.scores / name)
