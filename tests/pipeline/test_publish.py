@@ -12,6 +12,11 @@ from industnerf.report.readme import study_block
 from tests.pipeline.conftest import Project
 from tests.pipeline.locks import lock_disagreements
 
+DOCUMENTS = {
+    "README.md": ["study"],
+    "docs/baselines.md": ["nets"],
+    "docs/scaling.md": ["costs", "cluster"],
+}
 MARKS = "<!-- study -->\n<!-- end study -->\n"
 
 
@@ -19,7 +24,10 @@ MARKS = "<!-- study -->\n<!-- end study -->\n"
 def project(root, tmp_path):
     """A repository of its own, with nothing run yet."""
     project = Project(root, tmp_path / "project")
-    (project.folder / "README.md").write_text(MARKS)
+    for document, names in DOCUMENTS.items():
+        marks = "".join(MARKS.replace("study", name) for name in names)
+        (project.folder / document).parent.mkdir(exist_ok=True)
+        (project.folder / document).write_text(marks)
     (project.folder / ".gitignore").write_text("/.dvc\n/data\n/reports\n__pycache__\n")
     names = ("-c", "user.name=n", "-c", "user.email=e@example.org")
     for command in (["init", "-q"], ["add", "-A"], [*names, "commit", "-q", "-m", "first"]):

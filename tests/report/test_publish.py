@@ -210,7 +210,7 @@ def test_a_net_stands_beside_what_it_must_beat(tmp_path):
     for name, content in (("made", MADE), ("environment", {"cores": 2, "cpu": "chip"})):
         (tmp_path / f"{name}.json").write_text(json.dumps(content))
     shown = nets_block(tmp_path)
-    assert "`make repro`, 2026-01-02, commit 0123456, 2 cores of chip." in shown
+    assert "On 2 cores of chip, 2026-01-02, commit 0123456." in shown
     assert (
         "| `r2n2` | 3.0 | 9 | 0.0800 (0.0100 to 0.1000) | 4.00 | 0.0400, 4.00 | 50 % |  |" in shown
     )

@@ -24,32 +24,18 @@ def region(
     What is not given is that of `framed_ball`.  Raises BadArtifact if the cameras do not look at
     a common point, if fewer than two have the given centre in frame, or if one is in the ball.
     """
-    middle, reach = _region(cameras, photos, centre, radius)
-    nearest = float(np.linalg.norm(cameras.eyes - middle, axis=1).min())
-    if reach >= nearest:
-        raise BadArtifact(
-            f"the region of interest has a radius of {reach:g}, and a camera is {nearest:g} from "
-            "its centre: is --radius in the unit of the cameras?"
-        )
-    return middle, reach
-
-
-def _region(
-    cameras: Cameras,
-    photos: Sequence[Path],
-    centre: tuple[float, float, float] | None,
-    radius: float | None,
-) -> tuple[Float[np.ndarray, "3"], float]:
     if centre is not None:
         if radius is None:
             raise BadParams("--centre needs --radius beside it")
         middle = np.array(centre, float)
         _check_given(cameras, middle)
-        return middle, radius
-    _check_spread(cameras)
-    middle, framed = framed_ball(cameras)
-    _check_common(cameras, photos, middle)
-    return middle, framed if radius is None else radius
+    else:
+        _check_spread(cameras)
+        middle, framed = framed_ball(cameras)
+        _check_common(cameras, photos, middle)
+        radius = framed if radius is None else radius
+    _check_outside(cameras, middle, radius)
+    return middle, radius
 
 
 def in_frame(cameras: Cameras, point: Float[np.ndarray, "3"]) -> Bool[np.ndarray, "n"]:
@@ -68,6 +54,15 @@ def _check_given(cameras: Cameras, centre: Float[np.ndarray, "3"]) -> None:
         raise BadArtifact(
             f"{seen} of {len(cameras)} cameras have the given --centre in frame, it takes 2: is "
             "it in the frame and the unit of the cameras?"
+        )
+
+
+def _check_outside(cameras: Cameras, centre: Float[np.ndarray, "3"], radius: float) -> None:
+    nearest = float(np.linalg.norm(cameras.eyes - centre, axis=1).min())
+    if radius >= nearest:
+        raise BadArtifact(
+            f"the region of interest has a radius of {radius:g}, and a camera is {nearest:g} from "
+            "its centre: is --radius in the unit of the cameras?"
         )
 
 

@@ -1,11 +1,11 @@
 """What the documents show of the published study: made of its files, as the README's tables are."""
 
-import json
 from pathlib import Path
 from statistics import fmean, median
 
 from industnerf.report.formats import csv_rows, markdown, short
 from industnerf.report.lookup import EVEN
+from industnerf.report.provenance import made_where
 
 Cells = dict[str, str]
 OURS = "industnerf"
@@ -33,7 +33,7 @@ def nets_block(folder: Path) -> str:
         for row in rows
         if int(row["learned_from"])
     ]
-    return f"{_made(folder)}\n\n{markdown([*heads, *RIVALS.values()], lines)}"
+    return f"On {made_where(folder)}.\n\n{markdown([*heads, *RIVALS.values()], lines)}"
 
 
 def _to_ours(row: Cells, ours: Cells) -> tuple[str, str]:
@@ -70,7 +70,7 @@ def costs_block(folder: Path) -> str:
         if (found := _seconds(costs, stage, method))
     ]
     heads = ["step", "method", "results", "mean, s", "median, s", "most, s"]
-    return f"{_made(folder)}\n{_whole(costs)}\n\n{markdown(heads, lines)}"
+    return f"On {made_where(folder)}.\n{_whole(costs)}\n\n{markdown(heads, lines)}"
 
 
 def _spread(seconds: list[float]) -> list[str]:
@@ -101,8 +101,9 @@ def cluster_block(folder: Path) -> str:
         f"all {methods} methods": sum(_seconds(costs, "reconstruct")),
         "scoring them": sum(_seconds(costs, "evaluate")),
     }
+    many = f"{PARTS:,}".replace(",", " ")
     lines = [
-        [what, f"10 000 x {total / parts:.1f} s / {NODES}", _time(PARTS * total / parts / NODES)]
+        [what, f"{many} x {total / parts:.1f} s / {NODES}", _time(PARTS * total / parts / NODES)]
         for what, total in each.items()
     ]
     return markdown(["what", "arithmetic", "time"], lines)
@@ -118,12 +119,3 @@ def _seconds(costs: list[Cells], stage: str, method: str | None = None) -> list[
         for row in costs
         if row["stage"] == stage and method in (None, row["method"])
     ]
-
-
-def _made(folder: Path) -> str:
-    made = json.loads((folder / "made.json").read_text())
-    machine = json.loads((folder / "environment.json").read_text())
-    return (
-        f"`{made['command']}`, {made['date']}, commit {made['commit'][:7]}, {machine['cores']} "
-        f"cores of {machine['cpu']}."
-    )

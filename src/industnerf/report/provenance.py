@@ -1,5 +1,6 @@
 """Where a published result comes from: commit, command, machine; no name of a host and no path."""
 
+import json
 import os
 import platform
 import subprocess
@@ -12,7 +13,7 @@ from industnerf.errors import BadArtifact
 
 PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
 # Written after a result is made; no number of it depends on them (the page shows results/grid).
-LATER = ("dvc.lock", "results", "README.md")
+LATER = ("dvc.lock", "results", "README.md", "docs")
 
 
 def made_by(command: str) -> dict[str, Any]:
@@ -39,6 +40,16 @@ def origin() -> dict[str, Any]:
     except BadArtifact:
         commit = "none"
     return {"schema": 1, "date": _today(), "commit": commit}
+
+
+def made_where(published: Path) -> str:
+    """Machine, day and commit of the results in the folder `published`, as documents say it."""
+    made = json.loads((published / "made.json").read_text())
+    machine = json.loads((published / "environment.json").read_text())
+    return (
+        f"{machine['cores']} cores of {machine['cpu']}, {made['date']}, commit "
+        f"{made['commit'][:7]}{'' if made['clean'] else ' with changes'}"
+    )
 
 
 def stamp() -> str:

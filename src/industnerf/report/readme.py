@@ -7,6 +7,7 @@ from statistics import fmean
 
 from industnerf.config import flat, read_yaml
 from industnerf.report.formats import brief, csv_rows, markdown, short
+from industnerf.report.provenance import made_where
 from industnerf.report.table2 import LOSSES
 
 Cells = dict[str, str]
@@ -20,13 +21,11 @@ def study_block(folder: Path, params: Path) -> str:
     rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
     scores = [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
     made = json.loads((folder / "made.json").read_text())
-    machine = json.loads((folder / "environment.json").read_text())
     parts, families = ({row[name] for row in scores} for name in ("part_id", "family"))
     where = f"results/{folder.name}"
     return (
-        f"{len(parts)} test parts of {len(families)} families, {machine['cores']} cores of "
-        f"{machine['cpu']}, {made['date']}, commit {made['commit'][:7]}"
-        f"{'' if made['clean'] else ' with changes'}; every number is in [{where}]({where}).\n\n"
+        f"{len(parts)} test parts of {len(families)} families, {made_where(folder)}; every number "
+        f"is in [{where}]({where}).\n\n"
         f"{_table1(rows, _seconds(folder, parts), made['interval'])}"
         f"{_table2(csv_rows(folder / 'table2.csv'))}"
         f"{_since(folder / 'params.yaml', params)}"
