@@ -28,7 +28,7 @@ def pictures(n=2, size=8):
 
 
 def changed(images, roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0, rng=None):
-    return augmented(images, AugmentSettings(roll_deg, zoom, colour, noise), rng or Always())
+    return augmented(images, AugmentSettings(roll_deg, zoom, colour, noise), rng or Always())[0]
 
 
 def ramp(size=16):
@@ -50,6 +50,19 @@ def test_a_roll_of_90_degrees_is_a_quarter_turn(share, turns):
     images = pictures()
     found = changed(images, roll_deg=90.0, rng=Always(share))
     np.testing.assert_allclose(found, np.rot90(images, turns, axes=(2, 3)), **ROUNDING)
+
+
+@pytest.mark.parametrize("roll", [30.0, -70.0])
+def test_a_point_turns_as_its_picture_does(roll):
+    """A spot in the picture of a camera of 90 degrees, whose axes are right, down and forwards."""
+    image, size = torch.zeros(1, 3, 65, 65), 65
+    image[0, :, 32, 48:51] = 1  # to the right of the middle, 17 px of 32.5
+    rng = Always(1.0 if roll > 0 else 0.0)
+    rolled, (turn,) = augmented(image, AugmentSettings(abs(roll), 0.0, 0.0, 0.0), rng)
+    mass, place = rolled[0, 0], torch.arange(size) + 0.5 - size / 2
+    seen = [(mass.sum(dim=axis) * place).sum() / mass.sum() for axis in (0, 1)]
+    expected = np.array([17.0, 0.0, 32.5]) @ turn
+    np.testing.assert_allclose(seen, expected[:2] * 32.5 / expected[2], atol=0.1)
 
 
 def test_zoom_enlarges_about_the_centre():

@@ -10,7 +10,7 @@ from industnerf.artifacts.part import Mesh
 from industnerf.geometry.boxes import Cube
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, Given, Input, Role
-from industnerf.methods.mean_shape import best_level, mean_iou
+from industnerf.methods.mean_shape import best_level, chamfer, cut
 from industnerf.schema import MeanShapeSettings
 from tests.methods.conftest import save_as_part
 from tests.methods.solids import cameras_around
@@ -42,32 +42,48 @@ def test_the_mean_of_equal_shapes_is_that_shape_at_the_place_of_the_part(tmp_pat
     assert state.parts == 3
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_no_level_has_a_better_iou(seed):
-    rng = np.random.default_rng(seed)
-    likely = rng.random((6, 6, 6))
-    solids = rng.random((5, 6, 6, 6)) < likely
-    mean = solids.mean(axis=0)
-    best = mean_iou(mean > best_level(mean, solids), solids)
-    assert best == max(mean_iou(mean > level, solids) for level in np.linspace(0, 0.999, 200))
+def ball(radius: float) -> np.ndarray:
+    """Whether each of 48^3 voxels of the unit cube has its centre in a ball."""
+    axis = (np.arange(48) + 0.5) / 48 - 0.5
+    return np.linalg.norm(np.stack(np.meshgrid(axis, axis, axis)), axis=0) < radius
 
 
-def test_iou_is_counted_voxel_by_voxel():
+def sphere(radius: float, count: int = 2000) -> np.ndarray:
+    """Points that are uniform on a sphere."""
+    points = np.random.default_rng(0).normal(size=(count, 3))
+    return radius * points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize(("radii", "wanted"), [((0.1, 0.3, 0.45), 0.3), ((0.2, 0.2, 0.4), 0.2)])
+def test_of_balls_the_one_in_the_middle_is_cut(radii, wanted):
+    """To spheres of one centre the sum of |r - r_i| is least at the median of the radii."""
+    mean = np.mean([ball(radius) for radius in radii], axis=0)
     rng = np.random.default_rng(0)
-    shape, solids = rng.random((3, 3, 3)) < 0.5, rng.random((4, 3, 3, 3)) < 0.5
-    ious = []
-    for solid in solids:
-        pairs = list(zip(shape.ravel(), solid.ravel(), strict=True))
-        ious.append(sum(a and b for a, b in pairs) / sum(a or b for a, b in pairs))
-    assert mean_iou(shape, solids) == pytest.approx(np.mean(ious), rel=1e-12)
+    points = cut(mean, best_level(mean, [sphere(radius) for radius in radii], rng), 2000, rng)
+    # Voxels are 1/48 wide, and the surface lies between two centres.
+    assert np.linalg.norm(points, axis=1).mean() == pytest.approx(wanted, abs=1 / 48)
+
+
+def test_of_slender_parts_that_lie_otherwise_more_than_what_is_common_is_kept():
+    """Two rods that cross: both of them, not the speck where they meet."""
+    solids = np.zeros((2, 48, 48, 48), bool)
+    for axis, solid in enumerate(solids):
+        np.moveaxis(solid, axis, 0)[:, 20:28, 20:28] = True
+    centres = [(np.argwhere(solid) + 0.5) / 48 - 0.5 for solid in solids]
+    mean, rng = solids.mean(axis=0), np.random.default_rng(0)
+    shape = cut(mean, best_level(mean, centres, rng), 500, rng)
+    assert (np.ptp(shape, axis=0)[:2] > 0.9).all()
+
+
+def test_chamfer_distance_of_two_small_clouds():
+    a, b = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0.0, 0, 2]])
+    assert chamfer(a, b) == pytest.approx(2 + (2 + 5**0.5) / 2)
 
 
 @pytest.mark.parametrize("count", [1, 3])
 def test_of_equal_solids_the_level_lies_between_empty_and_full(count):
-    solid = np.zeros((4, 4, 4), bool)
-    solid[1:3, 1:3, 1:3] = True
-    solids = np.stack([solid] * count)
-    assert best_level(solids.mean(axis=0), solids) == 0.5
+    mean = np.mean([ball(0.3)] * count, axis=0)
+    assert best_level(mean, [sphere(0.3)] * count, np.random.default_rng(0)) == 0.5
 
 
 def test_it_is_declared_as_a_null():

@@ -19,8 +19,10 @@ def as_tensor(images: UInt8[np.ndarray, "n h w 3"]) -> Float[Tensor, "n 3 h w"]:
 
 def augmented(
     images: Float[Tensor, "n 3 h w"], settings: AugmentSettings, rng: np.random.Generator
-) -> Float[Tensor, "n 3 h w"]:
+) -> tuple[Float[Tensor, "n 3 h w"], Float[np.ndarray, "n 3 3"]]:
     """Every image rolled, zoomed and shifted in brightness and contrast, each as drawn for it.
+
+    And how the camera's axes turned with it: of a point p in its frame, p @ turn is seen there.
 
     A roll of the camera about its axis by up to `roll_deg`, a zoom by a factor of up to
     1 +- `zoom`, and colours c -> a c + b with a in 1 +- `colour` and b in +- `colour` / 2; then
@@ -44,4 +46,12 @@ def augmented(
     if settings.noise:
         grain = rng.normal(0.0, settings.noise, tuple(images.shape))
         coloured = coloured + torch.from_numpy(grain).to(images)
-    return coloured.clamp(0, 1)
+    return coloured.clamp(0, 1), _turns(angle)
+
+
+def _turns(angle: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 3 3"]:
+    """About the optical axis, so that what is to the right goes up."""
+    turns = np.tile(np.eye(3), (len(angle), 1, 1))
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angle)
+    turns[:, 1, 0], turns[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    return turns

@@ -79,6 +79,11 @@ class Example:
         taken = load_views(self.views)
         return scaled(taken.rgb(taken.train[self.numbers(count)]), px)
 
+    def cameras(self, count: int) -> Cameras:
+        """Those of the views that `rgb` takes."""
+        taken = load_views(self.views)
+        return taken.cameras[taken.train[self.numbers(count)]]
+
     def numbers(self, count: int) -> Int64[np.ndarray, "_"]:
         """Which of the training views `rgb` takes."""
         return evenly(len(load_views(self.views).train), count)

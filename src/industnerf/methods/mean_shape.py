@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
+from scipy.spatial import cKDTree
 
 from industnerf.artifacts.state import State
 from industnerf.geometry.isosurface import isosurface_points
@@ -16,33 +17,56 @@ from industnerf.methods.answers import answered
 from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Role, Scope
 from industnerf.schema import MeanShapeSettings
 
+ASKED = 1024  # points of each surface that levels are compared by
+
 
 def fit(
     examples: Sequence[Example], settings: MeanShapeSettings, seed: int, scratch: Path
 ) -> State:
     """The share of parts that each voxel of the unit cube belongs to, and where to cut it."""
-    from industnerf.learning.targets import voxels
+    from industnerf.learning.targets import surface_points, voxels
 
     rng = np.random.default_rng(seed)
-    solids = np.stack([voxels(*example.mesh, settings.grid_res, rng) for example in examples])
-    mean = solids.mean(axis=0)
+    meshes = [example.mesh for example in examples]
+    mean = np.mean([voxels(*mesh, settings.grid_res, rng) for mesh in meshes], axis=0)
+    surfaces = [surface_points(*mesh, ASKED, rng) for mesh in meshes]
     return State(
-        {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, solids))},
+        {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, surfaces, rng))},
         parts=len(examples),
     )
 
 
-def best_level(mean: Float[np.ndarray, "n n n"], solids: Bool[np.ndarray, "parts n n n"]) -> float:
-    """Above which share a voxel is full: where the mean IoU with all parts is highest."""
-    levels = np.unique(mean)
-    levels = (levels[1:] + levels[:-1]) / 2 if len(levels) > 1 else levels - 0.5
-    return float(max(levels, key=lambda level: mean_iou(mean > level, solids)))
+def best_level(
+    mean: Float[np.ndarray, "n n n"],
+    surfaces: Sequence[Float[np.ndarray, "p 3"]],
+    rng: np.random.Generator,
+) -> float:
+    """Above which share a voxel is full: where the surface is nearest to all others in the mean.
+
+    Not where solids overlap most: of slender parts that all lie otherwise little but a speck is
+    common, and the tables measure surfaces.
+    """
+    shares = np.unique(mean)
+    between = (shares[1:] + shares[:-1]) / 2 if len(shares) > 1 else shares - 0.5
+
+    def away(level: float) -> float:
+        points = cut(mean, level, ASKED, rng)
+        return float(np.mean([chamfer(points, surface) for surface in surfaces]))
+
+    return float(min(between, key=away))
 
 
-def mean_iou(shape: Bool[np.ndarray, "n n n"], solids: Bool[np.ndarray, "parts n n n"]) -> float:
-    """Mean over the parts of intersection over union with `shape`."""
-    both = (solids & shape).sum(axis=(1, 2, 3))
-    return float((both / (solids | shape).sum(axis=(1, 2, 3))).mean())
+def chamfer(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
+    """Mean distance to the nearest point of the other cloud, the sum of both ways."""
+    return float(cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean())
+
+
+def cut(
+    mean: Float[np.ndarray, "n n n"], level: float, count: int, rng: np.random.Generator
+) -> Float[np.ndarray, "_ 3"]:
+    """Area-uniform points where the mean crosses `level`, in the unit cube."""
+    size = len(mean)
+    return isosurface_points(mean, level, np.full(3, 0.5 / size - 0.5), 1 / size, count, rng)
 
 
 def reconstruct(
@@ -50,9 +74,7 @@ def reconstruct(
 ) -> Reconstruction:
     """Area-uniform points of the mean shape, at the part's place and scale."""
     mean, level = state.arrays["mean"], float(state.arrays["level"])
-    size, rng = len(mean), np.random.default_rng(seed)
-    lo = np.full(3, 0.5 / size - 0.5)
-    points = isosurface_points(mean, level, lo, 1 / size, settings.points, rng)
+    points = cut(mean, level, settings.points, np.random.default_rng(seed))
     return answered([points], given.frame, state)
 
 

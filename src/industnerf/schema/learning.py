@@ -1,7 +1,7 @@
 """How nets learn from other parts: `method.<net>.training` and `method.<net>.augment`."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from industnerf.schema.rules import (
     Count,
@@ -12,6 +12,9 @@ from industnerf.schema.rules import (
     at_least,
     within,
 )
+
+
+Frame = Literal["part", "view"]  # the axes that a net of one view answers in
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import IndustnerfSettings
-from industnerf.schema.learning import AugmentSettings, TrainingSettings
+from industnerf.schema.learning import AugmentSettings, Frame, TrainingSettings
 from industnerf.schema.rules import (
     Count,
     ImagePx,
@@ -39,6 +39,7 @@ class R2n2Settings:
 @dataclass(frozen=True)
 class AtlasNetSettings:
     size: Size
+    frame: Frame
     image_px: ImagePx
     views: Count
     width: Count
@@ -57,6 +58,7 @@ class AtlasNetSettings:
 @dataclass(frozen=True)
 class OccupancySettings:
     size: Size
+    frame: Frame
     image_px: Annotated[int, at_least(32, " px")]
     views: Count
     encoder_width: Count

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from scipy.spatial.transform import Rotation
 
 from industnerf.config import load_params
 from industnerf.errors import ReconstructionFailed
@@ -94,7 +95,7 @@ def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_
 
 def test_the_state_tells_how_all_phases_went(examples, settings, tmp_path):
     state = METHOD.fit(examples, settings, 0, tmp_path)
-    assert (state.parts, state.size, state.steps) == (3, "tiny", 14)
+    assert (state.parts, state.size, state.steps) == (2, "tiny", 14)  # one is set apart
     assert state.history.levels == {"auto_encoder": 0, "encoder": 6, "together": 12}
     assert state.history.steps.tolist() == list(range(14))
     assert state.validation.steps.tolist() == [1, 3, 5, 7, 9, 11, 13]
@@ -146,3 +147,15 @@ def test_the_cpu_sizes_learn_one_part_by_heart(root, examples, tmp_path):
     ball = ball_surface(np.full(3, 2 * radius), np.zeros(3), 600, rng).astype(np.float32)
     null = chamfer(torch.from_numpy(ball)[None], torch.from_numpy(part)[None]).item()
     assert state.validation.loss.min() < null / 2
+
+
+def test_what_is_said_in_the_axes_of_a_view_comes_back_to_the_parts(examples, settings, tmp_path):
+    state = METHOD.fit(examples, settings, 0, tmp_path)
+    images = np.random.default_rng(0).integers(0, 256, (2, *2 * [settings.image_px], 3), np.uint8)
+    turns = Rotation.from_euler("xyz", [[0.4, -0.7, 1.1], [0, 0, 0]]).as_matrix()
+    straight = run.clouds(images, np.tile(np.eye(3), (2, 1, 1)), settings, state, 0)
+    turned = run.clouds(images, turns, settings, state, 0)
+    # the same triangles are drawn from: rounding may tip a draw at the border of two, seldom
+    near = np.isclose(turned[0] @ turns[0], straight[0], rtol=0, atol=1e-6)
+    assert near.all(axis=1).mean() > 0.99
+    np.testing.assert_array_equal(turned[1], straight[1])

@@ -27,7 +27,10 @@ def lesson(settings: OccupancySettings) -> Lesson:
     rng = np.random.default_rng(0)
     images = [rng.integers(0, 256, (count, 32, 32, 3), np.uint8) for count in (3, 2)]
     points = rng.random((2, 40, 3), np.float32)
-    return Lesson(settings, images, points, np.stack([np.ones(40, bool), np.zeros(40, bool)]))
+    turns = [np.tile(np.eye(3), (count, 1, 1)) for count in (3, 2)]
+    return Lesson(
+        settings, images, turns, points, np.stack([np.ones(40, bool), np.zeros(40, bool)])
+    )
 
 
 def net(constant: float | None = None) -> OccupancyNet:

@@ -5,14 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.state import State
+from industnerf.artifacts.views import load_views
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.sampling import sample_surface
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, hand_over
+from industnerf.methods.occupancy.lesson import Lesson
+from industnerf.methods.occupancy.network import OccupancyNet
+from industnerf.methods.occupancy.run import surface
 from tests.methods.conftest import SIZE
 from tests.methods.test_conformance import merged
 
@@ -102,3 +108,30 @@ def test_a_single_part_is_learned_by_heart(photographed, tmp_path, params):
         # Both ways, in the mean, within two cells of the lattice that the surface is found on; a
         # ball of the mean extent is more than four of them off.
         assert max(x.mean() for x in away) < 2 * SIZE.max() * (1 + cpu.padding) / 64
+
+
+def test_what_the_net_says_in_other_axes_comes_back_to_the_parts():
+    """A ball of 0.2 about (0.25, 0, 0) in the view's axes."""
+    turn = Rotation.from_euler("xyz", [0.4, -0.7, 1.1]).as_matrix()
+
+    def ball(points, code):
+        return 10 * (0.2 - (points - torch.tensor([0.25, 0, 0])).norm(dim=-1))
+
+    settings = replace(SMALL, threshold=0.5, cells=16, subdivisions=1)
+    net = OccupancyNet(settings)
+    net.decoder.forward = ball
+    rng = np.random.default_rng(0)
+    points = surface(net, torch.zeros(4), turn, settings, rng) @ turn
+    # Linear between the points of a lattice of h = 1.1 / 32: off by h^2 / 8 r; and faces with edges
+    # of up to sqrt(3) h sag by 3 h^2 / 8 r.
+    off = np.linalg.norm(points - [0.25, 0, 0], axis=1) - 0.2
+    assert np.abs(off).max() < 4 * (1.1 / 32) ** 2 / (8 * 0.2)
+
+
+def test_a_net_of_the_views_axes_is_taught_in_them(photographed: Path):
+    inputs = load_method("occupancy").inputs
+    example = Example("part", photographed / "part", photographed / "views", inputs)
+    taught = Lesson.of([example], replace(SMALL, frame="view"), np.random.default_rng(0))
+    expected = load_views(photographed / "views").cameras.c2w[:, :3, :3]
+    assert len(taught.turns[0]) == len(taught.images[0])
+    assert all((np.abs(expected - turn).max(axis=(1, 2)) < 1e-12).any() for turn in taught.turns[0])

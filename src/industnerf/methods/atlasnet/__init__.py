@@ -25,13 +25,15 @@ def reconstruct(
     given: Given, settings: AtlasNetSettings, state: State, seed: int
 ) -> Reconstruction:
     """An answer to each of `settings.answers` views, evenly chosen."""
+    from industnerf.learning.frames import turns_of
     from industnerf.learning.pictures import evenly, scaled
     from industnerf.methods.answers import answered
     from industnerf.methods.atlasnet.run import clouds
 
-    chosen = given.rgb[evenly(len(given.rgb), settings.answers)]
-    images = scaled(chosen, settings.image_px)
-    return answered(clouds(images, settings, state, seed), given.frame, state)
+    chosen = evenly(len(given.rgb), settings.answers)
+    images = scaled(given.rgb[chosen], settings.image_px)
+    turns = turns_of(given.cameras[chosen], settings.frame)
+    return answered(clouds(images, turns, settings, state, seed), given.frame, state)
 
 
 METHODS = {

@@ -10,6 +10,7 @@ from torch import Tensor
 from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning.augment import as_tensor, augmented
+from industnerf.learning.frames import turns_of
 from industnerf.learning.targets import surface_points
 from industnerf.methods.atlasnet.chamfer import chamfer
 from industnerf.methods.atlasnet.network import AtlasNet
@@ -31,6 +32,10 @@ class Lessons:
         self.images: list[UInt8[np.ndarray, "views px px 3"]] = [
             one.rgb(settings.image_px, settings.views) for one in examples
         ]
+        self.turns = [
+            turns_of(one.cameras(settings.views), settings.frame).astype(np.float32)
+            for one in examples
+        ]
         self.surfaces: Float32[np.ndarray, "parts dense 3"] = np.stack(
             [surface_points(*one.mesh, DENSE, rng) for one in examples]
         )
@@ -39,24 +44,35 @@ class Lessons:
         self, net: AtlasNet, which: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
         """Loss of the auto-encoder: to give back the points that it is shown."""
-        points = self._points(which, rng)
+        views = self._views(which, rng)
+        points = self._points(which, self._turns(which, views), rng)
         return self._loss(net, points, points, rng)
 
     def from_pictures(
         self, net: AtlasNet, which: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
         """Loss of points guessed from one view of each part, drawn at random."""
-        points = self._points(which, rng)
-        views = [self.images[part][rng.integers(len(self.images[part]))] for part in which]
-        seen = as_tensor(np.stack(views)).to(self.device)
+        views = self._views(which, rng)
+        images = [self.images[part][view] for part, view in zip(which, views, strict=True)]
+        seen, turns = as_tensor(np.stack(images)).to(self.device), self._turns(which, views)
         if net.training:
-            seen = augmented(seen, self.settings.augment, rng)
-        return self._loss(net, seen, points, rng)
+            seen, rolls = augmented(seen, self.settings.augment, rng)
+            turns = turns @ rolls if self.settings.frame == "view" else turns
+        return self._loss(net, seen, self._points(which, turns, rng), rng)
 
-    def _points(self, which: Batch, rng: np.random.Generator) -> Float[Tensor, "b n 3"]:
+    def _views(self, which: Batch, rng: np.random.Generator) -> list[int]:
+        return [int(rng.integers(len(self.images[part]))) for part in which]
+
+    def _turns(self, which: Batch, views: list[int]) -> Float[np.ndarray, "b 3 3"]:
+        return np.stack([self.turns[part][view] for part, view in zip(which, views, strict=True)])
+
+    def _points(
+        self, which: Batch, turns: Float[np.ndarray, "b 3 3"], rng: np.random.Generator
+    ) -> Float[Tensor, "b n 3"]:
         count = self.settings.patches * self.settings.patch_points
         drawn = rng.integers(DENSE, size=(len(which), count))
-        return torch.from_numpy(self.surfaces[which[:, None], drawn]).to(self.device)
+        points = self.surfaces[which[:, None], drawn] @ turns.astype(np.float32)
+        return torch.from_numpy(points).to(self.device)
 
     def _loss(
         self,

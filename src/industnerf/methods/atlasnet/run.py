@@ -46,7 +46,7 @@ def learned(
     phases.append(phase("encoder", net))
     net.decoder.requires_grad_(True)
     phases.append(phase("together", net))
-    return kept(net, settings, len(examples), phases)
+    return kept(net, settings, len(parts[0]), phases)
 
 
 def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]:
@@ -89,9 +89,16 @@ def _joined(histories: list[History], starts: np.ndarray) -> History:
 
 
 def clouds(
-    images: UInt8[np.ndarray, "n px px 3"], settings: AtlasNetSettings, state: State, seed: int
+    images: UInt8[np.ndarray, "n px px 3"],
+    turns: Float[np.ndarray, "n 3 3"],
+    settings: AtlasNetSettings,
+    state: State,
+    seed: int,
 ) -> list[Float[np.ndarray, "points 3"]]:
-    """The answer to each image: area-uniform points of all patches, in the unit cube."""
+    """The answer to each image: area-uniform points of all patches, in the unit cube.
+
+    What the net gives for an image is points @ its turn.
+    """
     torch.set_num_threads(1)
     net = AtlasNet(image_encoder_of(settings), decoder_of(settings)).to(device()).eval()
     net.load_state_dict({name: torch.tensor(value) for name, value in state.arrays.items()})
@@ -99,7 +106,10 @@ def clouds(
     squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
     rng = np.random.default_rng(seed)
     meshes = (_vertices(net, image, squares, settings.patches) for image in as_tensor(images))
-    return [sampled(vertices, faces, settings.points, rng) for vertices in meshes]
+    return [
+        sampled(vertices @ turn.T, faces, settings.points, rng)
+        for vertices, turn in zip(meshes, turns, strict=True)
+    ]
 
 
 @torch.no_grad()

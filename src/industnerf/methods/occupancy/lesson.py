@@ -10,6 +10,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from industnerf.learning.augment import as_tensor, augmented
+from industnerf.learning.frames import turns_of
 from industnerf.learning.targets import occupancies
 from industnerf.methods.base import Example
 from industnerf.methods.occupancy.network import OccupancyNet
@@ -22,6 +23,7 @@ class Lesson:
 
     settings: OccupancySettings
     images: list[UInt8[np.ndarray, "_ px px 3"]]
+    turns: list[Float[np.ndarray, "_ 3 3"]]  # from the part's axes to the view's, of every image
     points: Float32[np.ndarray, "parts pool 3"]
     inside: Bool[np.ndarray, "parts pool"]
 
@@ -31,11 +33,12 @@ class Lesson:
     ) -> "Lesson":
         """Read the photographs, and find out which points are inside."""
         images = [example.rgb(settings.image_px, settings.views) for example in examples]
+        turns = [turns_of(example.cameras(settings.views), settings.frame) for example in examples]
         pools = [
             occupancies(*example.mesh, settings.pool, settings.padding, rng) for example in examples
         ]
         points, inside = zip(*pools, strict=True)
-        return Lesson(settings, images, np.stack(points), np.stack(inside))
+        return Lesson(settings, images, turns, np.stack(points), np.stack(inside))
 
     def loss(
         self, net: OccupancyNet, which: Int[np.ndarray, "batch"], rng: np.random.Generator
@@ -44,13 +47,16 @@ class Lesson:
 
         One view of each, and points drawn anew each time; pictures vary only while `net` learns.
         """
-        views = [self.images[part][rng.integers(len(self.images[part]))] for part in which]
-        images = as_tensor(np.stack(views))
+        views = [rng.integers(len(self.images[part])) for part in which]
+        images = as_tensor(np.stack([self.images[p][v] for p, v in zip(which, views, strict=True)]))
+        turns = np.stack([self.turns[p][v] for p, v in zip(which, views, strict=True)])
         if net.training:
-            images = augmented(images, self.settings.augment, rng)
+            images, rolls = augmented(images, self.settings.augment, rng)
+            turns = turns @ rolls if self.settings.frame == "view" else turns
         drawn = rng.integers(self.points.shape[1], size=(len(which), self.settings.queries))
         points, inside = self.points[which[:, None], drawn], self.inside[which[:, None], drawn]
         device = next(net.parameters()).device
-        logits = net(images.to(device), torch.from_numpy(points).to(device))
+        turned = torch.from_numpy((points @ turns).astype(np.float32)).to(device)
+        logits = net(images.to(device), turned)
         truth = torch.from_numpy(inside).to(logits)
         return F.binary_cross_entropy_with_logits(logits, truth, reduction="sum") / len(which)

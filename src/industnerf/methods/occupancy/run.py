@@ -13,6 +13,7 @@ from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.learning.augment import as_tensor
+from industnerf.learning.frames import turns_of
 from industnerf.learning.pictures import evenly, scaled
 from industnerf.learning.training import set_apart, state_of, train
 from industnerf.methods.answers import answered
@@ -37,7 +38,7 @@ def fit(
     parts = set_apart([example.part_id for example in examples], settings.training.validation)
     checkpoint = scratch / "occupancy.pt"
     done = train(net, partial(lesson.loss, net), parts, settings.training, seed, checkpoint)
-    return state_of(net, done, len(examples), settings.size)
+    return state_of(net, done, len(parts[0]), settings.size)
 
 
 @torch.inference_mode()
@@ -51,26 +52,30 @@ def reconstruct(
     torch.set_num_threads(1)  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
     net.load_state_dict({k: torch.from_numpy(np.asarray(v)) for k, v in state.arrays.items()})
-    views = given.rgb[evenly(len(given.rgb), settings.answers)]
-    codes = net.encode(as_tensor(scaled(views, settings.image_px)).to(device()))
-    rng = np.random.default_rng(seed)
-    clouds = [surface(net, code, settings, rng) for code in codes]
+    chosen = evenly(len(given.rgb), settings.answers)
+    codes = net.encode(as_tensor(scaled(given.rgb[chosen], settings.image_px)).to(device()))
+    turns, rng = turns_of(given.cameras[chosen], settings.frame), np.random.default_rng(seed)
+    clouds = [surface(net, *seen, settings, rng) for seen in zip(codes, turns, strict=True)]
     return answered(clouds, given.frame, state)
 
 
 def surface(
     net: OccupancyNet,
     code: Float[Tensor, "code"],
+    turn: Float[np.ndarray, "3 3"],
     settings: OccupancySettings,
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "_ 3"]:
-    """Points where the probability of being inside, given `code`, is the threshold; maybe none."""
+    """Points where the probability of being inside, given `code`, is the threshold; maybe none.
+
+    The net was taught of points @ `turn`.
+    """
     level = float(np.log(settings.threshold / (1 - settings.threshold)))
     lo = np.full(3, -(1 + settings.padding) / 2)
     spacing = (1 + settings.padding) / (settings.cells * 2**settings.subdivisions)
 
     def field(corners: Int[np.ndarray, "p 3"]) -> Float[np.ndarray, "p"]:
-        points = torch.from_numpy(lo + spacing * corners).to(code).split(AT_ONCE)
+        points = torch.from_numpy((lo + spacing * corners) @ turn).to(code).split(AT_ONCE)
         return torch.cat([net.decoder(some[None], code[None])[0] for some in points]).cpu().numpy()
 
     values, _ = mise(field, level, settings.cells, settings.subdivisions)

@@ -29,7 +29,7 @@ def trained(examples: Sequence[Example], settings: R2n2Settings, seed: int, scra
     names = [example.part_id for example in examples]
     parts = set_apart(names, settings.training.validation)
     how = train(net, lessons.loss, parts, settings.training, seed, scratch / "checkpoint.pt")
-    return state_of(net, how, len(examples), settings.size)
+    return state_of(net, how, len(parts[0]), settings.size)
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,6 @@ class Lessons:
         shown = self.pictures[which[:, None], drawn]
         images = as_tensor(shown.reshape(-1, *shown.shape[2:])).to(device())
         if self.net.training:
-            images = augmented(images, self.settings.augment, rng)
+            images, _ = augmented(images, self.settings.augment, rng)
         truth = torch.from_numpy(self.full[which].astype(np.int64)).to(device())
         return F.cross_entropy(self.net(images.view(*drawn.shape, *images.shape[1:])), truth)

@@ -1,0 +1,18 @@
+"""The axes that a net of one view answers in: the part's, or those of the camera.
+
+The published nets answer in the part's.  Of a part unlike all others nothing in one picture says
+where these point; the camera knows, and every method is given its cameras.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from industnerf.geometry.cameras import Cameras
+from industnerf.schema.learning import Frame
+
+
+def turns_of(cameras: Cameras, frame: Frame) -> Float[np.ndarray, "n 3 3"]:
+    """Of points p in the part's axes, p @ turn are in those of `frame`, view by view."""
+    if frame == "part":
+        return np.tile(np.eye(3), (len(cameras), 1, 1))
+    return cameras.c2w[:, :3, :3]

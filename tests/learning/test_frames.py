@@ -1,0 +1,23 @@
+"""The axes of a view, against what its camera sees."""
+
+import numpy as np
+
+from industnerf.geometry.cameras import project
+from industnerf.learning.frames import turns_of
+from tests.methods.solids import cameras_around
+
+CAMERAS = cameras_around(5, 64, 30.0)
+
+
+def test_in_the_axes_of_a_view_points_are_right_down_and_forwards_of_its_camera():
+    points = np.random.default_rng(0).uniform(-20, 20, (50, 3))
+    for K, c2w, turn in zip(CAMERAS.K, CAMERAS.c2w, turns_of(CAMERAS, "view"), strict=True):
+        x, y, z = ((points - c2w[:3, 3]) @ turn).T
+        uv, depth = project(points, K, c2w)
+        np.testing.assert_allclose(z, depth, rtol=1e-12)
+        np.testing.assert_allclose(K[0, 0] * x / z + K[0, 2], uv[:, 0], rtol=1e-9)
+        np.testing.assert_allclose(K[1, 1] * y / z + K[1, 2], uv[:, 1], rtol=1e-9)
+
+
+def test_in_those_of_the_part_they_stay():
+    np.testing.assert_array_equal(turns_of(CAMERAS, "part"), np.tile(np.eye(3), (5, 1, 1)))
