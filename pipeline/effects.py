@@ -1,6 +1,7 @@
-"""Bring what a sweep says of the readings into docs/readings.md, its points to docs/readings.csv.
+"""Bring a sweep of one change at a time into the document that asks about it, its points beside it.
 
-python -m pipeline.effects runs/sweeps/<of experiment=readings>
+python -m pipeline.effects runs/sweeps/<of experiment=readings>    docs/readings.md
+python -m pipeline.effects runs/sweeps/<of experiment=ablation>    docs/method.md
 """
 
 import inspect
@@ -8,36 +9,50 @@ import json
 import re
 import shutil
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params, read_yaml
 from industnerf.errors import BadArtifact, BadParams
+from industnerf.report import ablation, effects
 from industnerf.report.blocks import replace_block
-from industnerf.report.effects import outcomes, table
+from industnerf.report.leaves import leaves
 from industnerf.schema import readings
 
-DOCUMENT, POINTS = Path("docs/readings.md"), Path("docs/readings.csv")
+DOCUMENTS = {
+    "readings": (Path("docs/readings.md"), Path("docs/readings.csv")),
+    "ablation": (Path("docs/method.md"), Path("docs/ablation.csv")),
+}
 
 
 def main() -> None:
     if len(sys.argv) != 2:
-        raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of experiment=readings>")
-    params = load_params()
-    default = params.method.industnerf.readings
+        raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of one change at a time>")
     sweep = Path(sys.argv[1])
     for name, when in (("made.json", "start"), ("sweep.csv", "end")):
         if not (sweep / name).exists():
             raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
     preset = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
-    if preset != "readings":
-        raise BadArtifact(f"{sweep} is of preset {preset!r}, not of experiment=readings")
-    found = table(outcomes(sweep), default, numbers(), params.report)
+    if preset not in DOCUMENTS:
+        wanted = " or ".join(f"experiment={name}" for name in DOCUMENTS)
+        raise BadArtifact(f"{sweep} is of preset {preset!r}, not of {wanted}")
+    document, points = DOCUMENTS[preset]
     made = json.loads((sweep / "made.json").read_text())
-    text = f"{made['date']}, commit {made['commit']}.\n\n{found}"
-    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "effects", text))
-    shutil.copyfile(sweep / "sweep.csv", POINTS)
+    text = f"{made['date']}, commit {made['commit']}.\n\n{found_by(sweep, preset)}"
+    write_text(document, replace_block(document.read_text(), preset, text))
+    shutil.copyfile(sweep / "sweep.csv", points)
+
+
+def found_by(sweep: Path, preset: str) -> str:
+    """The table of what the sweep found."""
+    params = load_params()
+    if preset == "ablation":
+        usual = leaves(asdict(params.method.industnerf_plus))
+        return ablation.table(effects.outcomes(sweep, ablation.METHODS), usual, params.report)
+    default = params.method.industnerf.readings
+    return effects.table(effects.outcomes(sweep), default, numbers(), params.report)
 
 
 def numbers() -> dict[str, str]:

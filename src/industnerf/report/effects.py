@@ -1,13 +1,15 @@
 """What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import fmean
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
+from industnerf.report.leaves import leaves
 from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
@@ -21,33 +23,35 @@ UNKNOWN = "not yet measured"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the method scored under one set of readings."""
+    """What the method scored under one set of settings."""
 
-    readings: dict[str, str]
+    settings: dict[str, Any]  # by dotted key
     emd: dict[str, float]  # part id -> EMD (even)
     families: dict[str, str]
     failed: int
 
 
-def outcomes(sweep: Path) -> list[Outcome]:
-    """Every finished point of the folder of a sweep; raises BadArtifact if there is none."""
-    found = [_outcome(path.parent.parent) for path in sorted(sweep.glob("*/reports/scores.csv"))]
-    if not found:
-        raise BadArtifact(f"{sweep} holds no finished point; experiment=readings makes them")
-    return found
+def outcomes(sweep: Path, methods: Sequence[str] = METHODS) -> list[Outcome]:
+    """Every finished point of the folder of a sweep, of the first of `methods` that it ran.
+
+    Raises BadArtifact if there is none.
+    """
+    points = [path.parent.parent for path in sorted(sweep.glob("*/reports/scores.csv"))]
+    if not points:
+        raise BadArtifact(f"{sweep} holds no finished point; the same sweep goes on")
+    return [_outcome(point, methods) for point in points]
 
 
-def _outcome(point: Path) -> Outcome:
+def _outcome(point: Path, methods: Sequence[str]) -> Outcome:
     params = read_yaml(point / "params.yaml")
-    method = next(name for name in METHODS if name in params["methods"])
-    readings = params["method"][method]["readings"]
+    method = next(name for name in methods if name in params["methods"])
     rows = [
         row
         for row in csv_rows(point / "reports" / "scores.csv")
         if (row["method"], row["metric"], row["protocol"]) == (method, *EVEN)
     ]
     return Outcome(
-        readings,
+        leaves(params["method"][method]),
         {row["part_id"]: float(row["value"]) for row in rows},
         {row["part_id"]: row["family"] for row in rows},
         sum(row["status"] != "ok" for row in rows),
@@ -61,7 +65,7 @@ def table(found: list[Outcome], default: Readings, ids: dict[str, str], ways: Re
     not the default says nothing about either, and is not used.
     """
     usual = vars(default)
-    alone = {_only_change(one.readings, usual): one for one in found}
+    alone = {_only_change(one.settings, usual): one for one in found}
     base = alone.get(("", ""))
     rows = [
         _row(ids[field.name], value, value == usual[field.name], alone, base, field.name, ways)
@@ -76,9 +80,10 @@ def _ordered(name: str, default: str) -> list[str]:
     return sorted(values, key=lambda value: value != default)
 
 
-def _only_change(readings: dict[str, str], usual: dict[str, str]) -> tuple[str, str] | None:
+def _only_change(settings: dict[str, Any], usual: dict[str, str]) -> tuple[str, str] | None:
     """The one reading that is not as usual; two empty texts if all are, None if several are not."""
-    changed = [(name, value) for name, value in readings.items() if value != usual[name]]
+    now = {name: settings[f"readings.{name}"] for name in usual}
+    changed = [(name, value) for name, value in now.items() if value != usual[name]]
     return ("", "") if not changed else changed[0] if len(changed) == 1 else None
 
 
@@ -95,12 +100,12 @@ def _row(
     if one is None:
         return f"| {number} | `{value}` | {UNKNOWN} |  |  |  |  |\n"
     cells = [number, f"`{value}`", f"{fmean(one.emd.values()):.4f}"]
-    cells += ["", ""] if is_default or base is None else _difference(one, base, ways)
+    cells += ["", ""] if is_default or base is None else difference(one, base, ways)
     cells += [str(len(one.emd)), str(one.failed)]
     return f"| {' | '.join(cells)} |\n"
 
 
-def _difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
+def difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
     """The mean over parts of what `one` scored less what `base` did, and its interval."""
     parts = sorted(one.emd.keys() & base.emd.keys())
     if not parts:

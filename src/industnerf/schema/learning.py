@@ -13,7 +13,6 @@ from industnerf.schema.rules import (
     within,
 )
 
-
 Frame = Literal["part", "view"]  # the axes that a net of one view answers in
 
 

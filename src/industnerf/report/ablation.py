@@ -1,0 +1,45 @@
+"""What each addition of `industnerf_plus` earns: from a sweep to docs/method.md."""
+
+import re
+from statistics import fmean
+from typing import Any
+
+from industnerf.errors import BadArtifact
+from industnerf.report.effects import Outcome, difference
+from industnerf.schema import ReportParams
+
+METHODS = ("industnerf_plus",)
+HEAD = "| changed | EMD even | more than with all | 95 % | worse on | failed |\n"
+
+
+def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> str:
+    """A row for every point of the sweep, by how much worse it is than with all additions.
+
+    `usual` are the settings with all of them, by dotted key.  Raises BadArtifact if no point has
+    just these: there is nothing to compare with.
+    """
+    by_change = {changed(one.settings, usual): one for one in found}
+    base = by_change.pop("", None)
+    if base is None:
+        raise BadArtifact(
+            "no finished point has the settings of params.yaml; were they changed after the sweep?"
+        )
+    rows = [["nothing", f"{fmean(base.emd.values()):.4f}", "", "", "", str(base.failed)]]
+    worst = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
+    rows += [_row(name, one, base, ways) for name, one in worst]
+    lines = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    return f"{HEAD}|{' --- |' * len(rows[0])}\n{lines}"
+
+
+def changed(settings: dict[str, Any], usual: dict[str, Any]) -> str:
+    """What is not as usual, as Markdown; empty if all is."""
+    values = [f"`{k}: {v}`" for k, v in settings.items() if k in usual and v != usual[k]]
+    gone = [re.sub(r"\].*", "]", key) for key in usual if key not in settings]
+    return ", ".join([*values, *(f"no `{key}`" for key in dict.fromkeys(gone))])
+
+
+def _row(name: str, one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
+    parts = one.emd.keys() & base.emd.keys()
+    worse = sum(one.emd[part] > base.emd[part] for part in parts)
+    mean = f"{fmean(one.emd.values()):.4f}"
+    return [name, mean, *difference(one, base, ways), f"{worse} of {len(parts)}", str(one.failed)]

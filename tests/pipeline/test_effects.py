@@ -1,0 +1,85 @@
+"""Sweeps of one change at a time, and the documents that they go into."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+import yaml
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from industnerf.config import build, load_params
+from industnerf.errors import BadArtifact
+from industnerf.report.ablation import changed
+from industnerf.report.blocks import block
+from industnerf.report.leaves import leaves
+from industnerf.schema import Params
+from pipeline import effects
+
+ROOT = Path(__file__).parents[2]
+CHANGES = sorted(path.stem for path in (ROOT / "conf/without").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_is_left_out_is_allowed_and_changes_something(name, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_ROOT", str(ROOT))
+    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+        composed = OmegaConf.to_container(compose("config", [f"without={name}"]))
+    params = build(Params, composed, "here")
+    usual = leaves(asdict(load_params(ROOT / "params.yaml").method.industnerf_plus))
+    difference = changed(leaves(asdict(params.method.industnerf_plus)), usual)
+    assert bool(difference) == (name != "default")
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """The documents and params of this repository, and one point of a sweep of `preset`."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").mkdir()
+    for name in ("params.yaml", "docs/readings.md", "docs/method.md"):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+
+    def swept(preset: str) -> Path:
+        folder = tmp_path / "sweep"
+        (folder / "0/reports").mkdir(parents=True)
+        params = yaml.safe_load((ROOT / "params.yaml").read_text())
+        params |= {"preset": preset, "methods": ["industnerf", "industnerf_plus"]}
+        (folder / "0/params.yaml").write_text(yaml.safe_dump(params))
+        head = "part_id,family,method,metric,protocol,value,status\n"
+        lines = [f"a,of-a,{name},emd,P1-even,0.0123,ok\n" for name in params["methods"]]
+        (folder / "0/reports/scores.csv").write_text(head + "".join(lines))
+        (folder / "made.json").write_text(json.dumps({"date": "2026-01-31", "commit": "abc"}))
+        (folder / "sweep.csv").write_text("of the sweep\n")
+        monkeypatch.setattr("sys.argv", ["effects", str(folder)])
+        return folder
+
+    return swept
+
+
+@pytest.mark.parametrize(
+    ("preset", "document", "row"),
+    [
+        ("readings", "readings", "| R1 | `intended` | 0.0123 |"),
+        ("ablation", "method", "| nothing | 0.0123 |"),
+    ],
+)
+def test_a_sweep_goes_into_the_document_that_asks_about_it(workplace, preset, document, row):
+    workplace(preset)
+    effects.main()
+    found = block(Path(f"docs/{document}.md").read_text(), preset)
+    assert found.startswith("2026-01-31, commit abc.\n")
+    assert row in found
+    assert Path(f"docs/{preset}.csv").read_text() == "of the sweep\n"
+
+
+def test_a_sweep_of_something_else_is_refused(workplace):
+    workplace("sweep-noise")
+    with pytest.raises(BadArtifact, match=r"not of experiment=readings or experiment=ablation"):
+        effects.main()
+
+
+def test_a_sweep_that_did_not_end_is_refused(workplace):
+    (workplace("ablation") / "sweep.csv").unlink()
+    with pytest.raises(BadArtifact, match="writes it at its end"):
+        effects.main()

@@ -1,0 +1,46 @@
+"""What an addition earns, from points of a sweep whose scores are known."""
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.report.ablation import changed, table
+from industnerf.report.effects import Outcome
+from industnerf.schema import ReportParams
+
+WAYS = ReportParams(resamples=200, interval=0.95, sheet_parts=1)
+ALL = {"relief.use": True, "levels[0].steps": 9, "levels[1].steps": 0, "levels[1].points": 5}
+FAMILIES = {"a": "of-a", "b": "of-b"}
+
+
+def outcome(settings, a, b, failed=0):
+    return Outcome(settings, {"a": a, "b": b}, FAMILIES, failed)
+
+
+def rows(*found):
+    lines = table(list(found), ALL, WAYS).splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_the_worst_change_stands_first_after_none():
+    found = rows(
+        outcome(ALL | {"relief.use": False}, 0.01, 0.04),
+        outcome(ALL, 0.02, 0.04),
+        outcome(ALL | {"levels[0].steps": 4}, 0.03, 0.07, failed=1),
+    )
+    assert found[0] == ["nothing", "0.0300", "", "", "", "0"]
+    # +0.01 and +0.03; of two families a bootstrap draws 0.01, 0.02 and 0.03, the ends often enough
+    worst = ["`levels[0].steps: 4`", "0.0500", "+0.0200", "+0.0100 to +0.0300", "2 of 2", "1"]
+    assert found[1] == worst
+    assert found[2][2:] == ["-0.0050", "-0.0100 to +0.0000", "0 of 2", "0"]
+
+
+def test_what_is_gone_is_named_once():
+    without = {key: value for key, value in ALL.items() if not key.startswith("levels[1]")}
+    assert changed(without, ALL) == "no `levels[1]`"
+    assert changed(without | {"relief.use": False}, ALL) == "`relief.use: False`, no `levels[1]`"
+    assert changed(ALL, ALL) == ""
+
+
+def test_without_the_settings_of_today_there_is_nothing_to_compare_with():
+    with pytest.raises(BadArtifact, match="were they changed after the sweep"):
+        table([outcome(ALL | {"relief.use": False}, 0.1, 0.2)], ALL, WAYS)
