@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 
 from industnerf import stage
-from industnerf.errors import BadPart, PartsFailed
+from industnerf.errors import BadArtifact, BadPart, PartsFailed
 from industnerf.runner import Outcome
 from industnerf.stage import Task, read_failures, read_index, run_stage
 
@@ -111,6 +111,20 @@ def test_costs_stay_out_of_what_is_hashed(place):
         "step",
         "keys",
     }
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [
+        ("data/views", "views"),
+        ("data/clouds/hull", "reconstruct@hull"),
+        ("data/states/r2n2", "train@r2n2"),
+    ],
+)
+def test_a_stage_that_was_not_run_is_named_as_dvc_has_it(tmp_path, folder, name):
+    for read in (read_index, read_failures):
+        with pytest.raises(BadArtifact, match=rf"{folder}/.* is missing; `dvc repro {name}`"):
+            read(tmp_path / folder)
 
 
 def half(target, *, scratch, stop):

@@ -5,7 +5,6 @@
 <out>/failures.json      part id -> why
 """
 
-import json
 import math
 import os
 import sys
@@ -16,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from industnerf.artifacts.files import write_json
+from industnerf.artifacts.files import read_json, write_json
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
@@ -87,13 +86,23 @@ def run_stage(
 
 
 def read_index(folder: Path) -> dict[str, str]:
-    """Part id -> key in the store of each result in the stage output `folder`."""
-    return json.loads((folder / "index.json").read_text())["keys"]
+    """Part id -> key in the store of each result in the stage output `folder`.
+
+    Raises BadArtifact if the stage was not run, as does `read_failures`.
+    """
+    return read_json(folder / "index.json", SCHEMA, _stage_of(folder))["keys"]
 
 
 def read_failures(folder: Path) -> dict[str, str]:
     """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
-    return json.loads((folder / "failures.json").read_text())["failures"]
+    return read_json(folder / "failures.json", SCHEMA, _stage_of(folder))["failures"]
+
+
+def _stage_of(folder: Path) -> str:
+    """The name that dvc.yaml has for the stage with this output."""
+    of_methods = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
+    step = of_methods.get(folder.parent.name)
+    return f"{step}@{folder.name}" if step else folder.name
 
 
 def _key(step: str, task: Task) -> str:
