@@ -10,13 +10,24 @@ from industnerf.report.gather import Folders, gather
 from industnerf.tracking import label, log_report
 
 
-def main(cfg: Masked, *paths: str) -> None:
-    *folders, grid, out = map(Path, paths)
-    views = cfg.reconstruct.views or cfg.views.count
-    about = (cfg.preset, cfg.seed, views, cfg.split.hold_out, cfg.methods)
+def main(
+    cfg: Masked,
+    parts: str,
+    views: str,
+    split: str,
+    truth: str,
+    states: str,
+    clouds: str,
+    scores: str,
+    grid: str,
+    out: str,
+) -> None:
+    folders = map(Path, (parts, views, split, truth, states, clouds, scores))
+    count = cfg.reconstruct.views or cfg.views.count
+    about = (cfg.preset, cfg.seed, count, cfg.split.hold_out, cfg.methods)
     study = gather(Folders(*folders), *about)
-    build_report(study, cfg.report, grid, out)
-    label(out)
+    build_report(study, cfg.report, Path(grid), Path(out))
+    label(Path(out))
 
 
 if __name__ == "__main__":

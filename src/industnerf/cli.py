@@ -1,11 +1,12 @@
 """The command line of every stage: paths in, one clear message out."""
 
+import inspect
 import sys
 from collections.abc import Callable
 from typing import Any
 
 from industnerf import config, environment
-from industnerf.errors import SuiteError
+from industnerf.errors import BadParams, SuiteError
 from industnerf.runner import die_with_parent
 
 
@@ -19,10 +20,23 @@ def run_as_stage(main: Callable[..., None], name: str) -> None:
     arguments = sys.argv[1:]
 
     def job() -> None:
+        _refuse_other_arguments(main, name, arguments)
         stage = config.stage(name, arguments[0] if config.is_matrix(name) else None)
         main(stage.mask(config.load_params()), *arguments)
 
     exit_with_message(job)
+
+
+def _refuse_other_arguments(main: Callable[..., None], name: str, arguments: list[str]) -> None:
+    signature = inspect.signature(main)
+    try:
+        signature.bind(None, *arguments)
+    except TypeError:
+        wanted = " ".join(word.upper() for word in list(signature.parameters)[1:])
+        raise BadParams(
+            f"python -m pipeline.{name} takes {wanted}, {len(arguments)} arguments were given; "
+            f"`dvc repro {name}` gives it the right ones"
+        ) from None
 
 
 def exit_with_message(job: Callable[[], Any]) -> None:

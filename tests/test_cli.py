@@ -1,0 +1,32 @@
+"""The command line of a stage that is called by hand."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from industnerf.cli import run_as_stage
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("given", [[], ["data/parts"], ["data/parts", "data/views", "more"]])
+def test_other_arguments_than_the_stage_takes_are_refused_in_words(given, monkeypatch, capsys):
+    def main(cfg, parts, out):
+        raise AssertionError("not to be reached")
+
+    monkeypatch.setattr(sys, "argv", ["pipeline/views.py", *given])
+    with pytest.raises(SystemExit) as end:
+        run_as_stage(main, "views")
+    assert end.value.code == 1
+    told = capsys.readouterr().err
+    assert f"python -m pipeline.views takes PARTS OUT, {len(given)} arguments were given" in told
+    assert "`dvc repro views`" in told
+
+
+def test_those_that_it_takes_reach_it_with_its_parameters(monkeypatch):
+    seen = []
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr(sys, "argv", ["pipeline/views.py", "data/parts", "data/views"])
+    run_as_stage(lambda cfg, parts, out: seen.append((cfg.views.count, parts, out)), "views")
+    assert seen == [(40, "data/parts", "data/views")]
