@@ -3,7 +3,7 @@
 import numpy as np
 
 from industnerf.geometry.cameras import project
-from industnerf.learning.frames import turns_of
+from industnerf.learning.frames import rolled, turns_of
 from tests.methods.solids import cameras_around
 
 CAMERAS = cameras_around(5, 64, 30.0)
@@ -21,3 +21,12 @@ def test_in_the_axes_of_a_view_points_are_right_down_and_forwards_of_its_camera(
 
 def test_in_those_of_the_part_they_stay():
     np.testing.assert_array_equal(turns_of(CAMERAS, "part"), np.tile(np.eye(3), (5, 1, 1)))
+
+
+def test_a_roll_turns_the_axes_of_a_view_and_not_those_of_the_part():
+    quarter = np.tile([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]], (5, 1, 1))
+    turns = turns_of(CAMERAS, "view")
+    right, down, forwards = np.moveaxis(turns, 2, 0)
+    found = np.moveaxis(rolled(turns, quarter, "view"), 2, 0)
+    np.testing.assert_allclose(found, [down, -right, forwards], atol=1e-15)
+    np.testing.assert_array_equal(rolled(turns, quarter, "part"), turns)

@@ -142,3 +142,5 @@ def test_the_table_says_what_a_method_learned_from(study):
     assert "| 78 parts of other families; cpu, 1.2 M numbers, 4000 steps |" in text
     assert "| 78 parts of other families |" in text
     assert "**undertrained**: no better than retrieval" in text
+    alone = [replace(row, learned_from=1) for row in rows if row.learned_from]
+    assert "| 1 part of other families;" in table1_md(alone, [Extra(None, 1.5)] * len(alone), 0.9)

@@ -16,3 +16,10 @@ def turns_of(cameras: Cameras, frame: Frame) -> Float[np.ndarray, "n 3 3"]:
     if frame == "part":
         return np.tile(np.eye(3), (len(cameras), 1, 1))
     return cameras.c2w[:, :3, :3]
+
+
+def rolled(
+    turns: Float[np.ndarray, "n 3 3"], rolls: Float[np.ndarray, "n 3 3"], frame: Frame
+) -> Float[np.ndarray, "n 3 3"]:
+    """`turns` after the cameras rolled by `rolls`, of which the part's axes know nothing."""
+    return turns @ rolls if frame == "view" else turns

@@ -33,7 +33,7 @@ def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> st
 
 def changed(settings: dict[str, Any], usual: dict[str, Any]) -> str:
     """What is not as usual, as Markdown; empty if all is."""
-    values = [f"`{k}: {v}`" for k, v in settings.items() if k in usual and v != usual[k]]
+    values = [f"`{k}: {v}`" for k, v in settings.items() if k not in usual or v != usual[k]]
     gone = [re.sub(r"\].*", "]", key) for key in usual if key not in settings]
     return ", ".join([*values, *(f"no `{key}`" for key in dict.fromkeys(gone))])
 

@@ -223,7 +223,8 @@ def lesson(row: Row) -> str:
     """Such as `78 parts of other families, cpu: 1.2 M numbers, 4000 steps; undertrained: ...`."""
     if not row.learned_from:
         return ""
-    text = f"{row.learned_from} parts {HELD_OUT[row.hold_out]}"
+    parts = "part" if row.learned_from == 1 else "parts"
+    text = f"{row.learned_from} {parts} {HELD_OUT[row.hold_out]}"
     if row.size:
         text += f"; {row.size}, {row.parameters / 1e6:.2g} M numbers, {row.steps} steps"
     return text + (f"; **undertrained**: {row.undertrained}" if row.undertrained else "")

@@ -10,7 +10,7 @@ from torch import Tensor
 from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning.augment import as_tensor, augmented
-from industnerf.learning.frames import turns_of
+from industnerf.learning.frames import rolled, turns_of
 from industnerf.learning.targets import surface_points
 from industnerf.methods.atlasnet.chamfer import chamfer
 from industnerf.methods.atlasnet.network import AtlasNet
@@ -32,10 +32,7 @@ class Lessons:
         self.images: list[UInt8[np.ndarray, "views px px 3"]] = [
             one.rgb(settings.image_px, settings.views) for one in examples
         ]
-        self.turns = [
-            turns_of(one.cameras(settings.views), settings.frame).astype(np.float32)
-            for one in examples
-        ]
+        self.turns = [turns_of(one.cameras(settings.views), settings.frame) for one in examples]
         self.surfaces: Float32[np.ndarray, "parts dense 3"] = np.stack(
             [surface_points(*one.mesh, DENSE, rng) for one in examples]
         )
@@ -57,7 +54,7 @@ class Lessons:
         seen, turns = as_tensor(np.stack(images)).to(self.device), self._turns(which, views)
         if net.training:
             seen, rolls = augmented(seen, self.settings.augment, rng)
-            turns = turns @ rolls if self.settings.frame == "view" else turns
+            turns = rolled(turns, rolls, self.settings.frame)
         return self._loss(net, seen, self._points(which, turns, rng), rng)
 
     def _views(self, which: Batch, rng: np.random.Generator) -> list[int]:

@@ -10,7 +10,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from industnerf.learning.augment import as_tensor, augmented
-from industnerf.learning.frames import turns_of
+from industnerf.learning.frames import rolled, turns_of
 from industnerf.learning.targets import occupancies
 from industnerf.methods.base import Example
 from industnerf.methods.occupancy.network import OccupancyNet
@@ -52,7 +52,7 @@ class Lesson:
         turns = np.stack([self.turns[p][v] for p, v in zip(which, views, strict=True)])
         if net.training:
             images, rolls = augmented(images, self.settings.augment, rng)
-            turns = turns @ rolls if self.settings.frame == "view" else turns
+            turns = rolled(turns, rolls, self.settings.frame)
         drawn = rng.integers(self.points.shape[1], size=(len(which), self.settings.queries))
         points, inside = self.points[which[:, None], drawn], self.inside[which[:, None], drawn]
         device = next(net.parameters()).device
