@@ -105,7 +105,6 @@ class ReliefSettings:
     use: bool
     start: StartSettings
     rate: Positive
-    wait: CountOr0
     back: Share
     back_in_doubt: Share
     slack: Annotated[float, at_least(1)]

@@ -39,9 +39,9 @@ class Relief:
         self._start = torch.maximum(start, hull)
         self._least = torch.where(hull > 0, hull, hull * settings.slack)
 
-    def rate(self, taken: int, beta: float) -> float:
-        """Of Adam: a soft surface may move far.  At first only colours learn, to know better."""
-        return 0.0 if taken < self._ways.wait else self._ways.rate * beta
+    def rate(self, beta: float) -> float:
+        """Of Adam: a soft surface may move far."""
+        return self._ways.rate * beta
 
     def within(self, distance: Float32[Tensor, "m"] | None) -> Float32[Tensor, "m"]:
         """To start from: the start's distances, or `distance` and nowhere deeper than the hull."""

@@ -211,7 +211,7 @@ class Training:
 
     def _pace(self) -> float:
         """Of distances, in this step."""
-        return self.relief.rate(self.taken, self._softness())
+        return self.relief.rate(self._softness())
 
     def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
         """Of fields that re-render alike, rather the emptier one, and the one without veils.
