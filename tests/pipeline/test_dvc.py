@@ -1,14 +1,19 @@
 """The real dvc.yaml: what each stage depends on, and what reruns when a parameter changes."""
 
+import inspect
 import json
+import re
 import shutil
 import subprocess
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 import yaml
 
 from industnerf import code, config
 from industnerf.methods import MODULES
+from industnerf.report.gather import failures_of
 from industnerf.schema import MethodSettings
 
 # Corridors that move results about and log them: they are no dependency of any result.
@@ -28,9 +33,11 @@ CORRIDORS = {
         "tracking",
     )
 } | {"industnerf.seeds"}
+STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
+WRITTEN = ("index", "failures")  # files beside the results of a stage, for the stages behind it
 
 
-@pytest.mark.parametrize("name", config.load_stages(config.Path(__file__).parents[2] / "dvc.yaml"))
+@pytest.mark.parametrize("name", STAGES)
 def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
     deps = config.stage(name, "hull", root / "dvc.yaml").deps
     covered = [root / dep for dep in deps]
@@ -45,6 +52,22 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
         )
 
 
+@pytest.mark.parametrize("name", STAGES)
+def test_what_a_stage_reads_of_those_before_it_is_among_its_deps(name, root):
+    stage = config.stage(name, "hull", root / "dvc.yaml")
+    _, *names = inspect.signature(import_module(f"pipeline.{name}").main).parameters
+    given = dict(zip(names, stage.command.split()[3:], strict=True))
+    source = (root / "pipeline" / f"{name}.py").read_text()
+    for kind, folder in re.findall(r"read_(index|failures)\(Path\((\w+)\)\)", source):
+        assert f"{given[folder]}/{kind}.json" in stage.deps
+
+
+def test_the_report_depends_on_the_failures_that_it_lists(root):
+    deps = config.stage("report", "hull", root / "dvc.yaml").deps
+    for folder in re.findall(r"read_failures\(folders\.(\w+)\)", inspect.getsource(failures_of)):
+        assert f"data/{folder}/failures.json" in deps
+
+
 def test_every_method_has_settings_and_a_module():
     assert list(MethodSettings.__dataclass_fields__) == list(MODULES)
 
@@ -52,12 +75,12 @@ def test_every_method_has_settings_and_a_module():
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """dvc.yaml and params.yaml as they are, with commands that only touch their outputs."""
-    root, here = config.Path(__file__).parents[2], tmp_path_factory.mktemp("project")
+    root, here = Path(__file__).parents[2], tmp_path_factory.mktemp("project")
     raw = yaml.safe_load((root / "dvc.yaml").read_text())
     for stage in raw["stages"].values():
         out = stage["outs"][0]
-        file = out if out.endswith(".json") else f"{out}/index.json"
-        stage["cmd"] = f"mkdir -p $(dirname {file}) && echo same > {file}"
+        files = [out] if out.endswith(".json") else [f"{out}/{name}.json" for name in WRITTEN]
+        stage["cmd"] = f"mkdir -p $(dirname {files[0]}) && echo same | tee {' '.join(files)}"
         for dep in stage["deps"]:
             if dep.startswith(("src", "pipeline")):
                 file = here / dep if dep.endswith(".py") else here / dep / "module.py"
