@@ -82,3 +82,10 @@ def test_the_gap_is_that_of_plain_loops(outliers):
 
 def test_fewer_views_than_asked_for_say_nothing():
     assert (gaps(ways(views=25))[1] == np.float32(kernels.UNKNOWN)).all()
+
+
+@pytest.mark.parametrize("threshold", [0.1, 0.3, 0.6])
+def test_what_contradicts_itself_more_than_the_threshold_goes(threshold):
+    """Noise differs by nearly everything from one view to the next."""
+    sweeper = Sweeper(SOLID, RGB, RIG, ways(threshold=threshold, footprint=0.1, outliers=0.0))
+    assert sweeper.carved(4).sum() < 0.7 * SOLID.sum()

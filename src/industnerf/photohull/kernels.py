@@ -17,7 +17,6 @@ mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)
 BEGIN = wp.constant(2.0)  # cells; what is nearer to a cell does not hide it
 UNKNOWN = wp.constant(-1.0e6)  # too few views see the cell
 OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
-MOST = wp.constant(0.12)  # that a cell's gap may say to its neighbours
 AROUND = wp.constant(2)  # cells on either side that a normal is taken from
 DROPPED = wp.constant(3)  # views at most that may disagree: `insert` keeps one more
 
@@ -218,8 +217,13 @@ def smooth_gap(
     cells: wp.array(dtype=wp.int32),
     solid: wp.array3d(dtype=wp.uint8),
     gap: wp.array3d(dtype=wp.float32),
+    most: wp.float32,
     mean: wp.array(dtype=wp.float32),
 ):
+    """Of each cell that looks wrong, the mean gap of the 27 solid cells about it.
+
+    A gap counts up to `most`: one cell that looks very wrong takes no other with it.
+    """
     i = wp.tid()
     c = place_of(cells[i], solid.shape[0])
     total = wp.float32(0.0)
@@ -232,8 +236,8 @@ def smooth_gap(
                 d = c[2] + dk
                 if is_solid(solid, a, b, d):
                     value = gap[a, b, d]
-                    if value > -2.0:
-                        total += wp.clamp(value, -MOST, MOST)
+                    if value > UNKNOWN:
+                        total += wp.clamp(value, -most, most)
                         count += 1.0
     mean[i] = UNKNOWN
     if gap[c[0], c[1], c[2]] > 0.0:

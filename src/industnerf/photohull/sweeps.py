@@ -19,6 +19,7 @@ WHOLE_EVERY = 8  # sweeps; those between look only where the one before took som
 DONE = 1e-3  # share of the surface that a whole sweep may still take off
 STEPS = np.indices((3, 3, 3)).reshape(3, -1).T - 1
 UNKNOWN = np.float32(-1e6)
+MOST = 0.12  # that the gap of a cell may say to its neighbours; or twice the threshold
 
 Cells = Int32[np.ndarray, "_"]
 
@@ -108,7 +109,8 @@ class Sweeper:
         some, out = shared(cells, wp.int32), [shared(gap, wp.float32)]
         wp.launch(kernels.measure_gap, len(cells), [some, *self._inputs], out, device="cpu")
         self._gap.ravel()[cells] = gap
-        about = [some, self._inputs[0], shared(self._gap, wp.float32)]
+        most = max(MOST, 2 * self._threshold)
+        about = [some, self._inputs[0], shared(self._gap, wp.float32), most]
         wp.launch(kernels.smooth_gap, len(cells), about, out, device="cpu")
         taken = cells[gap > self._threshold]
         self._solid.ravel()[taken] = 0

@@ -124,6 +124,7 @@ class IndustnerfSettings:
     levels: Annotated[list[LevelSettings], one_or_more("level")]
     refine: Literal["sampled", "divided"]
     carve: bool
+    tolerance: Share
     network: NetworkSettings
     school: SchoolSettings
     residual: ResidualSettings

@@ -13,6 +13,7 @@ import torch
 
 from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, ray_directions
+from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.scene import Posed, Scene, scene_of
 from industnerf.schema import IndustnerfSettings
 from tests.methods.solids import cameras_around
@@ -21,6 +22,7 @@ CPU = torch.device("cpu")
 CENTRE = np.array([300.0, -150.0, 90.0])
 REACH = 30.0
 WHITE = 1.0
+TOLERANCE = 0.02  # further from the background's colour than this is not background
 SIDE = 4  # rays of a pixel, along each side
 
 
@@ -115,6 +117,11 @@ def posed(
 
 def scene(solid: Solid, count: int = 12, resolution: int = 48) -> Scene:
     return scene_of(posed(solid, count, resolution), CPU)
+
+
+def silhouettes_of(seen: Scene) -> Silhouettes:
+    """A pixel is background if no channel is further than 0.02 from it."""
+    return Silhouettes(seen, TOLERANCE)
 
 
 def settings(

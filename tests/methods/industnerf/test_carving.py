@@ -1,14 +1,26 @@
 """What is carved away was never part of the solid; what is plainly outside is carved away."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.methods.industnerf.carving import TOLERANCE, Silhouettes
-from industnerf.methods.industnerf.scene import Scene
-from tests.methods.industnerf.scenes import REACH, ball, box, scene
+from industnerf.methods.industnerf.scene import Posed, Scene, scene_of
+from tests.methods.industnerf.scenes import (
+    CENTRE,
+    CPU,
+    REACH,
+    TOLERANCE,
+    around,
+    ball,
+    box,
+    photographs,
+    scene,
+    silhouettes_of,
+)
 from tests.methods.solids import AWAY
 
 SOLIDS = {"ball": ball(18.0), "box": box((16.0, 11.0, 8.0))}
@@ -23,11 +35,22 @@ def places(seed: int, count: int = 4000) -> torch.Tensor:
 @pytest.mark.parametrize("resolution", [24, 64])
 @pytest.mark.parametrize("slack", [0.0, 0.05])
 def test_no_point_of_the_solid_is_carved_away(name, resolution, slack):
-    silhouettes = Silhouettes(scene(SOLIDS[name], 12, resolution))
+    silhouettes = silhouettes_of(scene(SOLIDS[name], 12, resolution))
     points = places(0, 20_000)
     inside = torch.from_numpy(SOLIDS[name].away(points.numpy() * REACH) <= 0)
     assert inside.sum() > 500
     assert silhouettes.may_hold(points, slack)[inside].all()
+
+
+def test_nothing_near_the_solid_is_carved_away_where_pixels_are_not_square():
+    """Of half the height: the focal length is twice as many pixels upwards as sideways."""
+    cameras = around(12, 24)
+    K = cameras.K * [[1], [2], [1]]
+    flat = replace(cameras, K=K, height=48)
+    solid, slack, points = SOLIDS["box"], 0.15, places(0, 20_000)
+    seen = Posed(photographs(solid, flat), flat, np.ones((12, 3)), CENTRE, REACH)
+    near = torch.from_numpy(solid.away(points.numpy() * REACH) <= slack * REACH)
+    assert silhouettes_of(scene_of(seen, CPU)).may_hold(points, slack)[near].all()
 
 
 def cone_excess(points: np.ndarray, eyes: np.ndarray, radius: float) -> np.ndarray:
@@ -46,7 +69,7 @@ def test_a_ball_is_carved_to_its_cones(slack):
     seen = scene(ball(18.0), 12, 64)
     points = places(1)
     excess = cone_excess(points.numpy(), seen.eyes.c2w[:, :3, 3].numpy(), 18.0 / REACH).max(axis=0)
-    kept = Silhouettes(seen).may_hold(points, slack).numpy()
+    kept = silhouettes_of(seen).may_hold(points, slack).numpy()
     assert kept[excess < 0].all()
     # 1 px of grace; up to 1 px from the last pixel that has a share of the part to its outline,
     # and from the point to its own pixel's centre; what is not taken to be deeper than it is
@@ -58,7 +81,7 @@ def test_a_ball_is_carved_to_its_cones(slack):
 
 @given(SEEDS)
 def test_more_slack_keeps_more(seed):
-    silhouettes, points = Silhouettes(scene(ball(18.0), 4, 24)), places(seed, 300)
+    silhouettes, points = silhouettes_of(scene(ball(18.0), 4, 24)), places(seed, 300)
     kept = [silhouettes.may_hold(points, slack) for slack in (0.0, 0.1, 0.3)]
     assert (kept[0] <= kept[1]).all()
     assert (kept[1] <= kept[2]).all()
@@ -67,8 +90,8 @@ def test_more_slack_keeps_more(seed):
 @given(SEEDS)
 def test_views_carve_alone_or_together(seed):
     whole, points = scene(ball(18.0), 4, 24), places(seed, 300)
-    each = [Silhouettes(whole[i : i + 1]).may_hold(points, 0.05) for i in range(4)]
-    assert torch.equal(Silhouettes(whole).may_hold(points, 0.05), torch.stack(each).all(dim=0))
+    each = [silhouettes_of(whole[i : i + 1]).may_hold(points, 0.05) for i in range(4)]
+    assert torch.equal(silhouettes_of(whole).may_hold(points, 0.05), torch.stack(each).all(dim=0))
 
 
 def test_what_a_view_does_not_see_it_cannot_carve():
@@ -76,7 +99,7 @@ def test_what_a_view_does_not_see_it_cannot_carve():
     eye, ahead = seen.eyes.c2w[0, :3, 3], seen.eyes.c2w[0, :3, 2]
     right = seen.eyes.c2w[0, :3, 0]
     elsewhere = torch.stack([eye - ahead, eye, 3 * right, -3 * right])  # behind, at it, beside
-    assert Silhouettes(seen).may_hold(elsewhere, 0.0).all()
+    assert silhouettes_of(seen).may_hold(elsewhere, 0.0).all()
 
 
 @pytest.mark.parametrize(("off", "part"), [(TOLERANCE / 2, False), (TOLERANCE * 2, True)])
@@ -87,14 +110,14 @@ def test_background_is_what_is_near_its_colour_in_all_channels(off, part):
     image[0, 12, 12, 1] -= round(255 * off)
     image[0, 0, 0] = 0
     middle = torch.zeros(1, 3)  # 17 px from the corner
-    kept = Silhouettes(Scene(image, seen.eyes, seen.background)).may_hold(middle, 0.0)
+    kept = silhouettes_of(Scene(image, seen.eyes, seen.background)).may_hold(middle, 0.0)
     assert kept.item() == part
 
 
 def test_before_nothing_but_background_all_is_carved_away():
     seen = scene(ball(18.0), 2, 24)
     blank = Scene(torch.full_like(seen.images, 255), seen.eyes, seen.background)
-    assert not Silhouettes(blank).may_hold(places(0, 100), 0.05).any()
+    assert not silhouettes_of(blank).may_hold(places(0, 100), 0.05).any()
 
 
 def test_the_distance_of_a_ball_is_that_of_its_cones():
@@ -108,7 +131,7 @@ def test_the_distance_of_a_ball_is_that_of_its_cones():
     seen = scene(ball(18.0), 12, 64)
     points = places(3)
     excess = cone_excess(points.numpy(), seen.eyes.c2w[:, :3, 3].numpy(), 18.0 / REACH).max(axis=0)
-    found = Silhouettes(seen).distance(points).numpy()
+    found = silhouettes_of(seen).distance(points).numpy()
     pixel = (AWAY + 0.8) / seen.eyes.K[0, 0, 0].item()
     near = np.abs(excess) < 0.3
     assert near.sum() > 1000
@@ -119,4 +142,4 @@ def test_the_distance_of_a_ball_is_that_of_its_cones():
 def test_views_that_do_not_have_a_point_in_frame_say_nothing_of_its_distance():
     seen = scene(ball(18.0), 12, 64)
     far = torch.tensor([[0.0, 0.0, 50.0]])
-    assert Silhouettes(seen).distance(far).isfinite().all()
+    assert silhouettes_of(seen).distance(far).isfinite().all()

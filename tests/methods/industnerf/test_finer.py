@@ -6,14 +6,14 @@ from industnerf.errors import BadParams
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.finer import FINEST, as_fine_as_fits, margin
 from industnerf.methods.industnerf.levels import grid, spacing_of
-from tests.methods.industnerf.scenes import ball, box, scene, settings
+from tests.methods.industnerf.scenes import ball, box, scene, settings, silhouettes_of
 
 RES = 24
 
 
 @pytest.fixture(scope="module")
 def rod() -> Silhouettes:
-    return Silhouettes(scene(box((3.0, 3.0, 18.0)), 12, 64))
+    return silhouettes_of(scene(box((3.0, 3.0, 18.0)), 12, 64))
 
 
 def held(silhouettes: Silhouettes, ways) -> int:
@@ -37,7 +37,7 @@ def test_no_more_points_than_asked_for_and_not_many_fewer(rod):
 
 
 def test_a_part_that_fills_its_ball_keeps_its_grid(rod):
-    full = Silhouettes(scene(ball(19.0), 12, 64))
+    full = silhouettes_of(scene(ball(19.0), 12, 64))
     asked = held(rod, of_plus(0)) * 2
     assert as_fine_as_fits(of_plus(asked), full) == of_plus(asked)
     assert as_fine_as_fits(of_plus(0), rod) == of_plus(0)

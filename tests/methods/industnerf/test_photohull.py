@@ -9,7 +9,7 @@ import torch
 from industnerf.geometry.cameras import framed_ball
 from industnerf.methods.industnerf.photohull import PhotoHull, depth_in, of_two_pixels
 from industnerf.methods.industnerf.scene import Posed, scene_of
-from tests.methods.industnerf.scenes import settings
+from tests.methods.industnerf.scenes import settings, silhouettes_of
 from tests.methods.solids import cameras_around, cup, painted
 
 WAYS = replace(settings("industnerf_plus").relief.start, grid_res=64)
@@ -30,7 +30,8 @@ def grey(points: np.ndarray) -> np.ndarray:
 
 def photo_hull(rgb: np.ndarray, **changed: float) -> PhotoHull:
     posed = Posed(rgb, CAMERAS, np.ones((len(CAMERAS), 3)), CENTRE, RADIUS)
-    return PhotoHull(posed, scene_of(posed, torch.device("cpu")), replace(WAYS, **changed))
+    part = silhouettes_of(scene_of(posed, torch.device("cpu"))).part
+    return PhotoHull(posed, part, replace(WAYS, **changed))
 
 
 def in_the_pocket() -> tuple[np.ndarray, torch.Tensor]:

@@ -16,7 +16,16 @@ from industnerf.methods.industnerf.run import run
 from industnerf.methods.industnerf.training import DECAY, Training
 from industnerf.rendering.render import Seen
 from industnerf.schema import IndustnerfSettings, SoftnessSettings
-from tests.methods.industnerf.scenes import BOTH, CPU, FREE, ball, posed, scene, settings
+from tests.methods.industnerf.scenes import (
+    BOTH,
+    CPU,
+    FREE,
+    ball,
+    posed,
+    scene,
+    settings,
+    silhouettes_of,
+)
 
 RES = 12
 PLAIN = {"readings": {"encoder": "none", "pose": "identity", "frame": "world"}}
@@ -354,7 +363,7 @@ def test_what_is_seen_is_held_against_the_readings_of_depth():
 def a_relief(raw: torch.Tensor) -> tuple[Training, Silhouettes]:
     """A ball's, that starts from these distances at the points of the first grid."""
     seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
-    silhouettes = Silhouettes(seen)
+    silhouettes = silhouettes_of(seen)
     start = raw, torch.full((len(raw), 3), 0.5)
     layer = Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0), residuals=start)
     field = Field(seen, ways)
@@ -379,7 +388,7 @@ def test_a_relief_starts_at_the_photo_hull_where_that_is_deeper_inside_than_the_
             return torch.full((len(points),), 2 * spacing_of(RES, 0))
 
     seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
-    silhouettes, layer = Silhouettes(seen), Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
+    silhouettes, layer = silhouettes_of(seen), Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
     training = Training(
         seen, Field(seen, ways), layer, 0, ways, torch.Generator(), silhouettes, Inner()
     )

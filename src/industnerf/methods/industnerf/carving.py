@@ -10,17 +10,21 @@ from industnerf.geometry.silhouettes import differs
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 
-TOLERANCE = 0.02  # a channel this far from the background's is not background
-
 FAR = 2.0  # beyond the region of interest, and of any view
 
 
 class Silhouettes:
-    """How far outside the part's silhouette each pixel of each view is."""
+    """How far outside the part's silhouette each pixel of each view is.
 
-    def __init__(self, scene: Scene) -> None:
-        self._eyes = scene.eyes
-        part = differs(scene.images.cpu().numpy(), scene.background.cpu().numpy(), TOLERANCE)
+    A pixel is background if no channel is farther than `tolerance` from the background's.
+    """
+
+    part: Bool[np.ndarray, "n h w"]
+
+    def __init__(self, scene: Scene, tolerance: float) -> None:
+        self._eyes, self._focal = scene.eyes, scene.eyes.K[:, [0, 1], [0, 1]].amax(dim=1)
+        images, background = scene.images.cpu().numpy(), scene.background.cpu().numpy()
+        part = self.part = differs(images, background, tolerance)
         self._outside, self._inside = (
             torch.stack([_away(mask) for mask in masks]).to(scene.images.device)
             for masks in (part, ~part)
@@ -35,18 +39,19 @@ class Silhouettes:
         """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
 
         The most that any view says: how far the silhouette's outline is from the point's pixel,
-        at the point's depth.  Views that do not have the point in frame say nothing.
+        at the point's depth and at the longer of two focal lengths, so at least that far.  Views
+        that do not have the point in frame say nothing.
         """
         most = torch.full_like(points[:, 0], -torch.inf)
         height, width = self._outside.shape[1:]
-        for K, c2w, outside, inside in zip(
-            self._eyes.K, self._eyes.c2w, self._outside, self._inside, strict=True
+        for K, c2w, focal, outside, inside in zip(
+            self._eyes.K, self._eyes.c2w, self._focal, self._outside, self._inside, strict=True
         ):
             uv, depth = project(points, K, c2w)
             seen = in_view(uv, depth, width, height)
             signed = (outside - 0.5).clamp(min=0) - (inside - 0.5).clamp(min=0)  # 0 on the outline
             px = sample_features(signed[None], uv.masked_fill(~seen[:, None], 0.0), width, height)
-            away = px[:, 0] * depth / K[0, 0]
+            away = px[:, 0] * depth / focal
             most = torch.maximum(most, torch.where(seen, away, -torch.inf))
         return most.clamp(-FAR, FAR)
 
@@ -57,11 +62,13 @@ class Silhouettes:
         does what is within a pixel of it: an outline may cover a pixel, and not its centre.
         """
         kept = torch.arange(len(points), device=points.device)
-        for K, c2w, outside in zip(self._eyes.K, self._eyes.c2w, self._outside, strict=True):
+        for K, c2w, focal, outside in zip(
+            self._eyes.K, self._eyes.c2w, self._focal, self._outside, strict=True
+        ):
             uv, depth = project(points[kept], K, c2w)
             seen = in_view(uv, depth, self._eyes.width, self._eyes.height)
             column, row = uv.masked_fill(~seen[:, None], 0.0).long().unbind(1)
-            inside = outside[row, column] <= slack * K[0, 0] / depth + 1
+            inside = outside[row, column] <= slack * focal / depth + 1
             kept = kept[inside | ~seen]
         mask = torch.zeros(len(points), dtype=torch.bool, device=points.device)
         mask[kept] = True

@@ -9,9 +9,7 @@ from jaxtyping import Bool, Float32
 from scipy.ndimage import map_coordinates
 from torch import Tensor
 
-from industnerf.geometry.silhouettes import differs
-from industnerf.methods.industnerf.carving import TOLERANCE
-from industnerf.methods.industnerf.scene import Posed, Scene
+from industnerf.methods.industnerf.scene import Posed
 from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
@@ -20,10 +18,11 @@ from industnerf.schema import SpaceCarvingSettings
 class PhotoHull:
     """What the photographs leave of the hull; the hull itself, where they are not believed."""
 
-    def __init__(self, posed: Posed, scene: Scene, ways: SpaceCarvingSettings) -> None:
-        mask = differs(posed.rgb, scene.background.cpu().numpy(), TOLERANCE)
+    def __init__(
+        self, posed: Posed, part: Bool[np.ndarray, "n h w"], ways: SpaceCarvingSettings
+    ) -> None:
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
-        cells = carved(mask, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
+        cells = carved(part, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
         self.believed = cells.believed
         self.remarks = remarks(cells, ways, "the result stays nearer to the visual hull")
         left = depth_in(cells.left) if cells.left.any() else np.inf

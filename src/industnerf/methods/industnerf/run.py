@@ -114,13 +114,15 @@ class Work:
     ) -> None:
         self._posed, self._watch = posed, watch
         self.scene = scene_of(posed, device())
-        self._silhouettes = Silhouettes(self.scene) if settings.carve else None
-        if self._silhouettes:
+        self._silhouettes = None
+        if settings.carve:
+            self._silhouettes = Silhouettes(self.scene, settings.tolerance)
             settings = as_fine_as_fits(settings, self._silhouettes)
         self._settings = settings
         self._photo_hull, self._remarks = None, ()
         if settings.relief.start.use:
-            self._photo_hull = PhotoHull(posed, self.scene, settings.relief.start)
+            part = self._silhouettes.part
+            self._photo_hull = PhotoHull(posed, part, settings.relief.start)
             self._remarks = self._photo_hull.remarks
         for text in self._remarks:
             watch.remark(text)
