@@ -11,8 +11,8 @@ import pytest
 import trimesh
 from PIL import Image
 
+from industnerf.artifacts import whole
 from industnerf.geometry.cameras import framed_ball
-from industnerf.reconstruct import whole
 from industnerf.seeds import seed_for
 from tests.reconstruct import scene
 

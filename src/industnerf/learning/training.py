@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
@@ -16,7 +15,9 @@ from torch import Tensor, nn
 from industnerf.artifacts.history import History
 from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
+from industnerf.learning import checkpoint
 from industnerf.schema import TrainingSettings
+from industnerf.seeds import generator
 
 # Loss of a batch: parts by index, maybe more than once; what else is drawn comes from the rng.
 Loss = Callable[[Int[np.ndarray, "batch"], np.random.Generator], Float[Tensor, ""]]
@@ -72,24 +73,24 @@ def train(
     parts: tuple[list[int], list[int]],
     settings: TrainingSettings,
     seed: int,
-    checkpoint: Path,
+    path: Path,
 ) -> Trained:
     """Train `net` by `loss` on the parts `parts[0]`, and keep what is best on `parts[1]`.
 
-    Parameters that need no gradient stay as they are.  It goes on from `checkpoint` where that
-    exists, to the same bytes on a CPU.
+    Parameters that need no gradient stay as they are.  It goes on from the checkpoint `path`
+    where that exists, to the same bytes on a CPU.
 
-    Raises ReconstructionFailed if a loss is not finite.
+    Raises ReconstructionFailed if a loss is not finite, BadArtifact if `path` cannot be written.
     """
     loop = _Loop(net, loss, parts, settings, seed)
-    loop.resume(checkpoint)
+    loop.resume(path)
     saved = time.monotonic()
     while not loop.finished:
         loop.advance()
         if time.monotonic() - saved > CHECKPOINT_S:
-            loop.save(checkpoint)
+            loop.save(path)
             saved = time.monotonic()
-    loop.save(checkpoint)
+    loop.save(path)
     net.load_state_dict(loop.now.best)
     return loop.trained()
 
@@ -105,7 +106,7 @@ class _Loop:
     ) -> None:
         self.net, self.loss, self.settings, self.seed = net, loss, settings, seed
         self.taught, self.asked = (np.array(some) for some in parts)
-        self.rng, self.now = np.random.default_rng(seed), Progress()
+        self.rng, self.now = generator(seed, "batches"), Progress()
         learning = [p for p in net.parameters() if p.requires_grad]
         # only weights decay: a bias or a scale that is pulled to 0 regularises nothing
         groups = [
@@ -137,7 +138,7 @@ class _Loop:
     def _validate(self) -> None:
         """The loss on the validation parts: the same draws every time, so that losses compare."""
         self.net.eval()
-        rng, batch = np.random.default_rng(self.seed), self.settings.batch
+        rng, batch = generator(self.seed, "validation"), self.settings.batch
         which = np.resize(self.asked, max(batch, -(-4 * len(self.asked) // batch) * batch))
         losses = [self.loss(some, rng).item() for some in which.reshape(-1, batch)]
         self.now.validated.append(self.now.step)
@@ -155,22 +156,19 @@ class _Loop:
 
     def save(self, path: Path) -> None:
         """Write all that the rest of the training depends on."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_suffix(".draft")
         state = {
             "now": vars(self.now),
             "net": self.net.state_dict(),
             "adam": self.adam.state_dict(),
             "rng": self.rng.bit_generator.state,
         }
-        torch.save(state, draft)
-        draft.replace(path)
+        checkpoint.save(path, state)
 
     def resume(self, path: Path) -> None:
-        """Go on from what `save` wrote, if it is there."""
-        if not path.exists():
+        """Go on from what `save` wrote, if it is there and can be read."""
+        state = checkpoint.load(path)
+        if state is None:
             return
-        state: dict[str, Any] = torch.load(path, map_location="cpu", weights_only=True)
         self.now = Progress(**state["now"])
         self.net.load_state_dict(state["net"])
         self.adam.load_state_dict(state["adam"])

@@ -14,8 +14,8 @@ from typing import Any
 
 import torch
 
+from industnerf.artifacts.whole import written_whole
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.whole import written_whole
 
 MAGIC = b"industnerf checkpoint 1\n"
 Origin = Mapping[str, str]  # a digest of each thing that a run depends on, by name

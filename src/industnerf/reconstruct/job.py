@@ -9,13 +9,13 @@ from jaxtyping import Float
 from rich.console import Console
 
 from industnerf.artifacts.ply import write_ply
+from industnerf.artifacts.whole import check_folder, written_whole
 from industnerf.errors import BadArtifact
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.gather import Album, gather
 from industnerf.reconstruct.options import Options
 from industnerf.reconstruct.region import region
 from industnerf.reconstruct.settings import choose
-from industnerf.reconstruct.whole import check_folder, written_whole
 from industnerf.stage import measured
 
 

@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
+from industnerf.artifacts.whole import written_whole
 from industnerf.errors import BadArtifact
 from industnerf.methods.industnerf.run import Watch
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.interrupt import Interrupt
-from industnerf.reconstruct.whole import written_whole
 
 GAP = 4  # px between the two halves of a preview
 

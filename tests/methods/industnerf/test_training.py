@@ -388,7 +388,8 @@ def test_a_relief_starts_at_the_photo_hull_where_that_is_deeper_inside_than_the_
             return torch.full((len(points),), 2 * spacing_of(RES, 0))
 
     seen, ways = scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
-    silhouettes, layer = silhouettes_of(seen), Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
+    silhouettes = silhouettes_of(seen)
+    layer = Layer(grid(spacing_of(RES, 0), CPU), spacing_of(RES, 0))
     training = Training(
         seen, Field(seen, ways), layer, 0, ways, torch.Generator(), silhouettes, Inner()
     )

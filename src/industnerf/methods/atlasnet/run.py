@@ -20,6 +20,7 @@ from industnerf.methods.atlasnet.network import AtlasNet, PointNet, decoder_of, 
 from industnerf.methods.atlasnet.patches import grid, sampled
 from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings, TrainingSettings
+from industnerf.seeds import generator, seed_for
 
 PHASES = ("auto_encoder", "encoder", "together")
 LAST_RATE = 0.1  # of the last phase, where all that has learned already learns on
@@ -30,14 +31,14 @@ def learned(
 ) -> State:
     """The net for pictures, trained as published: training/launcher.py of the authors' code."""
     torch.set_num_threads(1)  # folds are what runs side by side
-    lessons = Lessons(examples, settings, np.random.default_rng(seed))
+    lessons = Lessons(examples, settings, generator(seed, "lessons"))
     reader, net = new_nets(settings, seed)
     parts = set_apart([one.part_id for one in examples], settings.training.validation)
     plans = dict(zip(PHASES, planned(settings), strict=True))
 
     def phase(name: str, what: AtlasNet) -> Trained:
         teach = lessons.from_points if what is reader else lessons.from_pictures
-        own = seed + PHASES.index(name)
+        own = seed_for(seed, "phase", name)
         return train(what, partial(teach, what), parts, plans[name], own, scratch / f"{name}.pt")
 
     phases = [phase("auto_encoder", reader)]

@@ -15,6 +15,7 @@ import torch
 from industnerf.artifacts.history import History
 from industnerf.artifacts.state import State
 from industnerf.device import device
+from industnerf.learning import checkpoint
 from industnerf.learning.training import settled
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
@@ -37,13 +38,13 @@ def schooled(
     scenes = [scene_of(posed, device()) for posed in pupils]
     pair, losses = _new_pair(scenes[0], ways, seed), []
     finished = scratch / "school.pt"
-    if finished.exists():
-        saved = torch.load(finished, map_location="cpu", weights_only=True)
+    saved = checkpoint.load(finished)
+    if saved is not None:
         pair.load_state_dict(saved["pair"])
         losses = saved["losses"]
     while len(losses) < ways.school.terms:
         losses.append(_term(pair, scenes, ways, seed_for(seed, "term", str(len(losses)))))
-        _save({"pair": pair.state_dict(), "losses": losses}, finished)
+        checkpoint.save(finished, {"pair": pair.state_dict(), "losses": losses})
     return _state(pair, losses, len(pupils), ways.warm_up.steps)
 
 
@@ -78,13 +79,6 @@ def _training(
     field = Field(scene, ways).to(device())
     pair.lend(field)
     return Training(scene, field, Layer(grid(spacing, device()), spacing), WARM_UP, ways, generator)
-
-
-def _save(state: dict, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".draft")
-    torch.save(state, draft)
-    draft.replace(path)
 
 
 def _state(pair: Pair, losses: Sequence[Sequence[float]], parts: int, steps: int) -> State:

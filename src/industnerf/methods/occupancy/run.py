@@ -22,6 +22,7 @@ from industnerf.methods.occupancy.lesson import Lesson
 from industnerf.methods.occupancy.mise import mise
 from industnerf.methods.occupancy.network import OccupancyNet
 from industnerf.schema import OccupancySettings
+from industnerf.seeds import generator
 
 AT_ONCE = 16384  # points that the net is asked about in one go
 
@@ -31,7 +32,7 @@ def fit(
 ) -> State:
     """Train on the parts that are not set apart; same seed, same bytes on a CPU."""
     torch.set_num_threads(1)  # folds are what runs side by side
-    lesson = Lesson.of(examples, settings, np.random.default_rng(seed))
+    lesson = Lesson.of(examples, settings, generator(seed, "lessons"))
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         net = OccupancyNet(settings).to(device())

@@ -19,6 +19,7 @@ from industnerf.methods.base import Example
 from industnerf.methods.r2n2.decoder import VOXELS
 from industnerf.methods.r2n2.net import R2N2, new_net
 from industnerf.schema import R2n2Settings
+from industnerf.seeds import generator
 
 
 def trained(examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path) -> State:
@@ -44,7 +45,7 @@ class Lessons:
     @staticmethod
     def of(examples: Sequence[Example], settings: R2n2Settings, net: R2N2, seed: int) -> "Lessons":
         """Read the pictures of `examples`, and make voxels of their meshes."""
-        rng = np.random.default_rng(seed)
+        rng = generator(seed, "lessons")
         pictures = [one.rgb(settings.image_px, settings.pictures) for one in examples]
         full = [voxels(*one.mesh, VOXELS, rng) for one in examples]
         return Lessons(net, settings, np.stack(pictures), np.stack(full))

@@ -2,8 +2,8 @@
 
 import pytest
 
+from industnerf.artifacts.whole import check_folder, written_whole
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.whole import check_folder, written_whole
 
 
 def test_a_file_appears_when_it_is_whole(tmp_path):

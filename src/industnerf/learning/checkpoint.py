@@ -1,0 +1,37 @@
+"""What an interrupted training goes on from: one file, written whole, by one process or by several.
+
+Two processes may train the same net (`dvc repro` beside a sweep): each writes a draft of its own.
+"""
+
+import pickle
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from industnerf.artifacts.whole import written_whole
+
+TORN = (OSError, RuntimeError, EOFError, ValueError, pickle.UnpicklingError, zipfile.BadZipFile)
+
+
+def save(path: Path, state: dict[str, Any]) -> None:
+    """Write `state`, plain data and tensors; raises BadArtifact if it cannot be written."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(path) as draft:
+        torch.save(state, draft)
+
+
+def load(path: Path) -> dict[str, Any] | None:
+    """What `save` wrote, on the CPU; None where there is nothing, or nothing that can be read.
+
+    A file that is torn is said to be so: hours may begin anew, but no net is lost to it.
+    """
+    if not path.exists():
+        return None
+    try:
+        return torch.load(path, map_location="cpu", weights_only=True)
+    except TORN as error:
+        print(f"{path} cannot be read ({error}): the training starts anew", file=sys.stderr)
+        return None

@@ -1,0 +1,45 @@
+"""A checkpoint is what was saved, or nothing."""
+
+import pytest
+import torch
+
+from industnerf.errors import BadArtifact
+from industnerf.learning import checkpoint
+
+STATE = {"step": 3, "losses": [0.5, 0.25], "net": {"w": torch.arange(2000.0)}}
+
+
+def test_what_is_loaded_is_what_was_saved(tmp_path):
+    path = tmp_path / "of a net" / "net.pt"
+    checkpoint.save(path, STATE)
+    found = checkpoint.load(path)
+    assert torch.equal(found["net"].pop("w"), STATE["net"]["w"])
+    assert found == {"step": 3, "losses": [0.5, 0.25], "net": {}}
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_where_nothing_was_saved_there_is_nothing(tmp_path, capsys):
+    assert checkpoint.load(tmp_path / "net.pt") is None
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.01, 0.3, 0.9, 0.999])
+def test_a_torn_one_is_nothing_and_is_spoken_of(tmp_path, capsys, kept):
+    path = tmp_path / "net.pt"
+    checkpoint.save(path, STATE)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(kept * len(whole))])
+    assert checkpoint.load(path) is None
+    assert f"{path} cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("junk", [b"no checkpoint\n", bytes(range(256)) * 9, b"\x80\x02}q\x00."])
+def test_so_is_what_is_no_checkpoint(tmp_path, junk):
+    (tmp_path / "net.pt").write_bytes(junk)
+    assert not checkpoint.load(tmp_path / "net.pt")
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path):
+    (tmp_path / "net.pt").mkdir()
+    with pytest.raises(BadArtifact, match=r"net\.pt: cannot be written"):
+        checkpoint.save(tmp_path / "net.pt", STATE)
