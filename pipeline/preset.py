@@ -21,6 +21,7 @@ from industnerf.schema import Params
 from industnerf.store import Store
 from industnerf.tracking import home, is_on
 
+SETTINGS = {"core.analytics": "false", "cache.type": "hardlink,copy"}
 SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic", "results/grid")
 
 
@@ -58,9 +59,11 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
             link.parent.mkdir(exist_ok=True)
             link.symlink_to(os.path.relpath(root / name, link.parent))
     if not (project / ".dvc").is_dir():
-        for command in (["init", "--no-scm", "-q"], ["config", "core.analytics", "false"]):
-            subprocess.run(["dvc", *command], cwd=project, check=True)
-        subprocess.run(["dvc", "config", "cache.type", "hardlink,copy"], cwd=project, check=True)
+        subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
+    config = project / ".dvc" / "config"
+    if not config.exists() or "cache" not in config.read_text():  # new, or interrupted before
+        for key, value in SETTINGS.items():
+            subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
 
 

@@ -29,7 +29,7 @@ import sys
 from pathlib import Path
 from industnerf.tracking import backfill, label, log_report
 report = Path(sys.argv[1])
-label(report, point="views.count=6")
+label(report, point="views.count=6 parts.path='my parts'")
 log_report(report, {"views": {"count": 6}})
 backfill(report.parent)
 """
@@ -121,7 +121,7 @@ def test_a_point_of_a_sweep_is_not_logged_a_second_time_as_a_study(report, tmp_p
     assert finish(start(LOG_POINT, report))[0] == 0
     code, output = finish(start(READ, tmp_path / "mlflow"))
     assert code == 0, output
-    assert output.startswith("views.count=6\n")
+    assert output.startswith("views.count=6 parts.path='my parts'\n")
 
 
 def test_a_broken_database_is_said_and_not_fatal(report, tmp_path):

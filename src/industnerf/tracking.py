@@ -4,6 +4,7 @@ INDUSTNERF_MLFLOW    the folder of mlflow.db and mlruns; default: the current on
 """
 
 import fcntl
+import hashlib
 import json
 import logging
 import os
@@ -76,7 +77,7 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
     summary, note = json.loads((report / "summary.json").read_text()), report / LABEL
     tags = json.loads(note.read_text()) if note.exists() else git_state()
     mlflow, experiment = _client()
-    results = summary["results"] + tags.get("point", "")
+    results = _digest(summary["results"], tags.get("point", ""))
     same = mlflow.search_runs(
         [experiment], f"tags.results = '{results}'", max_results=1, output_format="list"
     )
@@ -91,6 +92,11 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
         mlflow.log_artifacts(str(report), "report")
         _log_methods(mlflow, run.info.run_id, report.parent / "data")
         mlflow.set_tag("results", results)  # last: what is half logged is logged anew
+
+
+def _digest(results: str, point: str) -> str:
+    """Of a point of a sweep too: its overrides may hold quotes, which no search could ask for."""
+    return hashlib.sha256(point.encode() + results.encode()).hexdigest() if point else results
 
 
 def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:

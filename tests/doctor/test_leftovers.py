@@ -110,3 +110,19 @@ def test_a_half_written_file_of_the_cache_is_found_and_removed(copy: WorkingCopy
     copy.mend("leftovers")
     assert not torn.exists()
     assert copy.find("cache") == []
+
+
+def test_a_draft_that_becomes_a_result_meanwhile_is_no_fault(
+    plain: WorkingCopy, draft: Path, monkeypatch: pytest.MonkeyPatch
+):
+    age(draft, 2 * HOUR)
+    whole = Path.rglob
+
+    def and_then_it_is_renamed(folder: Path, pattern: str):
+        found = list(whole(folder, pattern))
+        if folder == draft and draft.exists():
+            draft.rename(draft.with_name("k"))
+        return iter(found)
+
+    monkeypatch.setattr(Path, "rglob", and_then_it_is_renamed)
+    assert plain.find("leftovers") == []

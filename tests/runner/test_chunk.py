@@ -33,9 +33,10 @@ def test_of_itself_every_job_that_may_run_has_some_to_do_after(pieces, at_a_time
 
 
 @given(st.integers(1, 20_000), NUMBERS)
-def test_the_jobs_are_as_many_as_the_least_size_asks_for(pieces, least):
-    jobs = len(chunked(range(pieces), 64, least))
-    assert jobs == min(ARRAY_MOST, len(range(0, pieces, least)))
+def test_a_job_has_the_least_size_and_there_are_as_many_jobs_as_that_allows(pieces, least):
+    dealt = chunked(range(pieces), 64, least)
+    assert min(len(each) for each in dealt) >= min(least, pieces)
+    assert len(dealt) == ARRAY_MOST or pieces < least * (len(dealt) + 1)
 
 
 def add(path):

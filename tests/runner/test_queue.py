@@ -77,3 +77,13 @@ def test_a_job_that_squeue_has_forgotten_is_gone(squeue):
 def test_a_controller_that_does_not_answer_says_nothing_of_a_job(squeue):
     squeue(error="slurm_load_jobs error: Unable to contact slurm controller", code=1)
     assert queue.ask(["12_0"]) is None
+
+
+def test_nor_does_one_that_hangs(monkeypatch, tmp_path):
+    for name in ("squeue", "scancel"):
+        (tmp_path / name).write_text("#!/bin/sh\nexec sleep 60\n")
+        (tmp_path / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setattr(queue, "ANSWER_S", 0.2)
+    assert queue.ask(["12_0"]) is None
+    queue.cancel(["12_0"])

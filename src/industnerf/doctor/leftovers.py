@@ -5,10 +5,13 @@ whose processes cannot be seen from here: what one of them began, and what a res
 left alone for a month.
 """
 
+import os
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from stat import S_ISREG
 
 from industnerf.doctor.cache import OBJECT
 from industnerf.doctor.findings import Finding, megabytes
@@ -33,7 +36,7 @@ def find(places: Places) -> list[Finding]:
 
 def _of(places: Places, where: Path, kind: str, paths: Iterator[Path]) -> list[Finding]:
     found = sorted(paths)
-    size = sum(file.stat().st_size for path in found for file in _files(path))
+    size = sum(facts.st_size for path in found for facts in _facts(path) if S_ISREG(facts.st_mode))
     what = f"{len(found)} {kind}, {megabytes(size)}"
     return [Finding(where, what, f"rm -rf {places.words(*found)}")] if found else []
 
@@ -59,11 +62,14 @@ def _torn(cache: Path) -> Iterator[Path]:
             yield path
 
 
-def _files(path: Path) -> list[Path]:
-    return [file for file in [path, *path.rglob("*")] if file.is_file()]
+def _facts(path: Path) -> Iterator[os.stat_result]:
+    """Of `path` and all in it; a worker may finish meanwhile, and what it had is then gone."""
+    for each in [path, *path.rglob("*")]:
+        with suppress(FileNotFoundError):
+            yield each.stat()
 
 
 def _age(path: Path) -> float:
-    """Seconds since anything in `path` was changed."""
-    newest = max(each.stat().st_mtime for each in [path, *path.rglob("*")])
-    return time.time() - newest
+    """Seconds since anything in `path` was changed; 0 if it is gone."""
+    now = time.time()
+    return now - max((facts.st_mtime for facts in _facts(path)), default=now)

@@ -81,11 +81,13 @@ class Example:
 
     def cameras(self, count: int) -> Cameras:
         """Those of the views that `rgb` takes."""
+        self._refuse_undeclared(Input.RGB)
         taken = load_views(self.views)
         return taken.cameras[taken.train[self.numbers(count)]]
 
     def numbers(self, count: int) -> Int64[np.ndarray, "_"]:
         """Which of the training views `rgb` takes."""
+        self._refuse_undeclared(Input.RGB)
         return evenly(len(load_views(self.views).train), count)
 
     def _refuse_undeclared(self, name: Input) -> None:
@@ -167,7 +169,7 @@ class Method:
     reconstruct: Callable[[Given, Any, Any, int], Reconstruction]
     fit: Callable[[Sequence[Example], Any, int, Path], State] | None = None
     role: Role = Role.METHOD
-    random: bool = False  # another seed gives another cloud
+    random: bool = False  # another seed of `reconstruct` gives another cloud
 
     @property
     def module(self) -> str:

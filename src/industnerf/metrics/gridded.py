@@ -35,11 +35,13 @@ def measure_grid(
     judge = Judge(part, Truth.load(truth), settings, seed)
     frame, points = judge.frame, (*POINTS, MANY) if many else POINTS
     diagonals = frame.diagonal_mm / float(np.ptp(frame.mesh.vertices, axis=0).max())
-    rng = generator(seed, "grid", part.name)
+    rngs = {name: generator(seed, "grid", part.name, name) for name in [FLOOR, *clouds]}
     shown = {FLOOR: surface_sample(part.name, frame, settings, seed, "floor")[1]}
-    shown |= {name: judge.sampled(Cloud.load(at).points_mm, rng) for name, at in clouds.items()}
+    shown |= {
+        name: judge.sampled(Cloud.load(at).points_mm, rngs[name]) for name, at in clouds.items()
+    }
     cells = {
-        name: [asdict(cell) for cell in grid(judge.truth, side, diagonals, points, rng)]
+        name: [asdict(cell) for cell in grid(judge.truth, side, diagonals, points, rngs[name])]
         for name, side in shown.items()
         if side is not None
     }

@@ -19,10 +19,11 @@ FOR_THE_JOB = (signal.SIGTERM, signal.SIGUSR2)
 def chunked(pieces: Sequence[int], at_a_time: int, least: int | None = None) -> list[list[int]]:
     """`pieces` dealt out to jobs of which `at_a_time` run together, as evenly as possible.
 
-    Each has at least `least` pieces, if there are so many and that is given.
+    Each has at least `least` pieces if that is given, as long as there are so many; more than
+    ARRAY_MOST jobs there are never.
     """
-    most = min(ARRAY_MOST, ROUNDS * at_a_time if least is None else -(-len(pieces) // least))
-    count = min(most, len(pieces))
+    most = min(ARRAY_MOST, ROUNDS * at_a_time if least is None else len(pieces) // least)
+    count = max(1, min(most, len(pieces)))
     return [list(pieces[first::count]) for first in range(count)]
 
 

@@ -1,5 +1,6 @@
 """What SLURM says of jobs: `squeue` alone, for `sacct` needs a database that many do not have."""
 
+import contextlib
 import subprocess
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ WORKING = {"RUNNING", "RESIZING", "SIGNALING", "STAGE_OUT"}
 STOPPED = {"COMPLETING", "SUSPENDED", "STOPPED"}  # may go on, or hang for ever
 CANCELLED = "CANCELLED"
 FORMAT = "%i|%T|%r"
+ANSWER_S = 60.0  # a controller that takes longer is taken for one that does not answer
 
 
 @dataclass(frozen=True)
@@ -42,14 +44,17 @@ def parse(output: str) -> dict[str, State]:
 
 
 def ask(jobs: Iterable[str]) -> dict[str, State] | None:
-    """The state of every one of `jobs`, or None where SLURM does not answer.
+    """The state of every one of `jobs`, or None where SLURM does not answer, or not in time.
 
     A job ended some time ago (MinJobAge) is known no more: GONE.
     """
     jobs = list(jobs)
     arrays = ",".join(sorted({job.partition("_")[0] for job in jobs}))
     command = ["squeue", "-h", "-r", "-t", "all", "-j", arrays, "-o", FORMAT]
-    answer = subprocess.run(command, capture_output=True, text=True)
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, timeout=ANSWER_S)
+    except subprocess.TimeoutExpired:
+        return None
     if answer.returncode and "Invalid job id" not in answer.stderr:
         return None
     states = parse(answer.stdout)
@@ -58,4 +63,5 @@ def ask(jobs: Iterable[str]) -> dict[str, State] | None:
 
 def cancel(jobs: Iterable[str]) -> None:
     """Tell SLURM to end `jobs`; those that ended already do not matter."""
-    subprocess.run(["scancel", "--quiet", *jobs], capture_output=True)
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        subprocess.run(["scancel", "--quiet", *jobs], capture_output=True, timeout=ANSWER_S)
