@@ -15,7 +15,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from industnerf import environment
 from industnerf.artifacts.files import read_json, write_json
+from industnerf.device import check_device
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
@@ -60,8 +62,9 @@ def run_stage(
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
     nothing then.  It also does where the cluster lost a part: that is no result, and DVC must not
-    take it for one.
+    take it for one.  Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
+    check_device(here=environment.text("INDUSTNERF_RUNNER") != "submitit")
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
