@@ -1,5 +1,6 @@
 """Score every cloud against its part; a failure has a score too.  DVC stage `evaluate`."""
 
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
@@ -9,15 +10,29 @@ from industnerf.cli import run_as_stage
 from industnerf.config import Masked
 from industnerf.metrics.beyond import files_beyond
 from industnerf.metrics.protocol import score_failure, score_part
-from industnerf.stage import Task, read_failures, read_index, run_stage
+from industnerf.stage import Task, read_failures, read_index, run_stage, write_failures
 
 
 def main(
     cfg: Masked, method: str, parts: str, views: str, truth: str, clouds: str, out: str
 ) -> None:
-    failed, tasks = read_failures(Path(clouds)), []
-    for part_id in read_index(Path(truth)):
-        part, known, taken, cloud = (Path(p) / part_id for p in (parts, truth, views, clouds))
+    folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
+    failed = set(read_failures(Path(clouds)))
+    run_stage("evaluate", _tasks(cfg, folders, part_ids, failed), Path(out), cfg.on_failure)
+    unscored = read_failures(Path(out))
+    if unscored:  # without a score a part would be missing from this method's means, and no other's
+        tasks = _tasks(cfg, folders, part_ids, failed | set(unscored))
+        run_stage("evaluate", tasks, Path(out), cfg.on_failure)
+        write_failures(Path(out), unscored)
+    gather_scores(Path(out), method)
+
+
+def _tasks(
+    cfg: Masked, folders: tuple[Path, ...], part_ids: Iterable[str], failed: set[str]
+) -> list[Task]:
+    tasks = []
+    for part_id in part_ids:
+        part, known, taken, cloud = (folder / part_id for folder in folders)
         inputs = (part / "mesh.npz", known)
         make = partial(score_failure, part, known, settings=cfg.evaluate, seed=cfg.seed)
         if part_id not in failed:
@@ -25,8 +40,7 @@ def main(
             shown = (part, known, taken, cloud)
             make = partial(score_part, *shown, settings=cfg.evaluate, seed=cfg.seed)
         tasks.append(Task(part_id, make, [cfg.evaluate, cfg.seed, part_id in failed], inputs))
-    run_stage("evaluate", tasks, Path(out), cfg.on_failure)
-    gather_scores(Path(out), method)
+    return tasks
 
 
 if __name__ == "__main__":

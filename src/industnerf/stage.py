@@ -82,8 +82,7 @@ def run_stage(
             store.place(step, key, out / task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
-    said = dict(sorted(failures.items()))  # they come in the order in which parts end
-    write_json(out / "failures.json", {"schema": SCHEMA, "failures": said})
+    write_failures(out, failures)
     if lost or (failures and (on_failure == "strict" or (needs_one and not index))):
         raise _refusal(step, failures, len(index), lost)
 
@@ -99,6 +98,12 @@ def read_index(folder: Path) -> dict[str, str]:
 def read_failures(folder: Path) -> dict[str, str]:
     """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
     return read_json(folder / "failures.json", SCHEMA, _stage_of(folder))["failures"]
+
+
+def write_failures(folder: Path, failures: dict[str, str]) -> None:
+    """What `read_failures` reads."""
+    said = dict(sorted(failures.items()))  # they come in the order in which parts end
+    write_json(folder / "failures.json", {"schema": SCHEMA, "failures": said})
 
 
 def _stage_of(folder: Path) -> str:

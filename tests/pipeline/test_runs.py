@@ -1,13 +1,17 @@
 """The pipeline as a user meets it: finished, interrupted, killed, and given bad input."""
 
 import csv
+import shutil
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import trimesh
 
 from industnerf.artifacts.views import load_views
+from industnerf.stage import read_failures, read_index
 from tests.pipeline.conftest import Project
 
 REPORT = {
@@ -177,6 +181,26 @@ def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
     assert "error: stage solids: 2 of 4 parts failed, the others are stored:" in output
     assert "Traceback" not in output
     assert len(project.finished()) == 2
+
+
+def test_a_cloud_that_cannot_be_scored_counts_as_failed_and_why_is_listed(finished_run, tmp_path):
+    """Were it left out, this method's mean would be one over other parts than all others'."""
+    data, clouds, out = finished_run.folder / "data", tmp_path / "clouds", tmp_path / "scores"
+    shutil.copytree(data / "clouds" / "hull", clouds)
+    torn, *_ = sorted(path.name for path in clouds.iterdir() if path.is_dir())
+    for file in (clouds / torn).glob("*.npz"):
+        file.unlink()  # the store has the same file
+        file.write_bytes(b"torn")
+    folders = [
+        str(folder) for folder in (data / "parts", data / "views", data / "truth", clouds, out)
+    ]
+    command = [sys.executable, "-m", "pipeline.evaluate", "hull", *folders]
+    environment = finished_run.environment | {"INDUSTNERF_STORE": str(tmp_path / "store")}
+    subprocess.run(command, cwd=finished_run.folder, env=environment, check=True)
+    status = {(row["part_id"], row["status"]) for row in rows(out / "scores.csv")}
+    assert status == {(name, "failed" if name == torn else "ok") for name in read_index(out)}
+    assert set(read_index(out)) == set(read_index(data / "truth"))
+    assert list(read_failures(out)) == [torn]
 
 
 @pytest.fixture(scope="module")
