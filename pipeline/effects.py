@@ -14,11 +14,12 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
-from industnerf.config import load_params, read_yaml
+from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.report import ablation, effects
 from industnerf.report.blocks import replace_block
 from industnerf.report.leaves import leaves
+from industnerf.report.sweep_points import preset_of
 from industnerf.schema import readings
 
 DOCUMENTS = {
@@ -31,10 +32,7 @@ def main() -> None:
     if len(sys.argv) != 2:
         raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of one change at a time>")
     sweep = Path(sys.argv[1])
-    for name, when in (("made.json", "start"), ("sweep.csv", "end")):
-        if not (sweep / name).exists():
-            raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
-    preset = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
+    preset = preset_of(sweep)
     if preset not in DOCUMENTS:
         wanted = " or ".join(f"experiment={name}" for name in DOCUMENTS)
         raise BadArtifact(f"{sweep} is of preset {preset!r}, not of {wanted}")

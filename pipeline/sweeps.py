@@ -13,11 +13,10 @@ from PIL import Image
 
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import exit_with_message
-from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
-from industnerf.report.sweep_points import core_seconds, unfinished
+from industnerf.report.sweep_points import core_seconds, preset_of
 
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
@@ -30,12 +29,7 @@ def main(sweep: str = "", machine: str = "") -> None:
 
 def publish(sweep: Path, machine: str) -> None:
     """Copy tables and plot; raises BadArtifact if the sweep is not finished or of no preset."""
-    for name, when in (("made.json", "start"), ("sweep.csv", "end")):
-        if not (sweep / name).exists():
-            raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
-    if failed := unfinished(sweep):
-        raise BadArtifact(f"{failed} points of {sweep} have no report; the same line goes on")
-    name = read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
+    name = preset_of(sweep)
     if name not in [preset.name for preset in presets(Path.cwd())]:
         raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
     folder = PUBLISHED / name

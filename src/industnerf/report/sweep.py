@@ -27,7 +27,8 @@ def write_sweep(folder: Path) -> int:
     points = read_points(folder)
     if points:
         swept = swept_keys(points)
-        lines, found = series(points, swept), trends(series(points, swept))
+        lines = series(points, swept)
+        found = trends(lines)
         table, growth = _table(points, swept), _growth(found)
         write_text(folder / "sweep.csv", _csv(table))
         write_text(folder / "trend.csv", _csv(growth))

@@ -8,6 +8,7 @@ from statistics import fmean
 from typing import Any
 
 from industnerf.config import read_yaml
+from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
 from industnerf.report.leaves import leaves
 
@@ -50,6 +51,16 @@ def read_points(sweep: Path) -> list[Point]:
 def unfinished(sweep: Path) -> int:
     """How many points of the sweep were begun and have no report: they failed."""
     return sum(not _is_finished(folder) for folder in _folders(sweep))
+
+
+def preset_of(sweep: Path) -> str:
+    """The preset that the sweep ran; raises BadArtifact unless every point of it is finished."""
+    for name, when in (("made.json", "start"), ("sweep.csv", "end")):
+        if not (sweep / name).exists():
+            raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
+    if failed := unfinished(sweep):
+        raise BadArtifact(f"{failed} points of {sweep} have no report; the same line goes on")
+    return read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
 
 
 def _folders(sweep: Path) -> list[Path]:

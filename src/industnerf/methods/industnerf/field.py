@@ -113,7 +113,7 @@ class Field(nn.Module):
     def forward(
         self,
     ) -> tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]]:
-        """Density, or where there is a relief distance, and colour of every point."""
+        """Density (reading `distance`: signed distance) and colour of every point."""
         raw, rgb = self._told_of() if self.network is not None else (0.0, 0.0)
         if self._settings.residual.use:
             raw, rgb = raw + self.raw, rgb + self.rgb

@@ -70,6 +70,7 @@ def activate(
 ) -> Float[Tensor, "*n"]:
     """Density in 1/length of raw density; in 1/`unit`, which is a length, before the division.
 
+    distance  raw * unit, a signed distance and a length: rendering makes a density of it.
     cut_exp  max(exp(min(raw, ceiling)) - exp(-6), 0): exactly 0 for raw <= -6.
     relu     max(raw, 0).
     softplus log(1 + exp(raw)): positive everywhere (until it underflows), so that the paper's
