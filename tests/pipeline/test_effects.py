@@ -49,6 +49,7 @@ def workplace(tmp_path, monkeypatch):
         head = "part_id,family,method,metric,protocol,value,status\n"
         lines = [f"a,of-a,{name},emd,P1-even,0.0123,ok\n" for name in params["methods"]]
         (folder / "0/reports/scores.csv").write_text(head + "".join(lines))
+        (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
         (folder / "made.json").write_text(json.dumps({"date": "2026-01-31", "commit": "abc"}))
         (folder / "sweep.csv").write_text("of the sweep\n")
         monkeypatch.setattr("sys.argv", ["effects", str(folder)])

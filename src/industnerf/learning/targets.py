@@ -79,7 +79,8 @@ def voxels(
 
     A voxel is full if its centre is inside, or if the surface passes through it: thin walls count.
     The latter is decided by points of the surface, POINTS / area of them in the mean on a plane
-    across a voxel: of an area of 8 one in 150 such voxels is missed.  Voxel i spans [i, i + 1] / size - 1/2.
+    across a voxel: of an area of 8 one in 150 such voxels is missed.
+    Voxel i spans [i, i + 1] / size - 1/2.
     """
     centres = (np.moveaxis(np.indices((size,) * 3), 0, -1).reshape(-1, 3) + 0.5) / size - 0.5
     full = inside(vertices, faces, centres).reshape((size,) * 3)
