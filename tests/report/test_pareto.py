@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from industnerf.report.pareto import front, pareto
-from industnerf.report.tables import Extra, table1
+from industnerf.report.table1 import table1
+from industnerf.report.table1_text import Extra
 from tests.report.conftest import SETTINGS
 
 LEVELS = [0.5, 1.0, 2.0, 4.0, 8.0]

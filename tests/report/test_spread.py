@@ -7,9 +7,9 @@ from statistics import fmean
 import pytest
 
 from industnerf.errors import BadArtifact
+from industnerf.report.every_score import scores_csv
 from industnerf.report.spread import seeds_csv, seeds_md, spread, spreads
 from industnerf.report.subsets import SEED_PARTS, by_hash
-from industnerf.report.tables import scores_csv
 from tests.samples import unit_part
 from tests.studies import study_of
 

@@ -20,6 +20,7 @@ from rich.table import Table
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.report.comparisons import comparisons_csv, comparisons_md
 from industnerf.report.costs import costs_csv, read_costs
+from industnerf.report.every_score import scores_csv
 from industnerf.report.exhibits import exhibits
 from industnerf.report.gather import Study
 from industnerf.report.goals import goals_csv, goals_md
@@ -33,8 +34,8 @@ from industnerf.report.sheet import contact_sheet
 from industnerf.report.spending import spending_md
 from industnerf.report.strata import strata_csv, strata_md
 from industnerf.report.subsets import exhibited
+from industnerf.report.table1_text import COLUMNS, cells, table1_csv, table1_md
 from industnerf.report.table2 import means, table2_csv, table2_md
-from industnerf.report.tables import COLUMNS, cells, scores_csv, table1_csv, table1_md
 from industnerf.schema import ReportParams
 from industnerf.store import content_digest
 

@@ -4,7 +4,7 @@ Each of OURS is compared with every other method on the EMD (even) of every test
 included, by a paired permutation test that flips the signs of whole families.  Nulls and bounds are
 compared with nothing: they are shown no picture, or the answer, so they are yardsticks, and a test
 against one would only make every other p-value larger.  Each net is compared with what it must
-beat to deserve its name (report/tables.py).  These two questions are a family of hypotheses each to
+beat to deserve its name (report/table1.py).  These two questions are a family of hypotheses each to
 Holm's correction.
 """
 
@@ -16,9 +16,9 @@ from industnerf.artifacts.scores import Score
 from industnerf.methods.base import Method, Role
 from industnerf.report.formats import csv_text, intervals_of, markdown
 from industnerf.report.gather import Study
-from industnerf.report.lookup import EVEN
+from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.statistics import bootstrap_interval, holm, sign_flip_p
-from industnerf.report.tables import MUST_BEAT, only, scores_of
+from industnerf.report.table1 import MUST_BEAT
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 

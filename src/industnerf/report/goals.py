@@ -12,7 +12,7 @@ from industnerf.report.comparisons import even_by_part
 from industnerf.report.costs import CostRow
 from industnerf.report.formats import csv_text, markdown
 from industnerf.report.gather import Study
-from industnerf.report.tables import only, scores_of
+from industnerf.report.lookup import only, scores_of
 
 OURS, PLUS, HULL = "industnerf", "industnerf_plus", "hull"
 WHOLE = 0.98  # share of the surface that the reference rig sees, from which on it counts as all

@@ -11,7 +11,8 @@ from industnerf.report.formats import brief, intervals_of, short
 from industnerf.report.gather import Study
 from industnerf.report.lookup import Scores
 from industnerf.report.markup import Column, Line, folded, part_link, table, warning
-from industnerf.report.tables import COLUMNS, Extra, Row, cells, lesson
+from industnerf.report.table1 import Row
+from industnerf.report.table1_text import COLUMNS, Extra, cells, lesson
 
 TEXT = ("method", "inputs", "subset", "loss")
 GROUPS = {

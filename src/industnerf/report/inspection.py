@@ -10,8 +10,7 @@ from statistics import fmean, median
 from industnerf.artifacts.scores import PartScore
 from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
-from industnerf.report.lookup import EVEN
-from industnerf.report.tables import only, scores_of
+from industnerf.report.lookup import EVEN, only, scores_of
 
 WITHIN = "within_"
 

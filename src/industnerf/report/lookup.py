@@ -1,8 +1,8 @@
-"""One score out of thousands, by part, method, metric and protocol."""
+"""One score out of thousands, or some of them: by part, method, split, metric and protocol."""
 
 from dataclasses import dataclass
 
-from industnerf.artifacts.scores import Score
+from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.gather import Study
 
 EVEN = ("emd", "P1-even")
@@ -31,3 +31,17 @@ class Scores:
     def kinds(self) -> dict[tuple[str, str], str]:
         """Every metric and protocol, in the order in which they were measured, with its unit."""
         return {key[2:]: score.unit for key, score in self.found.items()}
+
+
+def scores_of(study: Study, method: str, split: str) -> list[PartScore]:
+    """The scores of `method` on the parts of `split`."""
+    return [
+        row
+        for row in study.scores
+        if row.method == method and study.places[row.part_id].split == split
+    ]
+
+
+def only(scores: list[PartScore], metric: str, protocol: str) -> list[PartScore]:
+    """Those of `scores` that are of one metric under one protocol."""
+    return [row for row in scores if (row.score.metric, row.score.protocol) == (metric, protocol)]

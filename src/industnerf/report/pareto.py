@@ -4,7 +4,8 @@ import io
 from collections.abc import Sequence
 
 from industnerf.methods.base import Role
-from industnerf.report.tables import Extra, Row
+from industnerf.report.table1 import Row
+from industnerf.report.table1_text import Extra
 
 
 def pareto(rows: Sequence[Row], extras: Sequence[Extra]) -> bytes:

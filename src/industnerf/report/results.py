@@ -10,8 +10,9 @@ from industnerf.report.goals import Goal, goals
 from industnerf.report.inspection import Inspected, inspection
 from industnerf.report.spending import Spending, spending
 from industnerf.report.strata import Stratum, strata
+from industnerf.report.table1 import Row, table1, to_ours, without_failures
+from industnerf.report.table1_text import Extra
 from industnerf.report.table2 import Line, table2
-from industnerf.report.tables import Extra, Row, table1, to_ours, without_failures
 from industnerf.schema import ReportParams
 
 

@@ -11,10 +11,9 @@ from industnerf.artifacts.scores import PartScore
 from industnerf.report import paper
 from industnerf.report.formats import csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Study
-from industnerf.report.lookup import EVEN
+from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.report.subsets import figure3
-from industnerf.report.tables import only, scores_of
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 

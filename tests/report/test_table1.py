@@ -10,15 +10,10 @@ import pytest
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
+from industnerf.report.every_score import scores_csv
 from industnerf.report.gather import Folders, Lesson, Study
-from industnerf.report.tables import (
-    Extra,
-    scores_csv,
-    table1,
-    table1_csv,
-    table1_md,
-    without_failures,
-)
+from industnerf.report.table1 import table1, without_failures
+from industnerf.report.table1_text import Extra, table1_csv, table1_md
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
 

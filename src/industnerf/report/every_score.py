@@ -1,0 +1,45 @@
+"""`scores.csv`: every score of a study."""
+
+from industnerf.artifacts.scores import PartScore
+from industnerf.report.formats import csv_text
+from industnerf.report.gather import Study
+
+SCORE_COLUMNS = (
+    "part_id",
+    "family",
+    "method",
+    "scope",
+    "split",
+    "preset",
+    "seed",
+    "metric",
+    "protocol",
+    "value",
+    "floor",
+    "unit",
+    "status",
+)
+
+
+def scores_csv(study: Study) -> str:
+    """`scores.csv`: every score with its family, split, preset and seed."""
+    return csv_text(SCORE_COLUMNS, [_score_line(study, row) for row in study.scores])
+
+
+def _score_line(study: Study, row: PartScore) -> list[object]:
+    score = row.score
+    return [
+        row.part_id,
+        study.parts[row.part_id].family,
+        row.method,
+        study.methods[row.method].scope.value,
+        study.places[row.part_id].split,
+        study.preset,
+        study.seed,
+        score.metric,
+        score.protocol,
+        f"{score.value:.9g}",
+        f"{score.floor:.9g}",
+        score.unit,
+        score.status,
+    ]
