@@ -131,6 +131,7 @@ def half(target, *, scratch, stop):
     """Leave a note; stop there, or go on from the note of an earlier call."""
     scratch.mkdir(parents=True, exist_ok=True)
     before = (scratch / "note").exists()
+    time.sleep(0.2)
     (scratch / "note").write_text("half")
     if stop.exists():
         raise BadPart("stopped")
@@ -147,6 +148,8 @@ def test_what_is_resumable_goes_on_from_its_notes_and_leaves_none(place):
     stop.unlink()
     run_stage("s", [task], place / "out", "strict")
     assert (place / "out" / "p" / "resumed").read_text() == "True"
+    (cost,) = (place / "store").glob("s/*/cost.json")
+    assert json.loads(cost.read_text())["seconds"] > 0.39  # twice 0.2, but for the clocks' grain
     assert not list((place / "store").glob("s/.resume-*"))
 
 

@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from industnerf import environment
+from industnerf import attempts, environment
 from industnerf.artifacts.files import read_json, write_json
 from industnerf.device import check_device
 from industnerf.errors import PartsFailed
@@ -121,17 +121,25 @@ def _key(step: str, task: Task) -> str:
 def _make(store: Store, step: str, key: str, task: Task) -> None:
     if store.has(step, key):  # made meanwhile, or before the job that makes it was started again
         return
-    scratch = {"scratch": store.scratch(step, key)} if task.resumable else {}
-    store.put(step, key, partial(measured, partial(task.make, **scratch)))
+    if not task.resumable:
+        store.put(step, key, partial(measured, task.make))
+        return
+    scratch = store.scratch(step, key)
+    before = attempts.begin(scratch)
+    make = partial(task.make, scratch=scratch)
+    store.put(step, key, lambda target: measured(make, target, before))
 
 
-def measured(make: Callable[[Path], float | None], target: Path) -> Cost:
-    """What it takes to run `make(target)` in this process; it may return seconds to set aside."""
+def measured(make: Callable[[Path], float | None], target: Path, before: float = 0.0) -> Cost:
+    """What it takes to run `make(target)` in this process; it may return seconds to set aside.
+
+    `before` are the seconds of earlier attempts that it goes on from.
+    """
     _reset_peak()
     start = time.perf_counter()
     aside = make(target) or 0.0
     seconds = time.perf_counter() - start - aside
-    return Cost(round(seconds, 4), _peak_mb(), _device(), round(aside, 4))
+    return Cost(round(before + seconds, 4), _peak_mb(), _device(), round(aside, 4))
 
 
 def _device() -> str:

@@ -23,6 +23,7 @@ CORRIDORS = {
         "cli",
         "config",
         "stage",
+        "attempts",
         "store",
         "code",
         "device",
