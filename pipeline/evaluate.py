@@ -18,11 +18,12 @@ def main(
 ) -> None:
     folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
     failed = set(read_failures(Path(clouds)))
-    run_stage("evaluate", _tasks(cfg, folders, part_ids, failed), Path(out), cfg.on_failure)
+    tasks = _tasks(cfg, folders, part_ids, failed)
+    run_stage("evaluate", tasks, Path(out), cfg.on_failure, needs_one=False)
     unscored = read_failures(Path(out))
     if unscored:  # without a score a part would be missing from this method's means, and no other's
         tasks = _tasks(cfg, folders, part_ids, failed | set(unscored))
-        run_stage("evaluate", tasks, Path(out), cfg.on_failure)
+        run_stage("evaluate", tasks, Path(out), "strict")
         write_failures(Path(out), unscored)
     gather_scores(Path(out), method)
 

@@ -4,7 +4,10 @@
 """
 
 import json
+import os
 import time
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from industnerf.artifacts.files import write_json
@@ -13,7 +16,7 @@ FILE = "attempt.json"
 
 
 def begin(scratch: Path) -> float:
-    """Note that an attempt begins; returns the seconds of those before it that were not in vain."""
+    """Note that an attempt begins; returns the seconds of those before it that left something."""
     before = spent(scratch)
     write_json(scratch / FILE, {"before": before, "begun": time.time()})
     return before
@@ -25,5 +28,13 @@ def spent(scratch: Path) -> float:
         note = json.loads((scratch / FILE).read_text())
     except (OSError, ValueError):  # there was none, or its note is torn
         return 0.0
-    saved = (path.stat().st_mtime for path in scratch.rglob("*") if path.name != FILE)
-    return note["before"] + max(0.0, max(saved, default=note["begun"]) - note["begun"])
+    return note["before"] + max(0.0, max(_saved(scratch), default=note["begun"]) - note["begun"])
+
+
+def _saved(scratch: Path) -> Iterator[float]:
+    """When each file was saved, but for the note and for drafts, which may vanish meanwhile."""
+    for folder, _, names in os.walk(scratch):
+        for name in names:
+            if name != FILE and not name.startswith("."):
+                with suppress(FileNotFoundError):
+                    yield (Path(folder) / name).stat().st_mtime

@@ -15,9 +15,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from industnerf import attempts, environment
+from industnerf import attempts
 from industnerf.artifacts.files import read_json, write_json
-from industnerf.device import check_device
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
@@ -64,7 +63,6 @@ def run_stage(
     nothing then.  It also does where the cluster lost a part: that is no result, and DVC must not
     take it for one.  Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
-    check_device(here=environment.text("INDUSTNERF_RUNNER") != "submitit")
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]

@@ -100,7 +100,7 @@ class Store:
             (draft / "cost.json").write_text(json.dumps(asdict(cost)))
             _flush(draft)
             draft.rename(self.root / step / key)
-        except OSError:
+        except Exception:  # it may have taken from under this one what both resumed from
             if not self.has(step, key):
                 raise
         finally:

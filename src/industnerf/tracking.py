@@ -95,8 +95,9 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
 
 
 def _digest(results: str, point: str) -> str:
-    """Of a point of a sweep too: its overrides may hold quotes, which no search could ask for."""
-    return hashlib.sha256(point.encode() + results.encode()).hexdigest() if point else results
+    """What is searched for: results and point; a hash, where quotes would end the search early."""
+    both = results + point
+    return hashlib.sha256(both.encode()).hexdigest() if "'" in point else both
 
 
 def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:

@@ -36,7 +36,8 @@ def test_a_torn_one_is_nothing_and_is_spoken_of(tmp_path, capsys, kept):
 @pytest.mark.parametrize("junk", [b"no checkpoint\n", bytes(range(256)) * 9, b"\x80\x02}q\x00."])
 def test_so_is_what_is_no_checkpoint(tmp_path, junk):
     (tmp_path / "net.pt").write_bytes(junk)
-    assert not checkpoint.load(tmp_path / "net.pt")
+    assert checkpoint.load(tmp_path / "net.pt") is None
+    assert not (tmp_path / "net.pt").exists()
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path):

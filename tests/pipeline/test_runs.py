@@ -184,7 +184,10 @@ def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
 
 
 def test_a_cloud_that_cannot_be_scored_counts_as_failed_and_why_is_listed(finished_run, tmp_path):
-    """Were it left out, this method's mean would be one over other parts than all others'."""
+    """Were it left out, this method's mean would be one over other parts than all others'.
+
+    A torn file stands for whatever a score cannot be had of.
+    """
     data, clouds, out = finished_run.folder / "data", tmp_path / "clouds", tmp_path / "scores"
     shutil.copytree(data / "clouds" / "hull", clouds)
     torn, *_ = sorted(path.name for path in clouds.iterdir() if path.is_dir())

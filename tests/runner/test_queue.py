@@ -1,6 +1,7 @@
 """What squeue prints, and what it means that it says nothing."""
 
 import subprocess
+import time
 
 import pytest
 
@@ -85,5 +86,7 @@ def test_nor_does_one_that_hangs(monkeypatch, tmp_path):
         (tmp_path / name).chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     monkeypatch.setattr(queue, "ANSWER_S", 0.2)
+    begin = time.monotonic()
     assert queue.ask(["12_0"]) is None
     queue.cancel(["12_0"])
+    assert time.monotonic() - begin < 30

@@ -138,12 +138,13 @@ def test_a_preempted_job_goes_on_where_it_was(cluster, place, in_background, mon
         Task("finished", count, 0, ()),
         Task("aside", count, 1, ()),
         Task("interrupted", go_on, 2, (), resumable=True),
+        Task("aside too", count, 3, ()),
     ]
     running = in_background(run_stage, "s", tasks, place / "out", "strict")
     cluster.run("scancel", "--signal=USR2", appears(place / "mark"))
     running.result(100)
     assert (place / "out" / "interrupted" / "result").read_text() == "half, 1"
-    assert (place / "log").read_text() == "called\n" * 2
+    assert (place / "log").read_text() == "called\n" * 3
 
 
 def test_a_job_that_never_starts_is_given_up(cluster, place, monkeypatch):

@@ -1,6 +1,7 @@
 """Files that are there whole or not at all, whatever they are written with."""
 
 import os
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,7 +12,7 @@ from industnerf.errors import BadArtifact
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """A draft to write, which becomes `path` in one rename; raises BadArtifact if it cannot."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}")
     try:
         yield draft
         with draft.open("rb") as file:

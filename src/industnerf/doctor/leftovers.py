@@ -64,7 +64,8 @@ def _torn(cache: Path) -> Iterator[Path]:
 
 def _facts(path: Path) -> Iterator[os.stat_result]:
     """Of `path` and all in it; a worker may finish meanwhile, and what it had is then gone."""
-    for each in [path, *path.rglob("*")]:
+    inside = (Path(at) / name for at, _, names in os.walk(path) for name in [".", *names])
+    for each in [path, *inside]:
         with suppress(FileNotFoundError):
             yield each.stat()
 

@@ -18,15 +18,16 @@ TORN = (OSError, RuntimeError, EOFError, ValueError, pickle.UnpicklingError, zip
 
 def save(path: Path, state: dict[str, Any]) -> None:
     """Write `state`, plain data and tensors; raises BadArtifact if it cannot be written."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as draft:
-        torch.save(state, draft)
+        draft.parent.mkdir(parents=True, exist_ok=True)
+        with draft.open("wb") as file:
+            torch.save(state, file)
 
 
 def load(path: Path) -> dict[str, Any] | None:
     """What `save` wrote, on the CPU; None where there is nothing, or nothing that can be read.
 
-    A file that is torn is said to be so: hours may begin anew, but no net is lost to it.
+    A file that is torn is said to be so, and goes: hours begin anew, but no net is lost to it.
     """
     if not path.exists():
         return None
@@ -34,4 +35,5 @@ def load(path: Path) -> dict[str, Any] | None:
         return torch.load(path, map_location="cpu", weights_only=True)
     except TORN as error:
         print(f"{path} cannot be read ({error}): the training starts anew", file=sys.stderr)
+        path.unlink(missing_ok=True)
         return None

@@ -5,6 +5,7 @@ never from params.yaml, and never changes a result:
 
     INDUSTNERF_RUNNER    process (default), serial, or submitit: SLURM, see `slurm.py`
     INDUSTNERF_WORKERS   number of processes; default: the cores this process may use
+    INDUSTNERF_DEVICE    cpu, cuda or cuda:1; default: a GPU where there is one
 """
 
 import os
@@ -12,6 +13,7 @@ import os
 from industnerf import environment
 from industnerf.errors import BadParams
 from industnerf.runner.base import Outcome, Runner, Work
+from industnerf.runner.device import check_device
 from industnerf.runner.processes import ProcessRunner, SerialRunner, die_with_parent
 
 __all__ = [
@@ -26,8 +28,12 @@ __all__ = [
 
 
 def runner_from_environment() -> Runner:
-    """The runner that INDUSTNERF_RUNNER names; raises BadParams for an unknown one."""
+    """The runner that INDUSTNERF_RUNNER names.
+
+    Raises BadParams for an unknown one, and for a device that INDUSTNERF_DEVICE names in vain.
+    """
     name = environment.text("INDUSTNERF_RUNNER") or "process"
+    check_device(here=name != "submitit")
     if name == "serial":
         return SerialRunner()
     if name == "process":

@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from industnerf.runner.base import Outcome, Work
+from industnerf.runner.device import check_device
 from industnerf.runner.notes import Notes
 from industnerf.runner.processes import ProcessRunner
 
@@ -23,7 +24,7 @@ def chunked(pieces: Sequence[int], at_a_time: int, least: int | None = None) -> 
     ARRAY_MOST jobs there are never.
     """
     most = min(ARRAY_MOST, ROUNDS * at_a_time if least is None else len(pieces) // least)
-    count = max(1, min(most, len(pieces)))
+    count = min(max(1, most), len(pieces))
     return [list(pieces[first::count]) for first in range(count)]
 
 
@@ -41,6 +42,7 @@ class Chunk:
     memory_mb: int | None
 
     def __call__(self) -> None:
+        check_device(here=True)  # the job ends, and its pieces are lost; they have not failed
         ended = self.notes.ended()
         left = [(index, work) for index, work in self.works if index not in ended]
         works = [partial(self.notes.begin, index, work) for index, work in left]

@@ -3,8 +3,11 @@
 import pytest
 import torch
 
-from industnerf.device import check_device, device
+from industnerf.device import device
 from industnerf.errors import BadParams
+from industnerf.runner.chunk import Chunk
+from industnerf.runner.device import check_device
+from industnerf.runner.notes import Notes
 from industnerf.stage import run_stage
 
 
@@ -26,11 +29,19 @@ def test_a_gpu_that_is_not_here_may_be_elsewhere(monkeypatch):
         check_device(here=True)
 
 
-def test_a_stage_asks_before_anything_is_done(monkeypatch, tmp_path):
+def test_a_stage_ends_without_a_result(monkeypatch, tmp_path):
     monkeypatch.setenv("INDUSTNERF_DEVICE", "gpu")
     with pytest.raises(BadParams, match="INDUSTNERF_DEVICE is 'gpu'"):
         run_stage("train", [], tmp_path / "states", "report")
     assert not (tmp_path / "states").exists()
+
+
+def test_on_a_node_without_it_a_job_ends_and_notes_no_failure(monkeypatch, tmp_path):
+    monkeypatch.setattr(torch.cuda, "device_count", lambda: 0)
+    monkeypatch.setenv("INDUSTNERF_DEVICE", "cuda")
+    with pytest.raises(BadParams, match="torch finds 0"):
+        Chunk(((0, print),), Notes(tmp_path), workers=1, limit_s=1.0, memory_mb=None)()
+    assert Notes(tmp_path).begun() == Notes(tmp_path).ended() == set()
 
 
 @pytest.mark.parametrize("name", ["", "cpu"])
