@@ -18,19 +18,20 @@ def main(
 ) -> None:
     folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
     failed = set(read_failures(Path(clouds)))
-    tasks = _tasks(cfg, folders, part_ids, failed)
+    tasks = tasks_of(cfg, folders, part_ids, failed)
     run_stage("evaluate", tasks, Path(out), cfg.on_failure, needs_one=False)
     unscored = read_failures(Path(out))
     if unscored:  # without a score a part would be missing from this method's means, and no other's
-        tasks = _tasks(cfg, folders, part_ids, failed | set(unscored))
+        tasks = tasks_of(cfg, folders, part_ids, failed | set(unscored))
         run_stage("evaluate", tasks, Path(out), "strict")
         write_failures(Path(out), unscored)
     gather_scores(Path(out), method)
 
 
-def _tasks(
+def tasks_of(
     cfg: Masked, folders: tuple[Path, ...], part_ids: Iterable[str], failed: set[str]
 ) -> list[Task]:
+    """`folders` are those of parts, truth, views and clouds."""
     tasks = []
     for part_id in part_ids:
         part, known, taken, cloud = (folder / part_id for folder in folders)

@@ -10,6 +10,7 @@ from industnerf import config
 from industnerf.artifacts.scores import Score, load_scores
 from industnerf.artifacts.views import load_views
 from industnerf.errors import ReconstructionFailed
+from industnerf.stage import read_failures, read_index
 from pipeline import evaluate, reconstruct, report
 from tests.methods.caster import CASTER, GREY
 
@@ -93,18 +94,15 @@ def test_a_failed_part_has_no_invented_pictures_and_is_counted(stages):
     assert sum(name.endswith(".rgb_mse") for name in metrics) == 1
 
 
-def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(
-    stages, finished_run, monkeypatch
-):
+def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(stages, finished_run):
     """A method that does not render does not depend on them."""
     data, tasks = finished_run.folder / "data", []
-    monkeypatch.setattr(evaluate, "run_stage", lambda step, new, *_: tasks.extend(new))
-    monkeypatch.setattr(evaluate, "gather_scores", lambda *_: None)
     params = config.load_params(finished_run.folder / "params.yaml")
     cfg = config.stage("evaluate", NAME, finished_run.folder / "dvc.yaml").mask(params)
     for clouds in (stages / "clouds", data / "clouds"):
-        places = (data / "parts", data / "views", data / "truth", clouds / NAME, "scores")
-        evaluate.main(cfg, NAME, *map(str, places))
+        folders = (data / "parts", data / "truth", data / "views", clouds / NAME)
+        failed = set(read_failures(clouds / NAME))
+        tasks += evaluate.tasks_of(cfg, folders, read_index(data / "truth"), failed)
     rendered, usual = (
         {path.name for task in mine if task.part_id == WORKS for path in task.inputs}
         for mine in (tasks[:2], tasks[2:])
