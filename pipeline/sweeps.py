@@ -34,7 +34,7 @@ def publish(sweep: Path, machine: str) -> None:
         raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
     folder = PUBLISHED / name
     folder.mkdir(parents=True, exist_ok=True)
-    for table in ("sweep.csv", "trend.csv"):
+    for table in ("sweep.csv", "steps.csv", "trend.csv"):
         shutil.copy(sweep / table, folder / table)
     with Image.open(sweep / "sweep.png") as plot:
         plot.convert("RGB").quantize(COLOURS).save(folder / "sweep.png", optimize=True)

@@ -33,6 +33,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "1,4,box,dev,0.1\n"
     )
     (sweep / "trend.csv").write_text("series\n")
+    (sweep / "steps.csv").write_text("series\n")
     made = {"schema": 1, "date": "2026-01-02", "commit": "0123456 with changes"}
     (sweep / "made.json").write_text(json.dumps(made))
     Image.new("RGB", (640, 800), (255, 0, 0)).save(sweep / "sweep.png")
@@ -50,7 +51,7 @@ def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path
     assert second == (
         "| `sweep-b` | What of sweep-b? | 2 | 2.5 minutes of one core, measured "
         "| EMD at `n` 1 and 4: `hull` 0.0300 to 0.0200, `box` 0.1000 to 0.1000 "
-        "([table](sweeps/sweep-b/sweep.csv)) |"
+        "([table](sweeps/sweep-b/sweep.csv), [steps](sweeps/sweep-b/steps.csv)) |"
     )
     assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
     assert "a quiet machine" in text

@@ -1,5 +1,6 @@
 """Intervals by cluster bootstrap, sign-flip tests, and Holm's correction."""
 
+from dataclasses import replace
 from itertools import product
 from math import comb
 
@@ -9,7 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from industnerf.report import statistics
-from industnerf.report.statistics import bootstrap_interval, holm, sign_flip_p
+from industnerf.report.statistics import bootstrap_interval, holm, paired_change, sign_flip_p
+from industnerf.schema import ReportParams
+
+WAYS = ReportParams(resamples=100, interval=0.95, sheet_parts=1)
 
 
 def rng():
@@ -17,14 +21,14 @@ def rng():
 
 
 def test_equal_values_have_no_width():
-    assert bootstrap_interval([2.0] * 6, list("aabbcc"), 100, 0.95, rng()) == (2.0, 2.0)
+    assert bootstrap_interval([2.0] * 6, list("aabbcc"), WAYS, 0) == (2.0, 2.0)
 
 
 def test_one_part_a_family_is_the_plain_bootstrap():
     """Its standard error is that of a mean: 1.96 s / sqrt(n) either way."""
     values = np.random.default_rng(1).normal(size=400)
     families = [str(i) for i in range(400)]
-    low, high = bootstrap_interval(list(values), families, 4000, 0.95, rng())
+    low, high = bootstrap_interval(list(values), families, replace(WAYS, resamples=4000), 0)
     expected = 1.96 * values.std() / np.sqrt(400)
     # 4000 draws place a 2.5 % quantile to about 5 % of the half-width (3 standard errors)
     assert (high - low) / 2 == pytest.approx(expected, rel=0.06)
@@ -33,13 +37,34 @@ def test_one_part_a_family_is_the_plain_bootstrap():
 def test_parts_of_a_family_do_not_count_as_independent():
     """Ten copies of every part in its family narrow nothing."""
     values, families = [float(i) for i in range(8)], [str(i) for i in range(8)]
-    once = bootstrap_interval(values, families, 2000, 0.9, rng())
-    tenfold = bootstrap_interval(values * 10, families * 10, 2000, 0.9, rng())
+    once = bootstrap_interval(values, families, WAYS, 0)
+    tenfold = bootstrap_interval(values * 10, families * 10, WAYS, 0)
     assert once == pytest.approx(tenfold)
 
 
 def test_one_family_gives_the_range():
-    assert bootstrap_interval([1.0, 3.0, 2.0], ["a"] * 3, 100, 0.95, rng()) == (1.0, 3.0)
+    assert bootstrap_interval([1.0, 3.0, 2.0], ["a"] * 3, WAYS, 0) == (1.0, 3.0)
+
+
+def test_a_change_is_that_of_the_parts_that_both_have():
+    """One part a family, each 0.1 less: nothing is left to chance."""
+    before = {"a": 0.5, "b": 0.7, "gone": 9.0}
+    after = {"a": 0.4, "b": 0.6, "new": 0.0}
+    change = paired_change(before, after, {"a": "x", "b": "y"}, WAYS)
+    assert (change.mean, change.low, change.high) == pytest.approx((-0.1, -0.1, -0.1))
+    assert (change.parts, change.lower) == (2, 2)
+
+
+def test_the_interval_of_a_change_is_that_of_the_differences():
+    before, after = {"a": 1.0, "b": 2.0, "c": 3.0}, {"a": 1.5, "b": 1.0, "c": 3.0}
+    families = {"a": "x", "b": "y", "c": "z"}
+    change = paired_change(before, after, families, WAYS, seed=3)
+    assert (change.low, change.high) == bootstrap_interval([0.5, -1.0, 0.0], "xyz", WAYS, 3)
+    assert change.lower == 1
+
+
+def test_without_a_part_in_common_there_is_no_change():
+    assert paired_change({"a": 1.0}, {"b": 1.0}, {}, WAYS) is None
 
 
 def slow_p(differences, families):

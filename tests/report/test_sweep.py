@@ -14,16 +14,24 @@ from industnerf.report.sweep_series import series, trends
 
 
 def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, faces: int = 10):
-    """One finished point: two parts, one method, costs `seconds` a part on average."""
+    """One finished point: two parts, one method, costs `seconds` a part on average.
+
+    The parts score 0.9 and 1.1 times `emd`.
+    """
     folder = sweep / str(number)
     (folder / "reports").mkdir(parents=True)
-    (folder / "params.yaml").write_text(yaml.safe_dump(params))
+    (folder / "params.yaml").write_text(yaml.safe_dump({"report": WAYS} | params))
     (folder / "reports/summary.json").write_text("{}")
     (folder / "reports/table1.csv").write_text(
         "method,split,emd_even,ci_low,ci_high,ratio_to_floor\n"
         f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5\n"
     )
-    (folder / "reports/scores.csv").write_text("part_id,split\np1,dev\np2,dev\n")
+    (folder / "reports/scores.csv").write_text(
+        "part_id,family,split,method,metric,protocol,value\n"
+        f"p1,f1,dev,hull,emd,P1-even,{0.9 * emd}\n"
+        f"p1,f1,dev,hull,emd,P1-iid,7\n"
+        f"p2,f2,dev,hull,emd,P1-even,{1.1 * emd}\n"
+    )
     (folder / "reports/cost.csv").write_text(
         "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
         "views,,p1,1000,1000,cpu,0\n"
@@ -33,6 +41,9 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
     part = folder / "data/parts/p1"
     part.mkdir(parents=True)
     (part / "part.json").write_text(json.dumps({"faces": faces}))
+
+
+WAYS = {"resamples": 200, "interval": 0.95, "sheet_parts": 1}
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -64,6 +75,32 @@ def test_a_row_has_emd_interval_and_costs(sweep: Path):
         "seconds": "64.00",
         "peak_mb": "200.00",
     }
+
+
+def test_each_step_has_the_mean_difference_of_its_parts(sweep: Path):
+    """From 10 to 20 pixels the parts, of two families, score 0.045 and 0.055 less."""
+    write_sweep(sweep)
+    first, second = rows(sweep / "steps.csv")
+    assert first == {
+        "series": "hull",
+        "from": "10",
+        "to": "20",
+        "EMD changes by": "-0.05000",
+        "ci_low": "-0.05500",  # of two families a bootstrap draws one of them twice often enough
+        "ci_high": "-0.04500",
+        "parts": "2",
+        "better on": "2",
+    }
+    assert (second["from"], second["to"], second["EMD changes by"]) == ("20", "40", "-0.02500")
+
+
+def test_points_without_a_part_in_common_are_no_step(tmp_path: Path):
+    for number, part in enumerate(("a", "b")):
+        point(tmp_path, number, {"parts": {"select": [part]}}, 0.1, 1.0, faces=10 + number)
+        scores = tmp_path / str(number) / "reports/scores.csv"
+        scores.write_text(scores.read_text().replace("p1", f"{part}1").replace("p2", f"{part}2"))
+    write_sweep(tmp_path)
+    assert rows(tmp_path / "steps.csv") == []
 
 
 def test_the_growth_of_costs_is_fitted(sweep: Path):

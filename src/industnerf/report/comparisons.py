@@ -87,10 +87,7 @@ def _compare(study: Study, settings: ReportParams, one: str, other: str) -> Comp
         return None
     differences = [ours[part].value - theirs[part].value for part in common]
     families = [study.parts[part].family for part in common]
-    draws = generator(study.seed, "bootstrap")
-    low, high = bootstrap_interval(
-        differences, families, settings.resamples, settings.interval, draws
-    )
+    low, high = bootstrap_interval(differences, families, settings, study.seed)
     p = sign_flip_p(differences, families, generator(study.seed, "sign flips"))
     wins = sum(difference < 0 for difference in differences) / len(differences)
     mm = fmean(

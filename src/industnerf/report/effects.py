@@ -11,10 +11,9 @@ from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
 from industnerf.report.leaves import leaves
 from industnerf.report.lookup import EVEN
-from industnerf.report.statistics import bootstrap_interval
+from industnerf.report.statistics import paired_change
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
-from industnerf.seeds import generator
 
 METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
 HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
@@ -107,11 +106,7 @@ def _row(
 
 def difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
     """The mean over parts of what `one` scored less what `base` did, and its interval."""
-    parts = sorted(one.emd.keys() & base.emd.keys())
-    if not parts:
+    change = paired_change(base.emd, one.emd, base.families, ways)
+    if change is None:
         return ["", ""]
-    change = [one.emd[part] - base.emd[part] for part in parts]
-    families = [base.families[part] for part in parts]
-    rng = generator(0, "bootstrap")
-    low, high = bootstrap_interval(change, families, ways.resamples, ways.interval, rng)
-    return [f"{fmean(change):+.4f}", f"{low:+.4f} to {high:+.4f}"]
+    return [f"{change.mean:+.4f}", f"{change.low:+.4f} to {change.high:+.4f}"]

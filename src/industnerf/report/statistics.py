@@ -1,35 +1,67 @@
 """Means over parts, and how sure they are: parts of one family are not independent."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
 
 import numpy as np
 from jaxtyping import Float
+
+from industnerf.schema import ReportParams
+from industnerf.seeds import generator
 
 EXACT = 20  # families up to which every pattern of signs is tried: 2**20 sums are 8 MB
 DRAWS = 65_536  # patterns of signs that stand for all where there are more families
 
 
 def bootstrap_interval(
-    values: Sequence[float],
-    families: Sequence[str],
-    resamples: int,
-    interval: float,
-    rng: np.random.Generator,
+    values: Sequence[float], families: Sequence[str], ways: ReportParams, seed: int
 ) -> tuple[float, float]:
     """Percentile interval of the mean under a cluster bootstrap.
 
-    Whole families are drawn with replacement; a draw's mean is over all parts in it.  With one
-    family there is nothing to draw from, and the interval is the whole line's honest stand-in:
-    the smallest and the largest value.
+    Whole families are drawn with replacement, the same ones for every method; a draw's mean is over
+    all parts in it.  With one family there is nothing to draw from, and the interval is the whole
+    line's honest stand-in: the smallest and the largest value.
     """
     if len(set(families)) < 2:
         return min(values), max(values)
     sums, counts = _by_family(values, families)
-    drawn = rng.integers(len(sums), size=(resamples, len(sums)))
+    rng = generator(seed, "bootstrap")
+    drawn = rng.integers(len(sums), size=(ways.resamples, len(sums)))
     means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)
-    tail = (1 - interval) / 2
+    tail = (1 - ways.interval) / 2
     low, high = np.quantile(means, [tail, 1 - tail])
     return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class Change:
+    """What the same parts score under two settings: the mean difference, and how sure it is."""
+
+    mean: float
+    low: float
+    high: float
+    parts: int
+    lower: int  # parts that score less than before
+
+
+def paired_change(
+    before: Mapping[str, float],
+    after: Mapping[str, float],
+    families: Mapping[str, str],
+    ways: ReportParams,
+    seed: int = 0,
+) -> Change | None:
+    """`after` less `before`, part by part, of all parts that have both; None if none has.
+
+    A part that is hard is hard in both, so a difference is surer than the two means are.
+    """
+    parts = sorted(before.keys() & after.keys())
+    if not parts:
+        return None
+    changes = [after[part] - before[part] for part in parts]
+    ends = bootstrap_interval(changes, [families[part] for part in parts], ways, seed)
+    return Change(fmean(changes), *ends, len(parts), sum(change < 0 for change in changes))
 
 
 def sign_flip_p(

@@ -13,7 +13,6 @@ from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
-from industnerf.seeds import generator
 
 ALL = "all"
 
@@ -59,12 +58,11 @@ def _row(study: Study, settings: ReportParams, stratum: str, method: str) -> Str
     values = [score.value for score in scores.values()]
     families = [study.parts[part].family for part in scores]
     mean, floor = fmean(values), fmean(score.floor for score in scores.values())
-    draws = generator(study.seed, "bootstrap")
     return Stratum(
         stratum,
         method,
         mean,
-        *bootstrap_interval(values, families, settings.resamples, settings.interval, draws),
+        *bootstrap_interval(values, families, settings, study.seed),
         fmean(score.value * study.parts[part].diagonal_mm for part, score in scores.items()),
         floor,
         mean / floor,

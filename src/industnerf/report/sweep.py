@@ -1,6 +1,7 @@
-"""After a sweep: a table of its points, how costs grow, and a plot.
+"""After a sweep: a table of its points, what each step changes, how costs grow, and a plot.
 
 sweep.csv    a row a point, method and split: EMD with interval, seconds, memory
+steps.csv    from each point to the next: the mean paired difference of the EMD, with its interval
 trend.csv    exponents of seconds and memory, where what is swept is a number
 sweep.png    the same
 """
@@ -14,26 +15,29 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_text
+from industnerf.report import sweep_steps
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import Point, Result, read_points, swept_keys, unfinished
 from industnerf.report.sweep_series import Trend, series, trends
+from industnerf.report.sweep_steps import steps
 
 COLUMNS = ("method", "split", "emd", "low", "high", "x floor", "seconds", "peak_mb")
 ONLY_IN_FILES = ("point", "split", "low", "high")  # the others fit into 80 characters
 
 
 def write_sweep(folder: Path) -> int:
-    """Write the three files into `folder`, print the tables; returns failed points."""
+    """Write the four files into `folder`, print the tables; returns failed points."""
     points = read_points(folder)
     if points:
         swept = swept_keys(points)
         lines = series(points, swept)
         found = trends(lines)
-        table, growth = _table(points, swept), _growth(found)
+        table, growth, changes = _table(points, swept), _growth(found), steps(lines, points)
         write_text(folder / "sweep.csv", _csv(table))
+        write_text(folder / "steps.csv", _csv(sweep_steps.table(changes)))
         write_text(folder / "trend.csv", _csv(growth))
         plot(lines, found, swept[0], folder / "sweep.png")
-        _show(table, growth, folder)
+        _show(table, sweep_steps.table(changes), growth, folder)
     return unfinished(folder)
 
 
@@ -64,9 +68,11 @@ def _csv(lines: list[list[str]]) -> str:
     return text.getvalue()
 
 
-def _show(table: list[list[str]], growth: list[list[str]], folder: Path) -> None:
-    console = Console()
-    for title, lines in (("EMD over the sweep", table), ("How costs grow", growth)):
+def _show(
+    table: list[list[str]], changes: list[list[str]], growth: list[list[str]], folder: Path
+) -> None:
+    console, titles = Console(), ("EMD over the sweep", "From point to point", "How costs grow")
+    for title, lines in zip(titles, (table, changes, growth), strict=True):
         wanted = [i for i, name in enumerate(lines[0]) if name not in ONLY_IN_FILES]
         shown = Table(*(lines[0][i] for i in wanted), title=title, box=SIMPLE, padding=(0, 1))
         for line in lines[1:]:

@@ -9,6 +9,7 @@ from industnerf.report.formats import csv_rows
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
 HEAD = ("sweep", "question", "points", "time", "result")
+TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"))
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,12 @@ def _row(root: Path, preset: Preset) -> list[str]:
     folder = root / PUBLISHED / preset.name
     lines = csv_rows(folder / "sweep.csv")
     points = len({line["point"] for line in lines})
-    result = f"{_ends(lines)} ([table](sweeps/{preset.name}/sweep.csv))"
+    tables = [
+        f"[{text}](sweeps/{preset.name}/{file})"
+        for text, file in TABLES
+        if (folder / file).exists()
+    ]
+    result = f"{_ends(lines)} ({', '.join(tables)})"
     time = f"{_about(root, preset)['core_minutes']} minutes of one core, measured"
     return [name, preset.question, str(points), time, result]
 

@@ -11,6 +11,7 @@ from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
 from industnerf.report.leaves import leaves
+from industnerf.report.lookup import EVEN
 
 SELECT = "parts.select"
 
@@ -27,6 +28,7 @@ class Result:
     ratio: float  # to the floor
     seconds: float | None  # mean of a reconstruction; None where the store does not know
     peak_mb: float | None
+    emds: dict[str, float]  # EMD (even) by part
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class Point:
     params: dict[str, Any]  # by dotted key
     faces: float  # mean of its parts' meshes
     results: list[Result]
+    families: dict[str, str]  # by part
 
     def at(self, key: str) -> Any:
         """Where the point stands on the axis `key`: parts by how many faces they have."""
@@ -79,7 +82,9 @@ def swept_keys(points: list[Point]) -> list[str]:
 
 
 def _read(folder: Path) -> Point:
-    seconds, peaks = _costs(folder / "reports")
+    scores = csv_rows(folder / "reports/scores.csv")
+    seconds, peaks = _costs(folder / "reports", {row["part_id"]: row["split"] for row in scores})
+    emds = _emds(scores)
     results = [
         Result(
             row["method"],
@@ -87,17 +92,30 @@ def _read(folder: Path) -> Point:
             *(float(row[name]) for name in ("emd_even", "ci_low", "ci_high", "ratio_to_floor")),
             seconds.get((row["method"], row["split"])),
             peaks.get((row["method"], row["split"])),
+            emds[row["method"], row["split"]],
         )
         for row in csv_rows(folder / "reports/table1.csv")
     ]
+    families = {row["part_id"]: row["family"] for row in scores}
     parts = [json.loads(path.read_text()) for path in folder.glob("data/parts/*/part.json")]
     params = leaves(read_yaml(folder / "params.yaml"))
-    return Point(int(folder.name), params, fmean(part["faces"] for part in parts), results)
+    faces = fmean(part["faces"] for part in parts)
+    return Point(int(folder.name), params, faces, results, families)
 
 
-def _costs(reports: Path) -> tuple[dict[tuple[str, str], float], dict[tuple[str, str], float]]:
+def _emds(scores: list[dict[str, str]]) -> dict[tuple[str, str], dict[str, float]]:
+    """The EMD (even) of each part, by method and split."""
+    found: dict[tuple[str, str], dict[str, float]] = defaultdict(dict)
+    for row in scores:
+        if (row["metric"], row["protocol"]) == EVEN:
+            found[row["method"], row["split"]][row["part_id"]] = float(row["value"])
+    return found
+
+
+def _costs(
+    reports: Path, split_of: dict[str, str]
+) -> tuple[dict[tuple[str, str], float], dict[tuple[str, str], float]]:
     """Mean seconds and mean peak MB of a reconstruction, by method and split."""
-    split_of = {row["part_id"]: row["split"] for row in csv_rows(reports / "scores.csv")}
     seconds, peaks = defaultdict(list), defaultdict(list)
     for row in csv_rows(reports / "cost.csv"):
         if row["stage"] == "reconstruct" and row["part_id"] in split_of:  # it may have no score

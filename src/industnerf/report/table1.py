@@ -10,7 +10,6 @@ from industnerf.report.gather import Lesson, Study
 from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
-from industnerf.seeds import generator
 
 MUST_BEAT = ("retrieval", "mean_shape")  # by a net that deserves its name
 
@@ -74,13 +73,8 @@ def _row(
 ) -> Row:
     even = only(scores, *EVEN)
     values = [row.score.value for row in even]
-    low, high = bootstrap_interval(
-        values,
-        [study.parts[row.part_id].family for row in even],
-        settings.resamples,
-        settings.interval,
-        generator(study.seed, "bootstrap"),  # the same draws of families for every method
-    )
+    families = [study.parts[row.part_id].family for row in even]
+    low, high = bootstrap_interval(values, families, settings, study.seed)
     floor = fmean(row.score.floor for row in even)
     parameters, steps = study.training[method.name]
     size, learned_from, hold_out = _learned(study.lessons.get(method.name))

@@ -15,7 +15,6 @@ from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.report.subsets import figure3
 from industnerf.schema import ReportParams
-from industnerf.seeds import generator
 
 LEFT_OUT = "Table 2 is left out: no method of this study renders the held-out views."
 
@@ -90,13 +89,8 @@ def _line(
     scores: list[PartScore],
 ) -> Line:
     values = [row.score.value for row in mine]
-    low, high = bootstrap_interval(
-        values,
-        [study.parts[row.part_id].family for row in mine],
-        settings.resamples,
-        settings.interval,
-        generator(study.seed, "bootstrap"),
-    )
+    families = [study.parts[row.part_id].family for row in mine]
+    low, high = bootstrap_interval(values, families, settings, study.seed)
     frames = only(scores, loss.metric, "P1-frame")
     return Line(
         mine[0].method,

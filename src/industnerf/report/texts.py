@@ -4,11 +4,11 @@ TABLE1 = (
     "Lower is better. EMD is the exact Wasserstein-1 distance in units of the true bounding-box "
     "diagonal, on what the reference rig sees, and beside it the mean in mm; <i>full</i> is of the "
     "whole surface. <i>floor</i> is the same metric between two independent samples of the truth: "
-    "no method can do better. <i>even</i> compares geometry alone, <i>iid</i> geometry and "
-    "density. The interval is a bootstrap over families. A failed part scores the worse of its "
-    "ball and its box. A row marked null knows no picture of the part, a row marked bound is given "
-    "the answer. A net is undertrained if its validation loss was still falling, or if retrieval "
-    "or the mean shape is as good. The paper's numbers have no published protocol."
+    "what a perfect method scores, but for chance. <i>even</i> compares geometry alone, <i>iid</i> "
+    "geometry and density. The interval is a bootstrap over families. A failed part scores the "
+    "worse of its ball and its box. A row marked null knows no picture of the part, a row marked "
+    "bound is given the answer. A net is undertrained if its validation loss was still falling, or "
+    "if retrieval or the mean shape is as good. The paper's numbers have no published protocol."
 )
 TABLE2 = (
     "The held-out views, rendered by the method and photographed. RGB (linear, white is 1), PSNR "

@@ -53,9 +53,9 @@ where bodies that touch were united, the loops that they form count too.
 
 ## Splits
 
-By hash, so that adding a part moves no other. No test part tunes anything; the `dev` parts do, and no
-headline mean contains them ([protocol.md](protocol.md), "Means"). Of the others, whole families are
-held out together, in folds.
+By hash, so that adding a part moves no other. No test part tunes anything; the `dev` parts do, and
+no headline mean contains them ([protocol.md](protocol.md), "Means"). Of the others, whole families
+are held out together, in folds.
 
 {family_table}
 
