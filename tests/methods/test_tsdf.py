@@ -5,10 +5,11 @@ import pytest
 import trimesh
 
 from industnerf.errors import ReconstructionFailed
+from industnerf.geometry import fusion
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
 from industnerf.methods import load_method
 from industnerf.methods.base import Given, Input, Role
-from industnerf.methods.tsdf import fusion, reconstruct
+from industnerf.methods.tsdf import reconstruct
 from industnerf.schema import TsdfSettings
 from tests.methods.solids import cameras_around, cup, painted
 
@@ -52,14 +53,6 @@ def test_the_floor_of_a_cup_is_found_where_no_silhouette_shows_it():
     assert np.abs(points[above, 2] - (6.0 - 12.0)).max() < 0.5 * CELL
 
 
-def test_cells_behind_a_camera_are_in_no_image():
-    """With a wide lens close by, corners of the cube are behind cameras."""
-    image = fusion.Image(np.ones((8, 8), np.float32), np.eye(3, 4, dtype=np.float32))
-    behind = np.array([[1.0, 1, -1], [4, 4, -1]], np.float32)
-    assert not image.empty(behind, 0.1).any()
-    assert (image.look(behind, 0.1)[1] == 0).all()
-
-
 def test_a_wall_of_two_cells_keeps_its_thickness():
     """What an image sees in front says nothing of the wall's far side."""
     points = points_of(depth_of(trimesh.creation.box([40.0, 30.0, 2 * CELL])))
@@ -77,19 +70,6 @@ def test_what_no_image_sees_stays_solid():
     assert values[16, 16, 2] == np.float32(0.125)  # in the shadow
     assert values[16, 16, 16] == np.float32(0.125)  # inside
     assert values[16, 16, 29] == values[2, 16, 16] == np.float32(-0.125)  # seen empty
-
-
-def test_a_slope_is_measured_on_the_flatter_side():
-    depth = np.full((5, 7), fusion.STEEP)
-    depth[:, 3:] = np.float32([2, 2.5, 3, 3.5])
-    # 0.5 per column, nothing per row, also at the outline and at the border
-    np.testing.assert_allclose(fusion.slopes(depth)[:, 3:], 0.5)
-
-
-def test_the_focal_length_is_read_from_a_projection():
-    projection = projections_from_ball(CAMERAS, np.array([1.0, 2, 3]), 17.0)
-    for one in projection[:5]:
-        assert fusion.focal_of(one) == pytest.approx(CAMERAS.K[0, 0, 0], rel=1e-5)  # float32
 
 
 def test_images_of_nothing_say_so():

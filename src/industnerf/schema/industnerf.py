@@ -116,6 +116,15 @@ class ReliefSettings:
 
 
 @dataclass(frozen=True)
+class FusionSettings:
+    """Of the depths that all views see: reading `fused` of R11."""
+
+    grid_res: Annotated[int, within("[8, 512]")]
+    truncation: Annotated[float, at_least(1, " cell")]
+    points: Count
+
+
+@dataclass(frozen=True)
 class IndustnerfSettings:
     readings: Readings
     grid_res: Annotated[int, within("[8, 512]")]
@@ -144,6 +153,7 @@ class IndustnerfSettings:
     depth: PositiveOr0
     noise: Share
     least_confidence: Share
+    fusion: FusionSettings
     spacing: Annotated[float, within("(0, 1)")]
 
     def __post_init__(self) -> None:

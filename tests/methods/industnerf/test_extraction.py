@@ -1,11 +1,23 @@
-"""From confidence to the cloud, by either reading."""
+"""From confidence to the cloud, by each reading."""
 
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 import pytest
 import torch
 
+from industnerf.config import load_params
 from industnerf.methods.industnerf import witnesses  # a class called Test... would be collected
 from industnerf.methods.industnerf.extraction import final_cloud
+from industnerf.methods.industnerf.fused import fused
+from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, thinned
+from tests.methods.solids import cameras_around
+
+CAMERAS = cameras_around(5, 32, 1.0)
+POSED = Posed(np.zeros((5, 32, 32, 3), np.uint8), CAMERAS, None, np.zeros(3), 1.0)
+WAYS = load_params(Path(__file__).parents[3] / "params.yaml").method.industnerf
 
 
 def some(count: int, seed: int) -> Surface:
@@ -20,7 +32,19 @@ TOLD = witnesses.Testimony(MEMBERS.confidence, MEMBERS.view, SEEN, MEMBERS.confi
 
 
 def cloud(least: float, reading: str, spacing: float = 0.2) -> Surface:
-    return final_cloud(MEMBERS.points, MEMBERS.rgb, TOLD, least, spacing, reading)
+    return told_by(TOLD, least, reading, spacing)
+
+
+def told_by(told: witnesses.Testimony, least: float, reading: str, spacing: float = 0.2) -> Surface:
+    ways = replace(
+        WAYS,
+        readings=replace(WAYS.readings, cloud=reading),
+        surface_px=32,
+        least_confidence=least,
+        spacing=spacing,
+        fusion=replace(WAYS.fusion, grid_res=16, points=500),
+    )
+    return final_cloud(MEMBERS.points, MEMBERS.rgb, told, POSED, ways, 7)
 
 
 def assert_same(a: Surface, b: Surface) -> None:
@@ -44,6 +68,19 @@ def test_surface_points_are_those_of_sure_pixels_thinned(least, kept):
     assert len(fine.points) == kept
 
 
+def test_fused_points_are_those_of_the_surface_that_the_views_agree_on():
+    ways = replace(
+        WAYS,
+        surface_px=32,
+        least_confidence=0.5,
+        fusion=replace(WAYS.fusion, grid_res=16, points=500),
+    )
+    framed = replace(SEEN, points=SEEN.points / 4)
+    found = told_by(replace(TOLD, surface=framed), 0.5, "fused")
+    assert_same(found, fused(framed, POSED, ways, 7))
+    assert len(found.points) == 500
+
+
 def test_nothing_sure_is_an_empty_cloud():
     doubtful = witnesses.Testimony(
         torch.zeros(21),
@@ -51,6 +88,6 @@ def test_nothing_sure_is_an_empty_cloud():
         Surface(*(v[:0] for v in vars(SEEN).values())),
         torch.zeros(1, 21),
     )
-    for reading in ("confident", "surface"):
-        found = final_cloud(MEMBERS.points, MEMBERS.rgb, doubtful, 0.0, 0.2, reading)
+    for reading in ("confident", "surface", "fused"):
+        found = told_by(doubtful, 0.0, reading)
         assert len(found.points) == len(found.view) == 0

@@ -66,7 +66,7 @@ def test_every_ray_that_meets_a_point_is_in_the_footprint(longest, seed, radius,
     rng = np.random.default_rng(seed)
     points = torch.tensor(rng.uniform(-1, 1, (count, 3)) * rng.uniform(0.05, 1)).float()
     shown = footprint(points, radius, eyes, longest)
-    assert tuple(shown.shape[1:]) == size_of(eyes, longest)
+    assert tuple(shown.shape[1:]) == size_of(eyes.width, eyes.height, longest)
     for view in range(len(eyes)):
         eye, axis = eyes.c2w[view, :3, 3], eyes.c2w[view, :3, 2]
         ahead = points[(points - eye) @ axis > radius * (1 + 1e-5)]  # others are not looked for
@@ -137,7 +137,7 @@ def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     ],
 )
 def test_images_keep_their_shape_and_are_only_reduced(width, height, longest, expected):
-    assert size_of(Eyes(torch.eye(3)[None], torch.eye(4)[None], width, height), longest) == expected
+    assert size_of(width, height, longest) == expected
 
 
 def test_reduced_images_are_means_of_blocks():

@@ -6,29 +6,35 @@ import torch
 from jaxtyping import Float32
 from torch import Tensor
 
+from industnerf.methods.industnerf.fused import fused
+from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, Testimony, thinned
-from industnerf.schema.readings import CloudReading
+from industnerf.schema import IndustnerfSettings
 
 
 def final_cloud(
     points: Float32[Tensor, "m 3"],
     rgb: Float32[Tensor, "m 3"],
     told: Testimony,
-    least: float,
-    spacing: float,
-    reading: CloudReading,
+    posed: Posed,
+    ways: IndustnerfSettings,
+    seed: int,
 ) -> Surface:
-    """The points that are kept, their colours, confidences and the views that are surest.
+    """The points of the cloud, their colours, confidences and the views that are surest.
 
-    confident: the cloud points of confidence (13) of at least `least`.
-    surface: where pixels see the surface, if sure by `least`, one point a cell of side `spacing`.
+    confident: the cloud points of confidence (13) of at least `least_confidence`.
+    surface: where pixels see the surface, if they are as sure, one point a cell of side `spacing`.
+    fused: on the surface on which the views agree, drawn by `seed` (`fused.fused`).
     """
+    least, reading = ways.least_confidence, ways.readings.cloud
     match reading:
         case "confident":
             sure = told.confidence >= max(least, torch.finfo(torch.float32).tiny)
             return Surface(points[sure], rgb[sure], told.confidence[sure], told.view[sure])
         case "surface":
             sure = told.surface.confidence >= least
-            return thinned(Surface(*(x[sure] for x in vars(told.surface).values())), spacing)
+            return thinned(Surface(*(x[sure] for x in vars(told.surface).values())), ways.spacing)
+        case "fused":
+            return fused(told.surface, posed, ways, seed)
         case _:
             assert_never(reading)

@@ -73,10 +73,10 @@ def noisier(
     return colours + deviation * torch.randn(colours.shape, generator=generator).to(colours)
 
 
-def size_of(eyes: Eyes, longest: int) -> tuple[int, int]:
+def size_of(width: int, height: int, longest: int) -> tuple[int, int]:
     """Height and width of an image whose longer side is brought down to `longest` px."""
-    share = min(1.0, longest / max(eyes.width, eyes.height))
-    return max(1, round(eyes.height * share)), max(1, round(eyes.width * share))
+    share = min(1.0, longest / max(width, height))
+    return max(1, round(height * share)), max(1, round(width * share))
 
 
 def averaged(scene: Scene, height: int, width: int) -> Float32[Tensor, "n h w 3"]:
@@ -103,7 +103,7 @@ def footprint(
 
     Points up to `spacing` in front of the camera, and those behind it, are not looked for.
     """
-    height, width = size_of(eyes, longest)
+    height, width = size_of(eyes.width, eyes.height, longest)
     masks = torch.zeros(len(eyes), height, width, dtype=torch.bool, device=points.device)
     scale = points.new_tensor([width / eyes.width, height / eyes.height])
     for mask, K, c2w in zip(masks, eyes.K, eyes.c2w, strict=True):

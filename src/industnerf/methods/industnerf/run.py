@@ -112,7 +112,7 @@ class Work:
         watch: Watch,
         learned: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        self._posed, self._watch = posed, watch
+        self._posed, self._watch, self._seed = posed, watch, seed
         self.scene = scene_of(posed, device())
         self._silhouettes = None
         if settings.carve:
@@ -195,9 +195,7 @@ class Work:
         ways = self._settings
         sigma, (_, rgb) = self.training.density(), self.training.values()
         points = self.training.points.positions
-        cloud = final_cloud(
-            points, rgb, self.told, ways.least_confidence, ways.spacing, ways.readings.cloud
-        )
+        cloud = final_cloud(points, rgb, self.told, self._posed, ways, self._seed)
         dense = sigma > 0
         return Outcome(
             self._in_world(cloud.points),

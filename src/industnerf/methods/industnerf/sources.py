@@ -65,7 +65,7 @@ class Sources(nn.Module):
         """
         eyes = self._scene.eyes
         longest = round(STRIDE * 2 / spacing) if spacing else max(eyes.width, eyes.height)
-        return averaged(self._scene, *size_of(eyes, longest)).permute(0, 3, 1, 2)
+        return averaged(self._scene, *size_of(eyes.width, eyes.height, longest)).permute(0, 3, 1, 2)
 
     def encode_anew(self) -> None:
         """Have every view told by E as it is now."""

@@ -7,9 +7,9 @@ import numpy as np
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import framed_ball, projections_from_ball
+from industnerf.geometry.fusion import fuse
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Role, Scope
-from industnerf.methods.tsdf.fusion import fuse
 from industnerf.schema import TsdfSettings
 
 

@@ -49,6 +49,7 @@ def cloud(making: Making) -> Any:
     away = making.posed.cameras.eyes - making.posed.centre
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     view = (255 * (0.5 + 0.5 * away[making.sure])).astype(np.uint8)
+    view[making.sure < 0] = 160  # no pixel looks at these
     picture(axes[0], making.posed.rgb[making.view], "source view")
     kinds = (
         (making.colours, f"{len(making.cloud_mm):,} points: colour"),

@@ -1,5 +1,6 @@
 """Depth images, and the mean of the signed distances that they give.
 
+Curless and Levoy, "A Volumetric Method for Building Complex Models from Range Images" (1996).
 Unit frame: the region of interest is the ball of radius 1 about the origin, and the lattice
 tiles the cube around it.  Depths and distances are in that unit, distances positive inside.
 """
@@ -12,17 +13,22 @@ AT_ONCE = 1 << 16  # cells looked at together, so that their arrays stay in the 
 BEHIND = 0.5  # truncations behind a surface, from where on an image knows nothing
 OUTLINE = 3  # px; within this square about a pixel, the part may cover what its centre does not
 STEEP = np.float32(1e6)  # depth of the background where slopes are measured: larger than any
+UNKNOWN = np.float32(-1.0)  # depth of a pixel of which nothing is known
 
 
 class Image:
-    """A depth image, 0 where it shows the background, and what is read from it."""
+    """A depth image, 0 where it shows the background, and what is read from it.
+
+    Where it is UNKNOWN, and a pixel beside, it says nothing of what is empty.
+    """
 
     def __init__(
         self, depth: Float32[np.ndarray, "h w"], projection: Float32[np.ndarray, "3 4"]
     ) -> None:
         shown = depth > 0
         self._projection, self._size = projection, depth.shape
-        self._depth = np.where(shown, depth, np.float32(np.inf)).ravel()
+        beyond = np.where(depth < 0, np.float32(-np.inf), np.float32(np.inf))
+        self._depth = np.where(shown, depth, beyond).ravel()
         self._least = minimum_filter(self._depth.reshape(depth.shape), OUTLINE).ravel()
         pixel = np.where(shown, depth, STEEP) / focal_of(projection)  # what it spans
         slope = slopes(np.where(shown, depth, STEEP)) / pixel

@@ -1,0 +1,82 @@
+"""The surface on which the depths of all source views agree: reading `fused` of R11.
+
+A pixel says where its ray meets the surface, and that there is nothing before.  The field is rough,
+and no two views meet it in the same place: the mean of their signed distances is smoother than
+what any of them sees.  What bounds the space that is seen empty is surface even where no pixel
+looks at it, as the walls of a deep bore.
+"""
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Float32
+from scipy.spatial import cKDTree
+
+from industnerf.geometry.cameras import projections_from_ball
+from industnerf.geometry.fusion import UNKNOWN, fuse
+from industnerf.geometry.isosurface import isosurface_points
+from industnerf.methods.industnerf.pixels import size_of
+from industnerf.methods.industnerf.scene import Posed
+from industnerf.methods.industnerf.witnesses import Surface, thinned
+from industnerf.schema import IndustnerfSettings
+
+Projections = Float32[np.ndarray, "v 3 4"]
+
+
+def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -> Surface:
+    """Area-uniform points of the surface that pixels see, one of each ray that meets it.
+
+    Pixels that are less sure than `least_confidence` say nothing.  A point has the colour, the
+    confidence and the view of the pixels next to it; if there are none, confidence 0 and view -1.
+    """
+    surface = Surface(*(values.cpu() for values in vars(surface).values()))
+    sure = surface.confidence >= ways.least_confidence
+    seen = Surface(*(values[sure] for values in vars(surface).values()))
+    if not len(seen.points):
+        return seen
+    depth, projections = depth_images(surface, sure.numpy(), posed, ways.surface_px)
+    grid_res, spacing = ways.fusion.grid_res, 2 / ways.fusion.grid_res
+    reach = ways.fusion.truncation * spacing
+    values = fuse(depth, projections, grid_res, reach)
+    values[beyond_region(grid_res)] = -reach
+    lo, rng = np.full(3, spacing / 2 - 1), np.random.default_rng(seed)
+    points = isosurface_points(values, 0.0, lo, spacing, ways.fusion.points, rng)
+    return described(points, thinned(seen, spacing), reach)
+
+
+def beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
+    """Which cells are not in the unit ball: no view may have them in frame, and X ends there."""
+    squares = ((np.arange(grid_res) + 0.5) * (2 / grid_res) - 1) ** 2
+    return squares[:, None, None] + squares[:, None] + squares > 1
+
+
+def depth_images(
+    surface: Surface, sure: Bool[np.ndarray, "n"], posed: Posed, longest: int
+) -> tuple[Float32[np.ndarray, "v h w"], Projections]:
+    """What each view sees of `surface`, the longer side of its image `longest` px; 0 is nothing."""
+    width, height = posed.cameras.width, posed.cameras.height
+    tall, wide = size_of(width, height, longest)
+    projections = projections_from_ball(posed.cameras, posed.centre, posed.radius)
+    projections[:, 0] *= wide / width
+    projections[:, 1] *= tall / height
+    depth = np.zeros((len(projections), tall, wide), np.float32)
+    points, view = surface.points.numpy(), surface.view.numpy()
+    for which, (image, projection) in enumerate(zip(depth, projections, strict=True)):
+        own = view == which
+        u, v, z = projection[:, :3] @ points[own].T + projection[:, 3:]
+        row, column = (v / z).astype(int), (u / z).astype(int)  # the points are on rays of pixels
+        image[row, column] = np.where(sure[own], z, UNKNOWN)
+    return depth, projections
+
+
+def described(points: Float[np.ndarray, "n 3"], pixels: Surface, reach: float) -> Surface:
+    """`points` with what the nearest of `pixels` says; beyond `reach` none is sure of anything."""
+    if not len(points):
+        return Surface(*(values[:0] for values in vars(pixels).values()))
+    away, nearest = cKDTree(pixels.points.numpy()).query(points)
+    near, told = torch.from_numpy(away <= reach), torch.from_numpy(nearest)
+    return Surface(
+        torch.from_numpy(points).float(),
+        pixels.rgb[told],
+        torch.where(near, pixels.confidence[told], 0.0),
+        torch.where(near, pixels.view[told], -1),
+    )
