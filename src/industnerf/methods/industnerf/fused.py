@@ -23,9 +23,10 @@ Projections = Float32[np.ndarray, "v 3 4"]
 
 
 def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -> Surface:
-    """Area-uniform points of the surface that pixels see, one of each ray that meets it.
+    """Area-uniform points of the surface on which the views agree, in the unit frame; maybe none.
 
-    Pixels that are less sure than `least_confidence` say nothing.  A point has the colour, the
+    `surface` has the point where each pixel's ray meets the field; a pixel that has none sees
+    nothing.  Pixels less sure than `least_confidence` say nothing.  A point has the colour, the
     confidence and the view of the pixels next to it; if there are none, confidence 0 and view -1.
     """
     surface = Surface(*(values.cpu() for values in vars(surface).values()))
