@@ -19,7 +19,6 @@ from industnerf.report import sweep_steps
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import Point, Result, read_points, swept_keys, unfinished
 from industnerf.report.sweep_series import Trend, series, trends
-from industnerf.report.sweep_steps import steps
 
 COLUMNS = ("method", "split", "emd", "low", "high", "x floor", "seconds", "peak_mb")
 ONLY_IN_FILES = ("point", "split", "low", "high")  # the others fit into 80 characters
@@ -32,12 +31,13 @@ def write_sweep(folder: Path) -> int:
         swept = swept_keys(points)
         lines = series(points, swept)
         found = trends(lines)
-        table, growth, changes = _table(points, swept), _growth(found), steps(lines, points)
+        table, growth = _table(points, swept), _growth(found)
+        changes = sweep_steps.table(sweep_steps.steps(lines, points))
         write_text(folder / "sweep.csv", _csv(table))
-        write_text(folder / "steps.csv", _csv(sweep_steps.table(changes)))
+        write_text(folder / "steps.csv", _csv(changes))
         write_text(folder / "trend.csv", _csv(growth))
         plot(lines, found, swept[0], folder / "sweep.png")
-        _show(table, sweep_steps.table(changes), growth, folder)
+        _show(table, changes, growth, folder)
     return unfinished(folder)
 
 
