@@ -54,7 +54,7 @@ class Role(StrEnum):
 
     METHOD = "method"
     NULL = "null"  # is shown no picture of the part: what any method must beat
-    BOUND = "bound"  # is given the answer: what no method can beat
+    BOUND = "bound"  # is given the answer: a bound on what a method can reach
 
 
 @dataclass(frozen=True)

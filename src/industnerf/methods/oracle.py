@@ -1,4 +1,4 @@
-"""The part's true surface, sampled anew: what no method can beat."""
+"""The part's true surface, sampled anew: the bound of the metric itself."""
 
 import numpy as np
 

@@ -32,8 +32,7 @@ def final_cloud(
             sure = told.confidence >= max(least, torch.finfo(torch.float32).tiny)
             return Surface(points[sure], rgb[sure], told.confidence[sure], told.view[sure])
         case "surface":
-            sure = told.surface.confidence >= least
-            return thinned(Surface(*(x[sure] for x in vars(told.surface).values())), ways.spacing)
+            return thinned(told.surface.only(told.surface.confidence >= least), ways.spacing)
         case "fused":
             return fused(told.surface, posed, ways, seed)
         case _:

@@ -31,7 +31,7 @@ def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -
     """
     surface = Surface(*(values.cpu() for values in vars(surface).values()))
     sure = surface.confidence >= ways.least_confidence
-    seen = Surface(*(values[sure] for values in vars(surface).values()))
+    seen = surface.only(sure)
     if not len(seen.points):
         return seen
     depth, projections = depth_images(surface, sure.numpy(), posed, ways.surface_px)
@@ -72,7 +72,7 @@ def depth_images(
 def described(points: Float[np.ndarray, "n 3"], pixels: Surface, reach: float) -> Surface:
     """`points` with what the nearest of `pixels` says; beyond `reach` none is sure of anything."""
     if not len(points):
-        return Surface(*(values[:0] for values in vars(pixels).values()))
+        return pixels.only(torch.zeros(len(pixels.points), dtype=torch.bool))
     away, nearest = cKDTree(pixels.points.numpy()).query(points)
     near, told = torch.from_numpy(away <= reach), torch.from_numpy(nearest)
     return Surface(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float32, Int64
+from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 
 from industnerf.methods.industnerf.pixels import Pixels
@@ -23,6 +23,10 @@ class Surface:
     rgb: Float32[Tensor, "n 3"]
     confidence: Float32[Tensor, "n"]  # (12) of the pixel, times its opacity
     view: Int64[Tensor, "n"]
+
+    def only(self, which: Bool[Tensor, "n"]) -> "Surface":
+        """These of the points, in this order."""
+        return Surface(*(values[which] for values in vars(self).values()))
 
 
 @dataclass(frozen=True)
