@@ -41,10 +41,10 @@ def test_the_papers_number_is_impossible_where_the_floor_is_above_it():
 def test_the_file_has_a_row_for_every_subject():
     rows = list(csv.DictReader(io.StringIO(grid_csv(lines(CELLS)))))
     assert [(r["points"], r["subject"], r["mean"], r["possible"]) for r in rows] == [
-        ("1024", "floor", "0.020000", "0"),
-        ("1024", "hull", "0.060000", "0"),
-        ("4096", "floor", "0.010000", "1"),
-        ("4096", "hull", "0.020000", "1"),
+        ("1024", "floor", "0.02", "0"),
+        ("1024", "hull", "0.06", "0"),
+        ("4096", "floor", "0.01", "1"),
+        ("4096", "hull", "0.02", "1"),
     ]
 
 

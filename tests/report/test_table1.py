@@ -11,6 +11,7 @@ from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
 from industnerf.report.every_score import scores_csv
+from industnerf.report.formats import short
 from industnerf.report.gather import Folders, Lesson, Study
 from industnerf.report.table1 import table1, without_failures
 from industnerf.report.table1_text import Extra, table1_csv, table1_md
@@ -88,9 +89,12 @@ def test_a_bound_says_that_it_is_one(study):
 
 def test_the_files_hold_what_the_rows_do(study):
     rows = table1(study, SETTINGS)
+    rows[1] = replace(rows[1], emd_even=0.01574974)  # with six decimals, and then with four: 0.0158
     read = list(csv.DictReader(io.StringIO(table1_csv(rows))))
     assert [row["method"] for row in read] == [row.method for row in rows]
-    assert float(read[1]["emd_even"]) == pytest.approx(rows[1].emd_even, abs=5e-7)
+    assert float(read[1]["emd_even"]) == pytest.approx(
+        rows[1].emd_even, rel=5e-6
+    )  # six digits: rounded again, right
     assert read[1]["paper_emd"] == ""
     text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
     assert "90 %" in text.splitlines()[0]

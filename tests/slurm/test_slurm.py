@@ -6,18 +6,17 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pytest
-import trimesh
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
 
-from industnerf.artifacts.files import write_json
-from industnerf.artifacts.part import Mesh, save_part
-from industnerf.config import load_params, stage
+from industnerf.config import build
 from industnerf.errors import BadParams
 from industnerf.runner import runner_from_environment
+from industnerf.schema import Params
 from industnerf.stage import Task, run_stage
-from pipeline import views
-from tests.samples import unit_part
+from pipeline.chain import run_chain
+from tests.pipeline.conftest import TIMED
 from tests.slurm import works
 from tests.slurm.cluster import Cluster, why_not
 
@@ -71,34 +70,29 @@ def in_background():
 
 
 @pytest.fixture
-def photographed(place, root, monkeypatch):
-    """Runs the stage `views` on two small parts with a store of its own; what it left, in bytes."""
-    solids = {"box": trimesh.creation.box((3, 4, 5)), "ball": trimesh.creation.icosphere()}
-    for name, solid in solids.items():
-        mesh = Mesh.plain(np.array(solid.vertices, float), np.array(solid.faces, np.int32))
-        extents = tuple(np.ptp(mesh.vertices, axis=0).tolist())
-        (place / "parts" / name).mkdir(parents=True)
-        save_part(place / "parts" / name, unit_part(name, extents_mm=extents), mesh)
-    write_json(place / "parts" / "index.json", {"schema": 1, "keys": dict.fromkeys(solids, "")})
-    write_json(place / "parts" / "failures.json", {"schema": 1, "failures": {}})
-    params = load_params(root / "params.yaml")
-    small = replace(params, views=replace(params.views, resolution=32, count=3, held_out=1))
-    mask = stage("views", path=root / "dvc.yaml").mask(small)
+def small(root):
+    """The smoke preset with one method that learns from other parts and one that does not."""
+    methods = ["methods=[industnerf,mean_shape]", "evaluate.points=128"]
+    with initialize_config_dir(str(root / "conf"), version_base="1.3"):
+        values = OmegaConf.to_container(compose("config", ["experiment=smoke", *methods]))
+    return build(Params, values)
 
-    def run(runner):
+
+def test_every_stage_writes_the_same_bytes_as_on_one_machine(place, small, monkeypatch):
+    """A sweep point from the parts to the report, with a store of its own on either side."""
+    made = {}
+    for runner in ("process", "submitit"):
         monkeypatch.setenv("INDUSTNERF_RUNNER", runner)
         monkeypatch.setenv("INDUSTNERF_STORE", str(place / f"store-{runner}"))
-        out = place / runner / "views"
-        views.main(mask, str(place / "parts"), str(out))
-        return {p.relative_to(out): p.read_bytes() for p in out.rglob("*") if p.is_file()}
-
-    return run
-
-
-def test_photographs_are_the_same_bytes_as_on_one_machine(photographed, place):
-    here, there = photographed("process"), photographed("submitit")
-    assert sum(path.suffix == ".png" for path in here) >= 2 * 4
-    assert here == there
+        run_chain(small, place / runner)
+        files = [path for path in (place / runner).rglob("*") if path.is_file()]
+        made[runner] = {path.relative_to(place / runner): path.read_bytes() for path in files}
+    here, there = made.values()
+    assert here.keys() == there.keys()
+    other = {path for path in here if here[path] != there[path]}
+    assert {path.name for path in other} <= TIMED, sorted(other)
+    for stage in ("parts", "views", "truth", "states", "clouds", "scores"):
+        assert any(path.is_relative_to(f"data/{stage}") for path in here), stage
     assert not list((place / "logs").iterdir()), "logs are kept only where something failed"
 
 

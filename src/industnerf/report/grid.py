@@ -1,7 +1,5 @@
 """The grid of protocols: which of them can the paper's numbers have come from?"""
 
-import csv
-import io
 from collections import defaultdict
 from dataclasses import dataclass
 from html import escape
@@ -11,7 +9,7 @@ from statistics import fmean
 from industnerf.artifacts.files import read_json
 from industnerf.errors import BadArtifact
 from industnerf.report import paper
-from industnerf.report.formats import csv_rows, markdown
+from industnerf.report.formats import csv_rows, csv_text, markdown
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
 
@@ -58,16 +56,12 @@ def lines(cells: dict[str, dict[str, list[dict]]]) -> list[Line]:
 
 def grid_csv(found: list[Line]) -> str:
     """`grid.csv`: a row for every cell and subject."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow([*CELL, "subject", "mean", "parts", "paper", "possible"])
-    for line in found:
-        for subject, mean in line.means.items():
-            printed = paper.EMD.get(subject, "")
-            table.writerow(
-                [*line.cell, subject, f"{mean:.6f}", line.parts, printed, int(line.possible)]
-            )
-    return text.getvalue()
+    lines = [
+        [*line.cell, subject, mean, line.parts, paper.EMD.get(subject), int(line.possible)]
+        for line in found
+        for subject, mean in line.means.items()
+    ]
+    return csv_text([*CELL, "subject", "mean", "parts", "paper", "possible"], lines)
 
 
 def grid_md(found: list[Line]) -> str:

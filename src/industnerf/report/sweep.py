@@ -6,8 +6,6 @@ trend.csv    exponents of seconds and memory, where what is swept is a number
 sweep.png    the same
 """
 
-import csv
-import io
 from pathlib import Path
 
 from rich.box import SIMPLE
@@ -16,6 +14,7 @@ from rich.table import Table
 
 from industnerf.artifacts.files import write_text
 from industnerf.report import sweep_steps
+from industnerf.report.formats import csv_text
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import Point, Result, read_points, swept_keys, unfinished
 from industnerf.report.sweep_series import Trend, series, trends
@@ -33,9 +32,9 @@ def write_sweep(folder: Path) -> int:
         found = trends(lines)
         table, growth = _table(points, swept), _growth(found)
         changes = sweep_steps.table(sweep_steps.steps(lines, points))
-        write_text(folder / "sweep.csv", _csv(table))
-        write_text(folder / "steps.csv", _csv(changes))
-        write_text(folder / "trend.csv", _csv(growth))
+        write_text(folder / "sweep.csv", csv_text(table[0], table[1:]))
+        write_text(folder / "steps.csv", csv_text(changes[0], changes[1:]))
+        write_text(folder / "trend.csv", csv_text(growth[0], growth[1:]))
         plot(lines, found, swept[0], folder / "sweep.png")
         _show(table, changes, growth, folder)
     return unfinished(folder)
@@ -60,12 +59,6 @@ def _growth(found: list[Trend]) -> list[list[str]]:
         [t.label, t.quantity, f"{t.law.exponent:.3f}", f"{t.law.error:.3f}", str(t.law.points)]
         for t in found
     ]
-
-
-def _csv(lines: list[list[str]]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(lines)
-    return text.getvalue()
 
 
 def _show(

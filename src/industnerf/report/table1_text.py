@@ -41,11 +41,7 @@ class Extra:
 
 def table1_csv(rows: list[Row]) -> str:
     """`table1.csv`, one column a field of Row."""
-    lines = [
-        [f"{cell:.6f}" if isinstance(cell, float) else cell for cell in astuple(row)]
-        for row in rows
-    ]
-    return csv_text([field.name for field in fields(Row)], lines)
+    return csv_text([field.name for field in fields(Row)], map(astuple, rows))
 
 
 def cells(row: Row, extra: Extra) -> list[str]:
