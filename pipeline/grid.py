@@ -18,13 +18,16 @@ from industnerf.report.provenance import made_by
 from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.schema import Params
 from industnerf.stage import Task, read_index, run_stage
+from pipeline.publish import check_finished
 
 SUBJECTS = ("industnerf", "hull")
 DATA, OUT, RESULTS = Path("data"), Path("runs/grid"), Path("results/grid")
 
 
 def main() -> None:
-    made = made_by("python -m pipeline.grid")  # first: without a commit the work would be in vain
+    # First: without a commit, or with clouds of another one, the work would be in vain.
+    made = made_by("python -m pipeline.grid")
+    check_finished(Path(), but="report")  # which shows the grid, and is out of date after it
     params, places = load_params(), load_split(DATA / "split.json")
     tested = sorted(part for part in _reconstructed() if places[part].split == "test")
     few = set(by_hash("seeds", tested)[:SEED_PARTS])  # those are asked with many points too

@@ -6,13 +6,12 @@ python -m pipeline.preset demo
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
-from industnerf.cli import exit_with_message
+from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
 from industnerf.doctor.places import Places
@@ -26,6 +25,7 @@ SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic"
 
 
 def main(preset: str) -> None:
+    require_dvc()
     root = Path.cwd()
     known = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
     if preset not in known:
@@ -68,4 +68,4 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    exit_with_message(lambda: main(*sys.argv[1:]))
+    run_command(main)

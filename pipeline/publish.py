@@ -10,11 +10,10 @@ python -m pipeline.publish organic   the same of a finished preset: runs/organic
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 from industnerf.artifacts.files import write_text
-from industnerf.cli import exit_with_message
+from industnerf.cli import require_dvc, run_command
 from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
@@ -57,16 +56,20 @@ def bring(project: Path, out: Path, command: str) -> None:
     publish(project / "reports", out, made_by(command) | facts, project)
 
 
-def check_finished(project: Path) -> None:
-    """Raises BadArtifact if a stage is not up to date: its numbers are not those of this tree."""
+def check_finished(project: Path, but: str = "") -> None:
+    """Raises BadArtifact if a stage is not up to date: its numbers are not those of this tree.
+
+    The stage `but` may be.
+    """
     if not (project / PARAMS).exists():
         raise BadArtifact(f"{project} holds no run: `python -m pipeline.preset {project.name}`")
+    require_dvc()
     status = subprocess.run(
         ["dvc", "status", "--json"], cwd=project, capture_output=True, text=True
     )
     if status.returncode:
         raise BadArtifact(f"`dvc status` failed: {status.stderr.strip()}")
-    outdated = list(json.loads(status.stdout))
+    outdated = [stage for stage in json.loads(status.stdout) if stage != but]
     if outdated:
         raise BadArtifact(
             f"the study is not finished: {len(outdated)} stages are not up to date, the first is "
@@ -75,4 +78,4 @@ def check_finished(project: Path) -> None:
 
 
 if __name__ == "__main__":
-    exit_with_message(lambda: main(*sys.argv[1:]))
+    run_command(main)

@@ -5,14 +5,13 @@ python -m pipeline.sweep experiment=seeds_nets
 python -m pipeline.spread runs/sweeps/seeds runs/sweeps/seeds_nets
 """
 
-import sys
 from pathlib import Path
 
-from industnerf.artifacts.files import write_json, write_text
-from industnerf.cli import exit_with_message
+from industnerf.artifacts.files import read_json, write_json, write_text
+from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
-from industnerf.report.provenance import environment, made_by
 from industnerf.report.spread import seeds_csv, seeds_md, spreads
+from industnerf.report.sweep_points import preset_of
 
 OUT = Path("results/seeds")
 
@@ -20,14 +19,15 @@ OUT = Path("results/seeds")
 def main(*sweeps: str) -> None:
     if not sweeps:
         raise BadArtifact("name the folders of the sweeps, such as runs/sweeps/seeds")
-    rows = spreads([Path(sweep) for sweep in sweeps])
-    made = made_by(f"python -m pipeline.spread {' '.join(sweeps)}")
+    folders = [Path(sweep) for sweep in sweeps]
+    # of each sweep, which is whole: another day and commit than today's may have made it
+    made = {preset_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
+    rows = spreads(folders)
     write_text(OUT / "seeds.csv", seeds_csv(rows))
     write_text(OUT / "seeds.md", seeds_md(rows))
-    write_json(OUT / "environment.json", environment())
-    write_json(OUT / "made.json", made)
+    write_json(OUT / "made.json", {"schema": 1, "sweeps": made})
     print(seeds_md(rows), end="")
 
 
 if __name__ == "__main__":
-    exit_with_message(lambda: main(*sys.argv[1:]))
+    run_command(main)

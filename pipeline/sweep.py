@@ -36,8 +36,10 @@ class SweepEnd(Callback):
         folder = Path(config.hydra.sweep.dir)
         for params in folder.glob("[0-9]*/params.yaml"):  # of an earlier sweep into this folder
             shutil.rmtree(params.parent)  # what it made is in the store
-        prepare()
+        for table in folder.glob("*.csv"):
+            table.unlink()
         write_json(folder / "made.json", origin())
+        prepare()
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         try:
@@ -56,7 +58,9 @@ def main(config: DictConfig) -> None:
     values = OmegaConf.to_container(config, resolve=True)
     try:
         _point(folder, values, overrides)
-    except SuiteError as error:
+    except Exception as error:
+        if not isinstance(error, SuiteError):
+            traceback.print_exc()
         print(f"error at {overrides}: {error}", file=sys.stderr)
         if run.mode == RunMode.RUN:
             sys.exit(1)  # a sweep goes on with its other points, and ends with SweepEnd

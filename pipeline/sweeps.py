@@ -6,18 +6,18 @@ python -m pipeline.sweeps        only writes the table anew
 
 import json
 import shutil
-import sys
 from pathlib import Path
 
 from PIL import Image
 
 from industnerf.artifacts.files import write_json, write_text
-from industnerf.cli import exit_with_message
+from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
 from industnerf.report.sweep_points import core_seconds, preset_of
 
+TABLES = ("sweep.csv", "steps.csv", "trend.csv")
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
 
@@ -32,9 +32,12 @@ def publish(sweep: Path, machine: str) -> None:
     name = preset_of(sweep)
     if name not in [preset.name for preset in presets(Path.cwd())]:
         raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
+    needed = [*TABLES, "sweep.png"]
+    if missing := [file for file in needed if not (sweep / file).exists()]:
+        raise BadArtifact(f"{sweep} lacks {', '.join(missing)}; the same sweep writes them")
     folder = PUBLISHED / name
     folder.mkdir(parents=True, exist_ok=True)
-    for table in ("sweep.csv", "steps.csv", "trend.csv"):
+    for table in TABLES:
         shutil.copy(sweep / table, folder / table)
     with Image.open(sweep / "sweep.png") as plot:
         plot.convert("RGB").quantize(COLOURS).save(folder / "sweep.png", optimize=True)
@@ -47,4 +50,4 @@ def publish(sweep: Path, machine: str) -> None:
 
 
 if __name__ == "__main__":
-    exit_with_message(lambda: main(*sys.argv[1:]))
+    run_command(main)

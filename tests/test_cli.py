@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.cli import run_as_stage
+from industnerf.cli import require_dvc, run_as_stage, run_command
+from industnerf.errors import BadParams
+from pipeline import preset, publish
 
 ROOT = Path(__file__).parents[1]
 
@@ -30,3 +32,20 @@ def test_those_that_it_takes_reach_it_with_its_parameters(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["pipeline/views.py", "data/parts", "data/views"])
     run_as_stage(lambda cfg, parts, out: seen.append((cfg.views.count, parts, out)), "views")
     assert seen == [(40, "data/parts", "data/views")]
+
+
+@pytest.mark.parametrize(("module", "given"), [(preset, []), (publish, ["a", "b"])])
+def test_a_command_with_other_arguments_says_its_usage(module, given, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [module.__name__, *given])
+    with pytest.raises(SystemExit) as end:
+        run_command(module.main)
+    assert end.value.code == 1
+    told = capsys.readouterr().err
+    assert f"{len(given)} arguments were given" in told
+    assert f"python -m {module.__name__}" in told
+
+
+def test_without_the_environment_dvc_is_asked_for(monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(BadParams, match=r"source \.venv/bin/activate"):
+        require_dvc()

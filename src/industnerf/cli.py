@@ -1,6 +1,7 @@
 """The command line of every stage: paths in, one clear message out."""
 
 import inspect
+import shutil
 import sys
 from collections.abc import Callable
 from typing import Any
@@ -37,6 +38,27 @@ def _refuse_other_arguments(main: Callable[..., None], name: str, arguments: lis
             f"python -m pipeline.{name} takes {wanted}, {len(arguments)} arguments were given; "
             f"`dvc repro {name}` gives it the right ones"
         ) from None
+
+
+def run_command(main: Callable[..., None]) -> None:
+    """Run `main(*arguments of the command line)`; of another number, its module says which ones."""
+    arguments = sys.argv[1:]
+
+    def job() -> None:
+        try:
+            inspect.signature(main).bind(*arguments)
+        except TypeError:
+            usage = sys.modules[main.__module__].__doc__
+            raise BadParams(f"{len(arguments)} arguments were given.\n\n{usage}") from None
+        main(*arguments)
+
+    exit_with_message(job)
+
+
+def require_dvc() -> None:
+    """Raises BadParams where the shell does not find `dvc`."""
+    if shutil.which("dvc") is None:
+        raise BadParams("`dvc` is not found: first `source .venv/bin/activate`")
 
 
 def exit_with_message(job: Callable[[], Any]) -> None:

@@ -20,7 +20,7 @@ from industnerf import environment
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
 from industnerf.config import flat, read_yaml
-from industnerf.errors import BadParams
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.tracked import loss_curve, mean_costs, per_part, preview
 
 EXPERIMENT = "industnerf"
@@ -38,11 +38,26 @@ def prepare() -> None:
     """Create database and experiment if they are not there.
 
     MLflow's first connection corrupts the database if two processes make it at once, so it is
-    made under a lock; call this before any fan-out.
+    made under a lock; call this before any fan-out.  Says so if MLflow cannot open it.
     """
-    if is_on():
+    try:
+        _open()
+    except BadArtifact as error:
+        print(error, file=sys.stderr)
+
+
+def _open() -> None:
+    """Raises BadArtifact if MLflow cannot open the database."""
+    if not is_on():
+        return
+    try:
         with _locked():
             _client()
+    except Exception as error:  # whatever MLflow or SQLite throws
+        raise BadArtifact(
+            f"MLflow cannot open {home() / 'mlflow.db'} ({type(error).__name__}: {error}); "
+            "`python -m industnerf.doctor database` says what mends it. Results do not need it."
+        ) from None
 
 
 def is_on() -> bool:
@@ -162,8 +177,11 @@ def git_state() -> dict[str, str]:
 
 
 def backfill(root: Path) -> None:
-    """Log every report below `root` that is not logged yet."""
-    prepare()
+    """Log every report below `root` that is not logged yet.
+
+    Raises BadArtifact if MLflow cannot open its database.
+    """
+    _open()
     for summary in sorted([*root.glob("reports/summary.json"), *root.glob("runs/**/summary.json")]):
         params = summary.parent.parent / "params.yaml"
         log_report(summary.parent, read_yaml(params) if params.exists() else {})

@@ -3,10 +3,12 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from industnerf.doctor import CHECKS, examine
+from industnerf.doctor.places import Places
 from industnerf.errors import BadParams
 from industnerf.tracking import home
 from tests.doctor.conftest import WorkingCopy
@@ -80,3 +82,9 @@ def test_a_gpu_is_told_of_and_never_wrong(plain: WorkingCopy):
     assert [finding.is_wrong for finding in findings] == [False] * 3
     assert findings[1].what.startswith("torch ")
     assert findings[2].what.startswith("warp ")
+
+
+def test_outside_the_root_a_check_says_what_it_lacks(tmp_path: Path):
+    (finding,) = examine("environment", Places(tmp_path, tmp_path, tmp_path))
+    assert "environment cannot be checked" in finding.what
+    assert "constraints.txt" in finding.what

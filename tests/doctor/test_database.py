@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from industnerf.doctor import database
 from industnerf.doctor.database import newest_version
 from tests.doctor.conftest import WorkingCopy
 
@@ -105,3 +106,13 @@ def test_tables_of_an_older_mlflow_are_brought_up_to_date(plain: WorkingCopy):
     (finding,) = plain.find("database")
     assert f"the installed MLflow wants {newest_version()}" in finding.what
     plain.mend("database")
+
+
+def test_an_mlflow_that_keeps_its_migrations_elsewhere_is_said(
+    plain: WorkingCopy, made: Path, monkeypatch: pytest.MonkeyPatch
+):
+    shutil.copy(made, plain.places.database)
+    monkeypatch.setattr(database, "MIGRATIONS", "elsewhere")
+    (finding,) = plain.find("database")
+    assert "database cannot be checked" in finding.what
+    assert "has no migrations in elsewhere" in finding.what

@@ -60,3 +60,15 @@ def test_dvc_is_not_started_on_a_spoilt_lock_file(copy: WorkingCopy):
         lockfile.require_whole(copy.places, copy.folder / "runs" / "demo")  # is another project
     finally:
         lock.write_text(whole)
+
+
+def test_a_dvc_yaml_that_git_could_not_merge_is_said(copy: WorkingCopy):
+    pipeline = copy.folder / "dvc.yaml"
+    whole = pipeline.read_text()
+    try:
+        pipeline.write_text(f"<<<<<<< ours\n{whole}=======\n>>>>>>> theirs\n")
+        (finding,) = copy.find("lockfile")
+        assert "lockfile cannot be checked" in finding.what
+        assert "dvc.yaml is not to be read" in finding.what
+    finally:
+        pipeline.write_text(whole)

@@ -136,6 +136,12 @@ def test_two_parts_of_one_id_are_refused(folder, read, tmp_path):
         parts(folder, read, split_bodies=True)
 
 
+def test_a_part_with_the_name_of_a_file_that_failed_is_refused(folder, read):
+    (folder / "sub c step bolt m8.stl").touch()
+    with pytest.raises(BadParams, match="two parts share the id 'sub-c-step-bolt-m8'"):
+        parts(folder, read, split_bodies=True)
+
+
 def test_a_folder_without_a_catalogue_says_what_to_set(tmp_path):
     with pytest.raises(BadParams, match=r"holds no catalogue\.json.*set parts\.source: path"):
         embedded_parts(tmp_path, [])

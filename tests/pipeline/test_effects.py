@@ -84,3 +84,11 @@ def test_a_sweep_that_did_not_end_is_refused(workplace):
     (workplace("ablation") / "sweep.csv").unlink()
     with pytest.raises(BadArtifact, match="writes it at its end"):
         effects.main()
+
+
+def test_a_sweep_of_other_methods_is_refused(workplace):
+    folder = workplace("readings")
+    params = yaml.safe_load((folder / "0/params.yaml").read_text())
+    (folder / "0/params.yaml").write_text(yaml.safe_dump(params | {"methods": ["hull"]}))
+    with pytest.raises(BadArtifact, match="ran none of industnerf, industnerf_shared"):
+        effects.main()

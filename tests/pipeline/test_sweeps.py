@@ -96,3 +96,10 @@ def test_a_sweep_of_no_preset_is_refused(project: Path):
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: study\n")
     with pytest.raises(BadArtifact, match="preset 'study'"):
         main("runs/sweeps/now")
+
+
+def test_a_sweep_without_one_of_its_files_changes_nothing(project: Path):
+    (project / "runs/sweeps/now/steps.csv").unlink()
+    with pytest.raises(BadArtifact, match=r"lacks steps\.csv"):
+        main("runs/sweeps/now", "")
+    assert not (project / "docs/sweeps").exists()

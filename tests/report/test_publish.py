@@ -70,6 +70,30 @@ def test_what_was_there_before_goes(published):
     assert not (published / "old.csv").exists()
 
 
+def test_what_is_interrupted_leaves_what_was_there(published, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("industnerf.report.publish.environment", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        publish(published.parents[1] / "reports", published, MADE, published.parents[1])
+    assert (published / "environment.json").exists()
+
+
+def test_a_subset_of_which_nothing_was_rendered_is_left_blank(published):
+    table = published / "table2.csv"
+    lines = [line for line in table.read_text().splitlines() if "figure3,rgb_mse" not in line]
+    table.write_text("\n".join(lines) + "\n")
+    (row,) = [line for line in shown(published).splitlines() if "RGB 2D" in line]
+    assert row.split(" | ")[3] == ""
+
+
+def test_costs_of_nothing_are_refused(published):
+    (published / "cost.csv").write_text(COSTS.splitlines()[0] + "\n")
+    with pytest.raises(BadArtifact, match=r"cost\.csv knows no cost"):
+        cluster_block(published)
+
+
 def test_a_report_that_lacks_a_file_changes_nothing(published):
     report = published.parents[1] / "reports"
     (report / "strata.csv").unlink()
@@ -188,8 +212,8 @@ def test_costs_are_summed_by_step_and_spread_by_method(published):
     assert "6 for training, 3 for reconstruction and 0 for its pictures" in shown
     assert "| reconstruct | `industnerf` | 2 | 60.00 | 60.00 | 90.00 |" in shown
     assert "| train | `r2n2` | 2 | 180.00 | 180.00 | 240.00 |" in shown
-    # of one photographed part 120 s, so of 10 000 on 64 nodes 18 750 s
-    assert "| `industnerf` | 10 000 x 120.0 s / 64 | 5.2 h |" in cluster_block(published)
+    # of one photographed part 120 s and 6 s for its pictures, so of 10 000 on 64 nodes 19 688 s
+    assert "| `industnerf` | 10 000 x 126.0 s / 64 | 5.5 h |" in cluster_block(published)
 
 
 def test_a_net_stands_beside_what_it_must_beat(tmp_path):

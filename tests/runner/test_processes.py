@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadParams, BadPart
-from industnerf.runner import ProcessRunner, SerialRunner, runner_from_environment
+from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
 from industnerf.runner.base import attempt
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
@@ -34,6 +34,10 @@ def crash():
 
 def hang():
     time.sleep(60)
+
+
+def sleep(seconds):
+    time.sleep(seconds)
 
 
 def gobble():
@@ -78,6 +82,22 @@ def test_a_crash_and_a_hang_cost_themselves_only(workers, tmp_path):
     assert outcomes[2] == "timed out: more than 6 s (time_limit_s)"
     assert outcomes[1] is None
     assert outcomes[3] is None
+
+
+def test_the_time_in_which_all_is_stopped_does_not_count(tmp_path, monkeypatch):
+    """6 s pass in the first look, as after Ctrl-Z and `fg`; the piece of 7 s may take 5."""
+    first, wait = [6.0], processes.wait
+
+    def stopped(connections, timeout):
+        if first:
+            time.sleep(first.pop())
+            return []
+        return wait(connections, timeout)
+
+    monkeypatch.setattr(processes, "wait", stopped)
+    works = [partial(sleep, 7.0), partial(write, tmp_path / "a")]
+    outcomes = {o.index: o.error for o in ProcessRunner(1).map(works, 5.0)}
+    assert outcomes == {0: None, 1: None}
 
 
 def test_a_piece_that_needs_too_much_memory_costs_itself_only(tmp_path):

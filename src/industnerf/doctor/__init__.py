@@ -33,5 +33,5 @@ def examine(name: str, places: Places) -> list[Finding]:
         raise BadParams(f"check {name!r} is unknown, known are {', '.join(CHECKS)}")
     try:
         return import_module(f"industnerf.doctor.{name}").find(places)
-    except SuiteError as error:
+    except (SuiteError, OSError) as error:
         return [Finding(places.root, f"{name} cannot be checked: {error}", wrong=True)]

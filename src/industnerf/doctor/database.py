@@ -55,7 +55,8 @@ def _read(path: Path) -> tuple[str, str]:
 def newest_version() -> str:
     """The last of the installed MLflow's migrations: the one that no other follows.
 
-    Read from their text, for importing MLflow takes seconds.  Raises BadParams without MLflow.
+    Read from their text, for importing MLflow takes seconds.  Raises BadParams
+    without MLflow, or if it keeps them elsewhere.
     """
     spec = find_spec("mlflow")
     if spec is None or spec.origin is None:
@@ -65,6 +66,8 @@ def newest_version() -> str:
     files = (Path(spec.origin).parent / MIGRATIONS).glob("*.py")
     texts = [path.read_text() for path in files]
     versions, followed = _named(texts, "revision"), _named(texts, "down_revision")
+    if not versions - followed:
+        raise BadParams(f"{spec.origin} has no migrations in {MIGRATIONS} of which one is the last")
     return next(iter(versions - followed))
 
 

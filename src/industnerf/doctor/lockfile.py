@@ -27,8 +27,10 @@ def find(places: Places) -> list[Finding]:
 def require_whole(places: Places, folder: Path) -> None:
     """Raises BadArtifact, with what mends it, if DVC would stop at the dvc.lock of `folder`."""
     lock = folder / "dvc.lock"
-    for finding in find(places):
-        if finding.where == lock and torn(lock.read_text(errors="replace")):
+    if not lock.exists() or not torn(lock.read_text(errors="replace")):
+        return
+    for project in places.projects():
+        for finding in _findings(places, project) if project.folder == folder else []:
             where = places.words(finding.where)
             raise BadArtifact(f"{where}: {finding.what}.\nThis mends it: {finding.mend}")
 
@@ -75,7 +77,10 @@ def _foreign(stages: dict[str, Any], known: set[str]) -> str:
 
 
 def _stages(pipeline: Path) -> set[str]:
-    return set(yaml.load(pipeline.read_text(), LOADER)["stages"])
+    try:
+        return set(yaml.load(pipeline.read_text(), LOADER)["stages"])
+    except (yaml.YAMLError, KeyError, TypeError) as error:
+        raise BadArtifact(f"{pipeline} is not to be read: {' '.join(str(error).split())}") from None
 
 
 def _committed(path: Path) -> str:

@@ -43,7 +43,9 @@ def outcomes(sweep: Path, methods: Sequence[str] = METHODS) -> list[Outcome]:
 
 def _outcome(point: Path, methods: Sequence[str]) -> Outcome:
     params = read_yaml(point / "params.yaml")
-    method = next(name for name in methods if name in params["methods"])
+    method = next((name for name in methods if name in params["methods"]), None)
+    if method is None:
+        raise BadArtifact(f"{point} ran none of {', '.join(methods)}")
     rows = [
         row
         for row in csv_rows(point / "reports" / "scores.csv")

@@ -91,12 +91,18 @@ def gather(
 
 def failures_of(folders: Folders, methods: list[str]) -> dict[str, dict[str, str]]:
     """Of each stage on the way from a part to its score; a stage hands on those before it."""
-    parts, truth = read_failures(folders.parts), read_failures(folders.truth)
-    found = {"parts": parts, "truth": {k: why for k, why in truth.items() if k not in parts}}
+    parts, views = read_failures(folders.parts), read_failures(folders.views)
+    found = {"parts": parts, "views": _less(views, parts)}
+    found["truth"] = _less(read_failures(folders.truth), parts)
     for name in methods:
-        found[name] = read_failures(folders.clouds / name)
+        found[name] = _less(read_failures(folders.clouds / name), views)
         found[f"scoring {name}"] = read_failures(folders.scores / name)
     return found
+
+
+def _less(failures: dict[str, str], before: dict[str, str]) -> dict[str, str]:
+    """`failures` without those that the stage before handed on."""
+    return {part: why for part, why in failures.items() if part not in before}
 
 
 def _remarks(clouds: Path) -> dict[str, list[str]]:

@@ -115,7 +115,7 @@ def _cost(study: Study, costs: Sequence[CostRow], method: str) -> Iterable[Goal 
     ]
     yield _of_mean(method, "seconds a part, one core", 30.0, [cost.seconds for cost in mine])
     if mine:
-        most = max(cost.peak_mb for cost in mine) / 1000
+        most = max(cost.peak_mb for cost in mine) * 2**20 / 1e9  # peak_mb counts MiB
         yield Goal(method, "peak memory of any part, GB", 2.0, False, most)
 
 

@@ -18,7 +18,7 @@ FLOOR = "floor"
 IMPOSSIBLE = "no: the floor is above it"
 ABOUT = (
     "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
-    "committed study (commit {commit}, {date}), whatever else this page shows. <i>points</i> on "
+    "study of commit {commit}, {date}, whatever else this page shows. <i>points</i> on "
     "either side; <i>reduction</i> of the prediction; <i>cost</i> of moving a point: its distance, "
     "or that squared; <i>scale</i>: the length that is 1. Where the floor, a second sample of the "
     "true surface, is above the paper's {paper}, no method can have scored that."

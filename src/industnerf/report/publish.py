@@ -51,8 +51,15 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
     for path in needed:
         if not path.exists():
             raise BadArtifact(f"{path} is missing; `dvc repro -f report` writes it")
+    draft = out.with_name(f".{out.name}.draft")
+    shutil.rmtree(draft, ignore_errors=True)
+    draft.mkdir(parents=True)
+    _fill(draft, report, made, project)
     shutil.rmtree(out, ignore_errors=True)
-    out.mkdir(parents=True)
+    draft.rename(out)
+
+
+def _fill(out: Path, report: Path, made: dict[str, Any], project: Path) -> None:
     for name in COPIED:
         shutil.copyfile(report / name, out / name)
     for name, (source, _) in KEPT.items():

@@ -84,9 +84,14 @@ def _table2(rows: list[Cells]) -> str:
         [
             key[0],
             names[key[1]],
-            *(f"{float(values[(*key, name)]):#.3g}" for name in ("all", "figure3")),
-            f"{float(published):#.3g}" if published else "",
+            *(_digits(values.get((*key, name))) for name in ("all", "figure3")),
+            _digits(published),
         ]
         for key, published in papers.items()
     ]
     return "\n" + markdown(["method", "loss", "all test parts", "one a family", "paper"], lines)
+
+
+def _digits(value: str | None) -> str:
+    """Three of `value`, or nothing: of `figure3` no part may have been rendered."""
+    return f"{float(value):#.3g}" if value else ""

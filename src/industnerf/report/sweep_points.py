@@ -63,7 +63,10 @@ def preset_of(sweep: Path) -> str:
             raise BadArtifact(f"{sweep / name} is missing; a sweep writes it at its {when}")
     if failed := unfinished(sweep):
         raise BadArtifact(f"{failed} points of {sweep} have no report; the same line goes on")
-    return read_yaml(next(sweep.glob("*/params.yaml")))["preset"]
+    first = next(sweep.glob("*/params.yaml"), None)
+    if first is None:
+        raise BadArtifact(f"{sweep} has no point; the same line makes them")
+    return read_yaml(first)["preset"]
 
 
 def _folders(sweep: Path) -> list[Path]:

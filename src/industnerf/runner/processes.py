@@ -1,6 +1,5 @@
 """Pieces of work in this process, or in local ones of one thread each."""
 
-import math
 import multiprocessing
 import os
 import signal
@@ -15,6 +14,7 @@ from typing import Any
 from industnerf.runner.base import Outcome, Work, attempt
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
+LOOK_S = 1.0  # a clock that runs on much longer between two looks: this process was stopped
 KILL_S = 1.0  # in which who kills all processes of a job has come from a piece of it to us
 
 
@@ -36,6 +36,8 @@ class SerialRunner:
 @dataclass(frozen=True)
 class ProcessRunner:
     """Local processes of one thread each; one that dies or hangs is replaced.
+
+    The time in which this process is stopped (Ctrl-Z, SLURM's SUSPEND) counts as nobody's.
 
     `shielded` signals do not reach them: SLURM sends to all processes of a job what is meant for
     the first.
@@ -59,8 +61,11 @@ class ProcessRunner:
                 busy[worker.connection] = worker
             while busy:
                 soonest = min(worker.deadline for worker in busy.values())
-                patience = max(soonest - time.monotonic(), 0.0)
-                ready = wait(list(busy), timeout=None if math.isinf(patience) else patience)
+                begun = time.monotonic()
+                ready = wait(list(busy), timeout=min(max(soonest - begun, 0.0), LOOK_S))
+                paused = time.monotonic() - begun - 2 * LOOK_S
+                for worker in busy.values():
+                    worker.deadline += max(paused, 0.0)
                 late = [c for c, w in busy.items() if w.deadline <= time.monotonic()]
                 for connection in {*ready, *late}:
                     worker = busy.pop(connection)
