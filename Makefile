@@ -3,7 +3,10 @@ PYTHON ?= python3
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 INSTALLED := .venv/.installed
 
-.PHONY: demo test smoke repro ui lint readme results clean
+.PHONY: help demo test smoke repro ui lint readme results clean
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
