@@ -65,7 +65,7 @@ def test_the_page_shows_every_cell_and_which_study_it_is_of(written):
     shown = grid_html(written)
     assert shown.count("<tr>") == 1 + len(lines(CELLS))
     assert "<td>0.0600" in shown
-    assert "(commit 0123456, 2026-01-02)" in shown
+    assert "study of commit 0123456, 2026-01-02," in shown
 
 
 def test_without_a_grid_the_page_says_nothing_of_it(tmp_path):
