@@ -1,6 +1,6 @@
 """On the page: what was to be reached, what is more than chance, which kinds of parts suit whom."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 
 from industnerf.report import comparisons, goals, inspection, spending
@@ -17,7 +17,9 @@ COMPARED = (
 )
 GOALS = (
     "What the suite set out to reach on the test parts, written down before its methods were. A "
-    "bound that was missed stays where it was."
+    "bound that was missed stays where it was. Beside those about clouds stands the same number of "
+    "<i>tsdf</i>, which is given true depth, and of <i>oracle</i>, a sample of the true surface: "
+    "beyond the latter a goal is out of anyone's reach."
 )
 INSPECTED = (
     "Over the test parts; the mean in mm is that of the large ones, so the median stands beside "
@@ -51,12 +53,16 @@ def goals_html(found: Sequence[goals.Goal]) -> str:
     """A row a goal; empty if the study has none of the methods."""
     if not found:
         return ""
-    columns = [Column(head, head not in ("measured",)) for head in goals.COLUMNS]
-    lines = [
-        Line([*map(escape, goals.cells(goal)[:-1]), "yes" if goal.met else warning("no")])
-        for goal in found
-    ]
+    numbers = ("measured", *goals.YARDSTICKS)
+    columns = [Column(head, head not in numbers) for head in goals.COLUMNS]
+    lines = [Line([*_goal_cells(goal)]) for goal in found]
     return table(columns, lines) + note(GOALS)
+
+
+def _goal_cells(goal: goals.Goal) -> Iterable[str]:
+    for head, cell in zip(goals.COLUMNS, goals.cells(goal), strict=True):
+        missed = head == "met" and not goal.met
+        yield warning("no") if missed else escape(cell)
 
 
 def inspection_html(lines: Sequence[inspection.Inspected]) -> str:
