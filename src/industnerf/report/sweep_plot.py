@@ -27,7 +27,9 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
             _cost(axis, line, quantity, law, f"C{i}")
     emd.set(ylabel="EMD (even), diagonals")
     emd.set_ylim(bottom=0)
-    emd.legend(fontsize="small", loc="lower left")  # nothing is as near to 0
+    above.legend(
+        *emd.get_legend_handles_labels(), fontsize="small", loc="outside upper center", ncols=3
+    )
     for axis, quantity in zip(costs, COSTS, strict=True):
         axis.set(ylabel=NAMES[quantity], yscale="log" if axis.lines else "linear")
         if axis.get_legend_handles_labels()[1]:
@@ -70,7 +72,11 @@ def _exchange(axis: Any, lines: list[Series]) -> None:
             text = f"{x:g}" if line.numeric else x
             axis.annotate(text, (seconds, emd), (4, 3), textcoords="offset points", fontsize=7)
     axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
+    axis.margins(0.1)  # for what stands beside the points
     axis.set_ylim(bottom=0)
+    seconds = np.concatenate([line.get_xdata() for line in axis.lines] or [[1.0]])
+    if seconds.max() > SPAN * seconds.min():
+        axis.set_xscale("log")
 
 
 def _horizontal(axis: Any, lines: list[Series], key: str) -> None:
