@@ -74,8 +74,8 @@ def _exchange(axis: Any, lines: list[Series]) -> None:
     axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # for what stands beside the points
     axis.set_ylim(bottom=0)
-    seconds = np.concatenate([line.get_xdata() for line in axis.lines] or [[1.0]])
-    if seconds.max() > SPAN * seconds.min():
+    seconds = [result.seconds for line in lines for result in line.results if result.seconds]
+    if seconds and max(seconds) > SPAN * min(seconds):
         axis.set_xscale("log")
 
 
