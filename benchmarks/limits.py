@@ -43,7 +43,7 @@ from industnerf.seeds import generator
 
 METHODS = ["industnerf_plus", "industnerf", "hull", "oracle"]
 PERFECT = "oracle"  # what is left over of it is no method's fault
-GROUPS = {"0": (0, 0), "1": (1, 1), "2 to 3": (2, 3), "4 to 7": (4, 7), "8 or more": (8, None)}
+GROUPS = {"at most 1": (0, 1), "2 to 3": (2, 3), "4 to 7": (4, 7), "8 or more": (8, np.inf)}
 EVERY = "all"
 
 
@@ -68,7 +68,7 @@ def groups_of(data: Path, part_id: str, method: str) -> dict[str, Group]:
     seen = cameras_that_see(judge, truth, data / "views" / part_id)
     found = {EVERY: Group(1.0, carried.mean())}
     for name, (least, most) in GROUPS.items():
-        of_group = (seen >= least) & (seen <= (np.inf if most is None else most))
+        of_group = (seen >= least) & (seen <= most)
         found[name] = Group(of_group.mean(), carried[of_group].sum() / len(truth))
     return found
 
@@ -123,7 +123,7 @@ def main() -> None:
     for method in asked.methods:
         for name in (*GROUPS, EVERY):
             (share, added), (_, perfect) = found[method][name], found[PERFECT][name]
-            numbers = share, added / share, added, added - perfect
+            numbers = share, added / share if share else 0.0, added, added - perfect
             table.add_row(method, name, *(f"{number:.2f}" for number in numbers))
     Console(width=100).print(table)
 
