@@ -79,7 +79,9 @@ def distances(
     """How far each point of the truth is from what is carried onto it; the mean is the EMD."""
     cost = cdist(cloud, truth)
     masses = (np.full(size, 1 / size) for size in cost.shape)
-    plan = ot.emd(*masses, cost, numItermax=10**8)
+    plan, log = ot.emd(*masses, cost, numItermax=10**8, log=True)
+    if log["warning"]:
+        raise RuntimeError(f"POT did not solve it: {log['warning']}")
     return (plan * cost).sum(axis=0) * len(truth)
 
 
