@@ -4,6 +4,7 @@ import inspect
 import re
 from dataclasses import fields
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import get_args, get_type_hints
 
 import pytest
@@ -16,8 +17,10 @@ ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
 SECTIONS = {part.split(":")[0]: part for part in re.split(r"^## ", TEXT, flags=re.MULTILINE)[1:]}
 NUMBER = dict(re.findall(r"^    (\w+): \w+  # (R\d+)$", inspect.getsource(readings), re.MULTILINE))
-LITERALS = {name: set(get_args(hint)) for name, hint in get_type_hints(Readings).items()}
+HINTS = get_type_hints(Readings)
+LITERALS = {name: set(get_args(hint)) for name, hint in HINTS.items()}
 ROW = r"^\| `(\w+)`(?: \(\*\*default\*\*\))? \|"
+FUNCTION = r"(?:^Key `\w+`, function|; its twin is)\s`(industnerf\.[\w.]+)`"
 DEFAULT = r"^\| `(\w+)` \(\*\*default\*\*\) \|"
 
 
@@ -38,6 +41,21 @@ def test_a_section_names_its_key_its_readings_and_the_default(field: str):
     rows = found(ROW, section)
     assert sorted(rows) == sorted(LITERALS[field])
     assert found(DEFAULT, section) == [getattr(settings, field)]
+
+
+@pytest.mark.parametrize("field", LITERALS)
+def test_the_function_that_a_section_names_takes_the_reading(field: str):
+    """Of R7 it is the twin of what is compiled."""
+    (name,) = found(FUNCTION, SECTIONS[NUMBER[field]])
+    assert HINTS[field] in get_type_hints(resolve_name(name)).values()
+
+
+def test_no_other_code_asks_which_reading_it_was():
+    """But R4: of distances the softness falls as they are learned, and none is cut off."""
+    folders = [ROOT / "src/industnerf" / name for name in ("methods", "rendering", "reconstruct")]
+    texts = [path.read_text() for folder in folders for path in folder.rglob("*.py")]
+    asked = [name for text in texts for name in found(r"readings\.(\w+) (?:[!=]=|in)", text)]
+    assert set(asked) == {"activation"}
 
 
 def test_sections_without_a_key_are_those_that_the_metrics_answer():

@@ -95,14 +95,14 @@ def render_loops(scene: Scene) -> Rendered:
 
 
 def confidence_loops(
-    scene: Scene, steps: list[Step], own: bool, opaque: bool, reduce: str
+    scene: Scene, steps: list[Step], transmittance: str, opacity: str, samples: str
 ) -> torch.Tensor:
     """What `confidence_twin` returns, from all steps of `march`."""
     result = torch.zeros_like(scene.sigma)
     for step in steps:
-        through = step.before * (1 - step.alpha) if own else step.before
-        value = scene.agreement[step.ray] * through * (step.alpha if opaque else 1)
+        through = step.before * (1 - step.alpha if transmittance == "own" else 1)
+        value = scene.agreement[step.ray] * through * (step.alpha if opacity == "with" else 1)
         for j, w in step.neighbours.items():
             given = value * w / max(step.neighbours.values())
-            result[j] = max(result[j], given) if reduce == "max" else result[j] + given
+            result[j] = max(result[j], given) if samples == "max" else result[j] + given
     return result

@@ -13,16 +13,18 @@ from tests.rendering.loops import Step, confidence_loops, march
 from tests.rendering.scenes import SCENES, Scene
 
 READINGS = [
-    {"own": own, "opaque": opaque, "reduce": reduce}
-    for own, opaque, reduce in itertools.product([False, True], [False, True], ["max", "sum"])
+    {"transmittance": transmittance, "opacity": opacity, "samples": samples}
+    for transmittance, opacity, samples in itertools.product(
+        ["shared", "own"], ["without", "with"], ["max", "sum"]
+    )
 ]
-PLAIN = {"own": False, "opaque": False, "reduce": "max"}
+PRINTED = {"transmittance": "shared", "opacity": "without", "samples": "max"}
 CORNER = f64(2, 2, 2)
 
 
 def seen_from_left(points, sigma, agreement=1.0, **settings):
     """Along the x axis, with samples at the middles of steps."""
-    settings = {"k": 8, "weights": "inverse", "stop": 0.0} | PLAIN | settings
+    settings = {"k": 8, "weights": "inverse", "stop": 0.0} | PRINTED | settings
     rays = f64([-2, 0, 0]), f64([1, 0, 0]), f64(0.5), -CORNER, CORNER
     return confidence_twin(*rays, points, sigma, f64(agreement), **settings)
 
@@ -43,16 +45,16 @@ def test_loops_find_the_same(marched, reading):
     torch.testing.assert_close(mine, truth, rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("own", [False, True])
-@pytest.mark.parametrize("opaque", [False, True])
-def test_one_sample_by_hand(own, opaque):
+@pytest.mark.parametrize("transmittance", ["shared", "own"])
+@pytest.mark.parametrize("opacity", ["without", "with"])
+def test_one_sample_by_hand(transmittance, opacity):
     """At the origin, with points at 0.2 and 0.4 and one out of reach."""
     points, sigma = f64([0, 0.2, 0], [0, 0, 0.4], [0, 0.6, 0]), f64(0.3, 0.9, 5)
-    found = seen_from_left(
-        points, sigma, agreement=0.5, step=4.0, radius=0.5, own=own, opaque=opaque
-    )
+    readings = {"transmittance": transmittance, "opacity": opacity}
+    found = seen_from_left(points, sigma, agreement=0.5, step=4.0, radius=0.5, **readings)
     through = math.exp(-4 * (0.3 / 0.2 + 0.9 / 0.4) / (1 / 0.2 + 1 / 0.4))
-    value = 0.5 * (through if own else 1) * (1 - through if opaque else 1)
+    value = 0.5 * (through if transmittance == "own" else 1)
+    value *= 1 - through if opacity == "with" else 1
     truth = f64(value, value * 0.2 / 0.4, 0)
     torch.testing.assert_close(found, truth, rtol=1e-14, atol=0)
 
@@ -63,7 +65,7 @@ def test_what_is_behind_a_plane_sees_less():
     points = torch.cat([sheet - f64(1, 0, 0), sheet + f64(1, 0, 0)])
     found = seen_from_left(points, f64(1, 4), step=0.1, radius=0.2)
     torch.testing.assert_close(found, f64(1, math.exp(-1.0 * 4 * 0.1)), rtol=1e-14, atol=0)
-    total = seen_from_left(points, f64(1, 4), step=0.1, radius=0.2, reduce="sum")
+    total = seen_from_left(points, f64(1, 4), step=0.1, radius=0.2, samples="sum")
     truth = [sum(math.exp(-s * i * 0.1) for i in range(4)) for s in (1.0, 4.0)]
     truth[1] *= math.exp(-1.0 * 4 * 0.1)
     torch.testing.assert_close(total, f64(*truth), rtol=1e-14, atol=0)
@@ -80,7 +82,7 @@ def test_a_point_without_alpha_is_not_seen_where_alpha_counts():
     """R15: a point of no density in front of the surface has full confidence as printed."""
     points, sigma = f64([-1, 0, 0], [1, 0, 0]), f64(0, 100)
     assert seen_from_left(points, sigma, step=0.1, radius=0.2).tolist() == [1, 1]
-    faint, dense = seen_from_left(points, sigma, step=0.1, radius=0.2, opaque=True).tolist()
+    faint, dense = seen_from_left(points, sigma, step=0.1, radius=0.2, opacity="with").tolist()
     assert faint == 0
     assert dense == pytest.approx(1 - math.exp(-100 * 0.1), rel=1e-14)
 
@@ -88,23 +90,23 @@ def test_a_point_without_alpha_is_not_seen_where_alpha_counts():
 @pytest.mark.parametrize("name", SCENES)
 def test_confidence_is_a_share(name):
     scene = SCENES[name]
-    found = confidence_twin(*scene.witnesses, **scene.settings, **PLAIN)
+    found = confidence_twin(*scene.witnesses, **scene.settings, **PRINTED)
     assert (found >= 0).all()
     assert (found <= scene.agreement.max()).all()
     assert found.max() > 0
 
 
-@pytest.mark.parametrize("reduce", ["max", "sum"])
-def test_rays_reduce_as_samples_do(reduce):
+@pytest.mark.parametrize("samples", ["max", "sum"])
+def test_rays_reduce_as_samples_do(samples):
     scene = SCENES["gappy"]
-    reading = PLAIN | {"reduce": reduce} | scene.settings
+    reading = PRINTED | {"samples": samples} | scene.settings
     singly = zip(*(x.split(1) for x in (*scene.rays[:3], scene.agreement)), strict=True)
     rest = scene.lo, scene.hi, scene.points, scene.sigma
     parts = torch.stack(
         [confidence_twin(*ray, *rest, agreed, **reading) for *ray, agreed in singly]
     )
     whole = confidence_twin(*scene.witnesses, **reading)
-    truth = parts.amax(dim=0) if reduce == "max" else parts.sum(dim=0)
+    truth = parts.amax(dim=0) if samples == "max" else parts.sum(dim=0)
     torch.testing.assert_close(whole, truth, rtol=1e-13, atol=0)  # the order of the sums
 
 
@@ -123,4 +125,4 @@ def test_no_cloud_has_no_confidence():
 
 def test_an_unknown_reduction_is_refused():
     with pytest.raises(TypeCheckError):
-        seen_from_left(f64([0, 0, 0]), f64(1), step=0.1, radius=0.2, reduce="mean")
+        seen_from_left(f64([0, 0, 0]), f64(1), step=0.1, radius=0.2, samples="mean")

@@ -16,6 +16,8 @@ from industnerf.rendering.render import Rays, Renderer
 from industnerf.rendering.twin import confidence_twin, render_twin
 from tests.rendering.scenes import SCENES, Scene
 
+DEFAULT = {"transmittance": "shared", "opacity": "with", "samples": "max"}
+
 
 def compiled(scene: Scene) -> tuple[Renderer, Rays]:
     scene, ways = scene.to(torch.float32), scene.settings
@@ -74,19 +76,17 @@ def test_gradients_are_the_twins(scene):
         torch.testing.assert_close(mine, leaf.grad, rtol=1e-3, atol=1e-3 * largest)
 
 
-@pytest.mark.parametrize("adding", [False, True])
-@pytest.mark.parametrize("own", [False, True])
-@pytest.mark.parametrize("opaque", [False, True])
-def test_confidence_is_the_twins(scene, own, opaque, adding):
+@pytest.mark.parametrize("samples", ["max", "sum"])
+@pytest.mark.parametrize("transmittance", ["shared", "own"])
+@pytest.mark.parametrize("opacity", ["without", "with"])
+def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
+    readings = {"transmittance": transmittance, "opacity": opacity, "samples": samples}
     renderer, rays = compiled(scene)
     sigma = in_order(renderer, scene.sigma)
     renderer.look(rays, sigma, in_order(renderer, scene.rgb))
     ours = torch.zeros_like(sigma)
-    renderer.confide(sigma, scene.agreement.float(), ours, own=own, opaque=opaque, adding=adding)
-    reduce = "sum" if adding else "max"
-    twin = confidence_twin(
-        *scene.witnesses, own=own, opaque=opaque, reduce=reduce, **scene.settings
-    )
+    renderer.confide(sigma, scene.agreement.float(), ours, **readings)
+    twin = confidence_twin(*scene.witnesses, **readings, **scene.settings)
     torch.testing.assert_close(back(renderer, ours), twin, rtol=1e-3, atol=1e-5)
 
 
@@ -134,7 +134,7 @@ def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(sce
         seen = each.look(few, leaf, rgb)
         (seen.colour.sum() + seen.through.sum()).backward()
         agreement = torch.linspace(0, 1, len(few))
-        each.confide(values, agreement, seen_by, own=False, opaque=True, adding=False)
+        each.confide(values, agreement, seen_by, **DEFAULT)
         told.append((seen.colour, seen.through, leaf.grad, seen_by))
     assert all(torch.equal(again, first) for again, first in zip(*told, strict=True))
 
@@ -152,9 +152,9 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
     renderer, rays = compiled(scene)
     values = in_order(renderer, scene.sigma)
     renderer.look(rays, values, in_order(renderer, scene.rgb))
-    seen_by, ways = torch.zeros_like(values), {"own": False, "opaque": True, "adding": False}
+    seen_by = torch.zeros_like(values)
     with pytest.raises(RuntimeError, match=f"agreement of 1 rays, looked along {len(rays)}"):
-        renderer.confide(values, torch.ones(1), seen_by, **ways)
+        renderer.confide(values, torch.ones(1), seen_by, **DEFAULT)
 
 
 def test_more_neighbours_than_can_be_numbered_are_refused():

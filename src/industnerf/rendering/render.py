@@ -13,6 +13,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.rendering import kernels
 from industnerf.rendering.nearest import Met
 from industnerf.rendering.points import Points
+from industnerf.schema.readings import OpacityReading, ReduceReading, TransmittanceReading
 
 
 @dataclass(frozen=True)
@@ -79,11 +80,11 @@ class Renderer:
         agreement: Float[Tensor, "r"],
         confidence: Float[Tensor, "m"],
         *,
-        own: bool,
-        opaque: bool,
-        adding: bool,
+        transmittance: TransmittanceReading,
+        opacity: OpacityReading,
+        samples: ReduceReading,
     ) -> None:
-        """Bring (13) of the rays last looked along into `confidence`, by maximum or adding.
+        """Bring (13) of the rays last looked along into `confidence`; R9, R15 and R16.
 
         Raises RuntimeError if those were not as many as `agreement` is of.
         """
@@ -98,9 +99,9 @@ class Renderer:
                 _numbers(values),
                 self._met[1],
                 _numbers(agreement),
-                own,
-                opaque,
-                adding,
+                transmittance == "own",
+                opacity == "with",
+                samples == "sum",
                 _numbers(confidence),
             ],
             device=self._device,

@@ -4,8 +4,6 @@ The compiled kernels answer to it.  Torch itself differentiates it in densities,
 background; positions are constants.
 """
 
-from typing import Literal
-
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -15,11 +13,16 @@ from industnerf.rendering.compositing import (
     composite,
     opacities,
     stopped,
-    transmittance,
 )
+from industnerf.rendering.compositing import transmittance as light_left
 from industnerf.rendering.confidence import point_confidence, reduce_samples, voxel_confidence
 from industnerf.rendering.samples import radiance_points
-from industnerf.rendering.weights import WeightReading
+from industnerf.schema.readings import (
+    OpacityReading,
+    ReduceReading,
+    TransmittanceReading,
+    WeightReading,
+)
 
 
 def render_twin(
@@ -70,27 +73,23 @@ def confidence_twin(
     weights: WeightReading,
     stop: float,
     beta: float = 0.0,
-    own: bool,
-    opaque: bool,
-    reduce: Literal["max", "sum"],
+    transmittance: TransmittanceReading,
+    opacity: OpacityReading,
+    samples: ReduceReading,
 ) -> Float[Tensor, "m"]:
     """t of (13) for every cloud point: S T_i W_ij / max_j W_ij over all samples of all rays.
 
-    S is the ray's `agreement` (12).  R9 `own`: T counts sample i itself too.  R15 `opaque`: times
-    alpha_i.  R16 `reduce`: a point's samples to one value.  Samples beyond a ray's end give
-    nothing; a point that is no sample's neighbour has 0.
+    S is the ray's `agreement` (12).  R9 and R15 are those of `voxel_confidence`, R16 is that of
+    `reduce_samples`.  Samples beyond a ray's end give nothing; a point that is no sample's
+    neighbour has 0.
     """
-    samples = radiance_points(
+    met = radiance_points(
         origins, directions, offsets, lo, hi, points, step=step, radius=radius, k=k, weights=weights
     )
-    sigma = samples.dense(samples.mean(values[:, None])[..., 0], beta)
-    left = transmittance(sigma, step)[:, :-1]
+    sigma = met.dense(met.mean(values[:, None])[..., 0], beta)
+    left = light_left(sigma, step)[:, :-1]
     voxel = voxel_confidence(
-        left * (left >= stop),
-        samples.weights,
-        opacities(sigma, step),
-        "own" if own else "shared",
-        "with" if opaque else "without",
+        left * (left >= stop), met.weights, opacities(sigma, step), transmittance, opacity
     )
     given = point_confidence(agreement, voxel)
-    return reduce_samples(given.flatten(), samples.ids.flatten(), len(points), reduce)
+    return reduce_samples(given.flatten(), met.ids.flatten(), len(points), samples)

@@ -38,13 +38,12 @@ def cloud(least: float, reading: str, spacing: float = 0.2) -> Surface:
 def told_by(told: witnesses.Testimony, least: float, reading: str, spacing: float = 0.2) -> Surface:
     ways = replace(
         WAYS,
-        readings=replace(WAYS.readings, cloud=reading),
         surface_px=32,
         least_confidence=least,
         spacing=spacing,
         fusion=replace(WAYS.fusion, grid_res=16, points=500),
     )
-    return final_cloud(MEMBERS.points, MEMBERS.rgb, told, POSED, ways, 7)
+    return final_cloud(MEMBERS.points, MEMBERS.rgb, told, POSED, ways, reading, 7)
 
 
 def assert_same(a: Surface, b: Surface) -> None:

@@ -51,8 +51,8 @@ def twin(seen: Scene, pixels: Pixels, points, sigma, rgb, readings) -> torch.Ten
         looked = (rays.origins, rays.directions, rays.offsets, *BOX, points, sigma)
         pixel = render_twin(*looked, rgb, background, **HOW).rgb
         agreement = colour_confidence(target, pixel, scale)
-        choice = {"own": readings.transmittance == "own", "opaque": readings.opacity == "with"}
-        rows.append(confidence_twin(*looked, agreement, **HOW, **choice, reduce=readings.samples))
+        choice = {name: getattr(readings, name) for name in ("transmittance", "opacity", "samples")}
+        rows.append(confidence_twin(*looked, agreement, **HOW, **choice))
     return torch.stack(rows).clamp(max=1)
 
 

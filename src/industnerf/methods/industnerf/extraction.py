@@ -10,6 +10,7 @@ from industnerf.methods.industnerf.fused import fused
 from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, Testimony, thinned
 from industnerf.schema import IndustnerfSettings
+from industnerf.schema.readings import CloudReading
 
 
 def final_cloud(
@@ -18,6 +19,7 @@ def final_cloud(
     told: Testimony,
     posed: Posed,
     ways: IndustnerfSettings,
+    reading: CloudReading,
     seed: int,
 ) -> Surface:
     """The points of the cloud, their colours, confidences and the views that are surest.
@@ -26,7 +28,7 @@ def final_cloud(
     surface: where pixels see the surface, if they are as sure, one point a cell of side `spacing`.
     fused: on the surface on which the views agree, drawn by `seed` (`fused.fused`).
     """
-    least, reading = ways.least_confidence, ways.readings.cloud
+    least = ways.least_confidence
     match reading:
         case "confident":
             sure = told.confidence >= max(least, torch.finfo(torch.float32).tiny)

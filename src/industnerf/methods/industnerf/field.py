@@ -11,6 +11,7 @@ from torch import Tensor, nn
 
 from industnerf.methods.industnerf.levels import spacing_of
 from industnerf.methods.industnerf.network import Network, activate
+from industnerf.methods.industnerf.roles import view_roles
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.methods.industnerf.sources import GREY, Sources
 from industnerf.schema import IndustnerfSettings
@@ -33,8 +34,7 @@ class Field(nn.Module):
         super().__init__()
         self._settings = settings
         self._unit = spacing_of(settings.grid_res, 0)  # density is counted per first spacing
-        # the views that N is told of, R10
-        self._telling = slice(None, None, 2 if settings.readings.signal == "left_out" else 1)
+        self._telling = view_roles(settings.readings.signal).telling
         self.sources = Sources(scene[self._telling], settings) if settings.network.use else None
         self.softness = 1.0  # of the surface, in first spacings: what N counts distances in
         self._heeding = False  # whether views are trusted more and less yet

@@ -9,6 +9,7 @@ from industnerf.methods.industnerf.encoding import encode, encoded_channels, enc
 from industnerf.methods.industnerf.pixels import averaged, noisier, size_of
 from industnerf.methods.industnerf.pooling import felt, pool, pooled_channels, weights_of
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
+from industnerf.methods.industnerf.roles import encoder_role
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.schema import IndustnerfSettings
 
@@ -25,9 +26,11 @@ class Sources(nn.Module):
     def __init__(self, scene: Scene, settings: IndustnerfSettings) -> None:
         super().__init__()
         self._scene, self._ways, self._readings = scene, settings.network, settings.readings
-        self._blind, self._noise = settings.readings.encoder == "none", settings.noise
+        role = encoder_role(settings.readings.encoder)
+        self._blind, self._noise = not role.heard, settings.noise
+        self.learns = role.learns  # whether E is trained at all
         self.encoder = Encoder(self._ways.features, self._ways.width, self._ways.rgb_skip)
-        self.encoder.requires_grad_(settings.readings.encoder == "per_part")
+        self.encoder.requires_grad_(role.learns)
         posed = encoded_channels(self._ways.channels, self._readings.pose)
         pooled = pooled_channels(self.encoder.channels, self._readings.views)
         self.columns = posed + (0 if self._blind else pooled)
@@ -35,11 +38,6 @@ class Sources(nn.Module):
     def __len__(self) -> int:
         """How many views speak."""
         return len(self._scene)
-
-    @property
-    def learns(self) -> bool:
-        """Whether E is trained at all."""
-        return self._readings.encoder == "per_part"
 
     def place(self, points: Float32[Tensor, "m 3"], spacing: float = 0.0) -> None:
         """From now on speak of these points; all views count alike.

@@ -14,6 +14,7 @@ from industnerf.methods.industnerf.levels import WARM_UP, Layer, near_any, spaci
 from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.pixels import Pixels, footprint, noisier
 from industnerf.methods.industnerf.relief import Relief, beside_on_grid
+from industnerf.methods.industnerf.roles import view_roles
 from industnerf.methods.industnerf.scene import Scene
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
 from industnerf.rendering.distance import density
@@ -88,16 +89,16 @@ class Training:
         return Pixels(self._scene, self.image_px, self._seen(self._showing))
 
     def _seen(self, points: Float32[Tensor, "m 3"]) -> Bool[Tensor, "v h w"]:
-        """The pixels that can show any of the points."""
+        """The pixels of judging views that can show any of the points."""
         seen = footprint(points, self.points.reach, self._scene.eyes, self.image_px)
-        if self.ways.readings.signal == "left_out":
-            seen[::2] = False  # these speak of the points, the others judge
-        if not seen.any():
+        judged, judging = torch.zeros_like(seen), view_roles(self.ways.readings.signal).judging
+        judged[judging] = seen[judging]
+        if not judged.any():
             raise ReconstructionFailed(
                 f"no source view can show a point of level {self.level}: are there views enough, "
                 "and do their cameras agree on where the part is?"
             )
-        return seen
+        return judged
 
     def _relief(self, hull: Float32[Tensor, "m"], photo_hull: PhotoHull | None) -> Relief:
         points = self.points.positions

@@ -64,9 +64,9 @@ def testimony(
                 values,
                 agreement,
                 own,
-                own=readings.transmittance == "own",
-                opaque=readings.opacity == "with",
-                adding=readings.samples == "sum",
+                transmittance=readings.transmittance,
+                opacity=readings.opacity,
+                samples=readings.samples,
             )
             hit = seen.median > 0
             met.append(
