@@ -63,9 +63,16 @@ def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) ->
 
 
 def write_tables(results: Results, out: Path) -> None:
-    """Every table that is made of scores, as CSV and as Markdown."""
+    """Every table, as CSV and as Markdown."""
+    goals = {"goals.csv": goals_csv(results.reached), "goals.md": goals_md(results.reached)}
+    for name, text in (score_tables(results) | goals).items():
+        write_text(out / name, text)
+
+
+def score_tables(results: Results) -> dict[str, str]:
+    """The text of every table that is made of scores and costs alone, by the name of its file."""
     interval = results.interval
-    texts = {
+    return {
         "table1.csv": table1_csv(results.rows),
         "table1.md": table1_md(results.rows, results.extras, interval),
         "table2.csv": table2_csv(results.lines),
@@ -76,13 +83,9 @@ def write_tables(results: Results, out: Path) -> None:
         "comparisons.md": comparisons_md(results.compared, interval),
         "strata.csv": strata_csv(results.kinds),
         "strata.md": strata_md(results.kinds),
-        "goals.csv": goals_csv(results.reached),
-        "goals.md": goals_md(results.reached),
         "cost.md": spending_md(results.spent),
         "scores.csv": scores_csv(results.study),
     }
-    for name, text in texts.items():
-        write_text(out / name, text)
 
 
 def _summary(results: Results, out: Path) -> dict:

@@ -12,6 +12,7 @@ from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
 
 MUST_BEAT = ("retrieval", "mean_shape")  # by a net that deserves its name
+STILL = "still learning"
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def undertrained(study: Study, row: Row, rows: list[Row]) -> str:
     """Why the net of `row` is weaker than it should be; empty if it is not, or no net at all."""
     if not row.size:
         return ""
-    why = [] if study.lessons[row.method].settled else ["still learning"]
+    why = [] if study.lessons[row.method].settled else [STILL]
     why += [
         f"no better than {other.method}"
         for other in rows

@@ -1,0 +1,33 @@
+"""Make the tables of a published study anew from its scores, after a table got a column.
+
+python -m pipeline.retable results/study
+python -m pipeline.retable results/organic
+
+No score is measured anew, and none changes.  Goals and pictures, which need more than the scores,
+stay as they are; `python -m pipeline.publish readme` then brings the documents up to date.
+"""
+
+from pathlib import Path
+
+from industnerf.artifacts.files import write_text
+from industnerf.cli import run_command
+from industnerf.config import read_yaml
+from industnerf.parts.catalogue import catalogue
+from industnerf.parts.embedded import as_part
+from industnerf.report.build import score_tables
+from industnerf.report.reread import reread
+
+
+def main(published: str) -> None:
+    for name, text in tables(Path(published)).items():
+        write_text(Path(published) / name, text)
+
+
+def tables(published: Path) -> dict[str, str]:
+    """What the tables in the folder `published` should say, by the name of the file."""
+    place = Path(read_yaml(published / "params.yaml")["parts"]["path"])
+    return score_tables(reread(published, map(as_part, catalogue(place))))
+
+
+if __name__ == "__main__":
+    run_command(main)

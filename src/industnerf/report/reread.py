@@ -1,0 +1,83 @@
+"""A published study read back: a table that got a column is made anew of its scores, not run anew.
+
+What is not published stays empty: failures with their reasons, remarks, what cameras saw.
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from industnerf.artifacts.part import Part
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.artifacts.split import Place
+from industnerf.config import build, read_yaml
+from industnerf.errors import BadArtifact
+from industnerf.methods import load_method
+from industnerf.report.costs import CostRow
+from industnerf.report.formats import csv_rows
+from industnerf.report.gather import Folders, Lesson, Study
+from industnerf.report.results import Results
+from industnerf.report.table1 import STILL
+from industnerf.schema import ReportParams
+from industnerf.store import Cost
+
+Cells = dict[str, str]
+
+
+def reread(folder: Path, parts: Iterable[Part]) -> Results:
+    """The results published in `folder`, over those of `parts` that it scored."""
+    params = read_yaml(folder / "params.yaml")  # which may be of an older schema
+    settings = build(ReportParams, params["report"], str(folder / "params.yaml"))
+    return Results.of(_study(folder, params, parts), settings, _costs(folder))
+
+
+def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> Study:
+    scores = csv_rows(folder / "scores.csv")
+    rows = {row["method"]: row for row in csv_rows(folder / "table1.csv")}
+    return Study(
+        params["preset"],
+        params["seed"],
+        params["reconstruct"]["views"] or params["views"]["count"],
+        {name: load_method(name) for name in params["methods"]},
+        _those(parts, {row["part_id"] for row in scores}),
+        {row["part_id"]: Place(row["split"], None) for row in scores},
+        [_score(row) for row in scores],
+        {},
+        {},
+        {name: (int(row["parameters"]), int(row["steps"])) for name, row in rows.items()},
+        {name: _lesson(row) for name, row in rows.items() if int(row["learned_from"])},
+        {},
+        {},
+        Folders(*[folder / "unpublished"] * 7),
+    )
+
+
+def _those(parts: Iterable[Part], wanted: set[str]) -> dict[str, Part]:
+    found = {part.part_id: part for part in parts if part.part_id in wanted}
+    if missing := sorted(wanted - set(found)):
+        raise BadArtifact(f"{len(missing)} scored parts are not in the catalogue: {missing[0]}")
+    return found
+
+
+def _score(row: Cells) -> PartScore:
+    names = ("metric", "protocol", "value", "floor", "unit", "status")
+    metric, protocol, value, floor, unit, status = (row[name] for name in names)
+    score = Score(metric, protocol, float(value), float(floor), unit, status)
+    return PartScore(row["part_id"], row["method"], score)
+
+
+def _lesson(row: Cells) -> Lesson:
+    settled = STILL not in row["undertrained"]
+    return Lesson(row["size"], int(row["learned_from"]), row["hold_out"], settled)
+
+
+def _costs(folder: Path) -> list[CostRow]:
+    return [
+        CostRow(row["stage"], row["method"], row["part_id"], _cost(row))
+        for row in csv_rows(folder / "cost.csv")
+    ]
+
+
+def _cost(row: Cells) -> Cost:
+    seconds, peak_mb, aside_s = (float(row[name]) for name in ("seconds", "peak_mb", "aside_s"))
+    return Cost(seconds, peak_mb, row["device"], aside_s)
