@@ -65,7 +65,7 @@ def disagreements(folder: Path) -> list[str]:
         "table2.csv": [
             (row, {"value": _mean(_of(scores, row["method"], row["loss"]))})
             for row in rows_of(folder / "table2.csv")
-            if row["subset"] == "all"
+            if row["subset"] == "all" and not row["unit"].startswith("mm")
         ],
         "strata.csv": [
             (row, _stratum(row, scores))

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from industnerf.report.results import Results
 from industnerf.report.snapshots import Snapshots
 from industnerf.report.subsets import figure3
 from industnerf.report.table2 import (
+    COLUMNS,
     LEFT_OUT,
     LOSSES,
     cells,
@@ -42,6 +44,7 @@ CONFIDENCE = {
     "confidence_ause_chance": 0.4,
 }
 PARTS = "abcd"
+PAPER = COLUMNS.index("paper")
 
 
 def score(part, method, metric, protocol, value, status="ok", floor=0.0):
@@ -109,13 +112,13 @@ def test_a_mean_is_over_the_parts_that_have_it_and_failures_are_counted():
 
 def test_the_papers_three_numbers_stand_beside_its_own_method_and_no_others():
     study = study_of(True, "industnerf")
-    published = {line.loss.name: cells(line)[7] for line in table2(study, SETTINGS)}
+    published = {line.loss.name: cells(line)[PAPER] for line in table2(study, SETTINGS)}
     assert {name: text for name, text in published.items() if text} == {
         "Point Cloud (EMD)": "0.0121665",
         "RGB 2D (MSE)": "0.0986291",
         "Depth 2D (MSE)": "0.0117503",
     }
-    assert {cells(line)[7] for line in table2(study_of(True), SETTINGS)} == {""}
+    assert {cells(line)[PAPER] for line in table2(study_of(True), SETTINGS)} == {""}
 
 
 def test_the_file_and_the_page_hold_the_lines():
@@ -157,6 +160,36 @@ def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
         "depth_mse": "0.0117503",
     }
     assert {row["unit"] for row in rows} == {"1"}
+
+
+def test_a_length_stands_in_mm_too_part_by_part():
+    """Parts of 1 and 3 mm, each a tenth of it off: 0.2 mm; a tenth of the mean part, squared, is
+    4 times 0.01, and each part by itself (1 + 9) / 2 times.
+    """
+    parts = {
+        name: unit_part(name, name, extents_mm=(size, 0.0, 0.0))
+        for name, size in (("a", 1.0), ("b", 3.0))
+    }
+    scores = [
+        PartScore(name, "hull", Score(metric, protocol, value, 0.0, unit, "ok"))
+        for name in parts
+        for metric, protocol, value, unit in (
+            ("emd", "P1-even", 0.1, "diagonal"),
+            ("depth_mse", "P1-union", 0.01, "diagonal^2"),
+            ("rgb_mse", "P1-union", 0.5, "white^2"),
+        )
+    ]
+    study = replace(study_of(False), parts=parts, scores=scores)
+    lines = [line for line in table2(study, SETTINGS) if line.subset == "all"]
+    shown = {line.loss.metric: cells(line)[COLUMNS.index("mm")] for line in lines}
+    assert shown == {"emd": "0.200", "depth_mse": "0.0500 mm²", "rgb_mse": ""}
+    rows = [row for row in csv.DictReader(io.StringIO(table2_csv(lines))) if "mm" in row["unit"]]
+    assert [(row["loss"], row["unit"], float(row["value"])) for row in rows] == [
+        ("emd", "mm", pytest.approx(0.2)),
+        ("depth_mse", "mm^2", pytest.approx(0.05)),
+    ]
+    assert rows[0]["ci_low"] == "0.1"
+    assert {row["paper"] for row in rows} == {""}
 
 
 def test_without_a_method_that_renders_it_is_left_out_and_said():

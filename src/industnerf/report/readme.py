@@ -77,19 +77,18 @@ def _table2(rows: list[Cells]) -> str:
     """A line a method and loss, a column a subset; empty if no method renders."""
     if not rows:
         return ""
-    values = {(row["method"], row["loss"], row["subset"]): row["value"] for row in rows}
-    papers = {(row["method"], row["loss"]): row["paper"] for row in rows}
-    names = {loss.metric: loss.name for loss in LOSSES}
+    values = {(*_loss(row), row["subset"]): row["value"] for row in rows}
     lines = [
-        [
-            key[0],
-            names[key[1]],
-            *(_digits(values.get((*key, name))) for name in ("all", "figure3")),
-            _digits(published),
-        ]
-        for key, published in papers.items()
+        [*key, *(_digits(values.get((*key, name))) for name in ("all", "figure3")), _digits(paper)]
+        for key, paper in {_loss(row): row["paper"] for row in rows}.items()
     ]
     return "\n" + markdown(["method", "loss", "all test parts", "one a family", "paper"], lines)
+
+
+def _loss(row: Cells) -> tuple[str, str]:
+    """The method, and the loss in words; in mm with its unit."""
+    name = next(loss.name for loss in LOSSES if loss.metric == row["loss"])
+    return row["method"], name + {"mm": ", mm", "mm^2": ", mm²"}.get(row["unit"], "")
 
 
 def _digits(value: str | None) -> str:
