@@ -18,11 +18,13 @@ from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
+from industnerf.report.leakage import leakage_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
 
 OUT, README = Path("results/study"), Path("README.md")
+LEAKAGE = Path("docs/sweeps/leakage")  # a sweep that docs/baselines.md shows too
 
 
 def main(what: str = "study") -> None:
@@ -41,9 +43,10 @@ def main(what: str = "study") -> None:
 
 def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
     """What documents show of the published study, by document and the name of its marks."""
+    leakage = {"leakage": leakage_block(LEAKAGE, study)} if LEAKAGE.exists() else {}
     return {
         README: {"study": study_block(study, params)},
-        Path("docs/baselines.md"): {"nets": nets_block(study)},
+        Path("docs/baselines.md"): {"nets": nets_block(study), **leakage},
         Path("docs/scaling.md"): {"costs": costs_block(study), "cluster": cluster_block(study)},
     }
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from statistics import fmean, median
 
 from industnerf.errors import BadArtifact
-from industnerf.report.formats import csv_rows, markdown, short
+from industnerf.report.formats import brief, csv_rows, markdown, short
 from industnerf.report.lookup import EVEN
 from industnerf.report.provenance import made_where
 
@@ -21,13 +21,14 @@ def nets_block(folder: Path) -> str:
     rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
     ours = next((row for row in rows if row["method"] == OURS[0]), None)
     costs, even = csv_rows(folder / "cost.csv"), _even(folder)
-    heads = ["method", "minutes", "most steps", "EMD", f"x `{OURS[0]}`", "paper, x its own"]
+    heads = ["method", "minutes", "most steps", "EMD", "mm", f"x `{OURS[0]}`", "paper, x its own"]
     lines = [
         [
             f"`{row['method']}`",
             _minutes(_seconds(costs, "train", row["method"])),
             row["steps"] if row["size"] else "",
             "{:.4f} ({:.4f} to {:.4f})".format(*(float(row[name]) for name in MEAN)),
+            brief(float(row["emd_mm"])),
             *(_to_ours(row, ours) if ours else ("", "")),
             *(_wins(even, row["method"], rival) for rival in RIVALS),
         ]

@@ -1,0 +1,47 @@
+"""docs/baselines.md: what nets owe to parts like those they are asked about, from its sweep."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from industnerf.report.formats import brief, csv_rows, markdown
+
+Cells = dict[str, str]
+HELD = {"family": "families held out", "part": "families seen", "none": "parts seen"}
+SAME = 1e-5  # the last digit of sweep.csv: so near, the study has measured the same
+
+
+def leakage_block(sweep: Path, study: Path) -> str:
+    """A row a method, the floor first; in mm what the published study has measured too."""
+    rows = [row for row in csv_rows(sweep / "sweep.csv") if row["split"] == "test"]
+    found = {(row["method"], row["split.hold_out"]): row for row in rows}
+    mm = _millimetres(csv_rows(study / "table1.csv"), found)
+    heads = [head for held in HELD.values() for head in (held, "x floor")]
+    heads.insert(1, "mm")
+    floors = [cell for held in HELD for cell in (_floor(rows, held), "1")]
+    lines = [["floor", floors[0], "", *floors[1:]]]
+    for method in dict.fromkeys(row["method"] for row in rows):
+        first, *others = [cell for held in HELD for cell in _cells(found[method, held])]
+        lines.append([f"`{method}`", first, mm.get(method, ""), *others])
+    return markdown(["method", *heads], lines)
+
+
+def _cells(row: Cells) -> tuple[str, str]:
+    emd, low, high = (float(row[name]) for name in ("emd", "low", "high"))
+    return f"{emd:.4f} ({low:.4f} to {high:.4f})", f"{float(row['x floor']):.2f}"
+
+
+def _floor(rows: Sequence[Cells], held: str) -> str:
+    """Of the truth alone: the same for every method."""
+    ratios = [float(r["emd"]) / float(r["x floor"]) for r in rows if r["split.hold_out"] == held]
+    return f"{sum(ratios) / len(ratios):.4f}"
+
+
+def _millimetres(study: Sequence[Cells], found: dict[tuple[str, str], Cells]) -> dict[str, str]:
+    """Of each method whose EMD the study and the sweep agree on."""
+    return {
+        row["method"]: brief(float(row["emd_mm"]))
+        for row in study
+        if row["split"] == "test"
+        and (one := found.get((row["method"], "family")))
+        and abs(float(row["emd_even"]) - float(one["emd"])) < SAME
+    }

@@ -1,0 +1,32 @@
+"""What nets owe to parts like those they are asked about, beside the floor."""
+
+from industnerf.report.leakage import leakage_block
+
+SWEEP = """\
+point,split.hold_out,method,split,emd,low,high,x floor
+0,family,r2n2,test,0.08000,0.07000,0.09000,8.000
+0,family,atlasnet,test,0.09000,0.08000,0.10000,9.000
+0,family,r2n2,dev,0.50000,0.50000,0.50000,2.000
+1,part,r2n2,test,0.06000,0.05000,0.07000,6.000
+1,part,atlasnet,test,0.07000,0.06000,0.08000,7.000
+2,none,r2n2,test,0.02000,0.01000,0.03000,2.000
+2,none,atlasnet,test,0.03000,0.02000,0.04000,3.000
+"""
+STUDY = """\
+method,split,emd_even,emd_mm
+r2n2,test,0.080004,13.8
+atlasnet,test,0.0912,14.6
+r2n2,dev,0.5,99
+"""
+
+
+def test_the_floor_stands_first_and_mm_only_where_the_study_measured_the_same(tmp_path):
+    (tmp_path / "sweep.csv").write_text(SWEEP)
+    (tmp_path / "table1.csv").write_text(STUDY)
+    _, _, floor, r2n2, atlasnet = leakage_block(tmp_path, tmp_path).splitlines()
+    assert floor == "| floor | 0.0100 |  | 1 | 0.0100 | 1 | 0.0100 | 1 |"
+    assert r2n2 == (
+        "| `r2n2` | 0.0800 (0.0700 to 0.0900) | 13.8 | 8.00 | 0.0600 (0.0500 to 0.0700) | 6.00 "
+        "| 0.0200 (0.0100 to 0.0300) | 2.00 |"
+    )
+    assert atlasnet.startswith("| `atlasnet` | 0.0900 (0.0800 to 0.1000) |  | 9.00 |")
