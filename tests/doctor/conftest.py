@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,19 @@ class WorkingCopy:
         code, output = self.run(command)
         assert code == 0, output
         assert not [finding for finding in self.find(check) if finding.is_wrong]
+
+
+def doctor(folder: Path, *arguments: str, **variables: str) -> tuple[int, str]:
+    """Exit code and output of Python in `folder` with `arguments`, or `-m industnerf.doctor`."""
+    done = subprocess.run(
+        [sys.executable, *(arguments or ("-m", "industnerf.doctor"))],
+        cwd=folder,
+        env={**os.environ, "INDUSTNERF_STORE": "store", **variables},
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    return done.returncode, done.stdout + done.stderr
 
 
 @pytest.fixture

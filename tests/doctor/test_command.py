@@ -1,8 +1,5 @@
 """The command: what it prints, how it ends, and what it does not import."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +8,7 @@ from industnerf.doctor import CHECKS, examine
 from industnerf.doctor.places import Places
 from industnerf.errors import BadParams
 from industnerf.tracking import home
-from tests.doctor.conftest import WorkingCopy
+from tests.doctor.conftest import WorkingCopy, doctor
 
 HEAVY = """
 import runpy, sys
@@ -21,19 +18,6 @@ try:
 finally:
     print("heavy:", sorted({"torch", "mlflow", "warp", "dvc", "numpy"} & set(sys.modules)))
 """
-
-
-def doctor(folder, *arguments: str) -> tuple[int, str]:
-    environment = {**os.environ, "INDUSTNERF_STORE": "store"}
-    done = subprocess.run(
-        [sys.executable, *(arguments or ("-m", "industnerf.doctor"))],
-        cwd=folder,
-        env=environment,
-        check=False,
-        capture_output=True,
-        text=True,
-    )
-    return done.returncode, done.stdout + done.stderr
 
 
 def test_what_is_right_ends_with_0_and_without_heavy_imports(plain: WorkingCopy):
@@ -75,13 +59,6 @@ def test_every_check_says_what_it_asks():
 def test_the_database_is_where_tracking_has_it(plain: WorkingCopy, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("INDUSTNERF_MLFLOW", "elsewhere")
     assert type(plain.places).of(plain.folder).database == home() / "mlflow.db"
-
-
-def test_a_gpu_is_told_of_and_never_wrong(plain: WorkingCopy):
-    findings = plain.find("gpu")
-    assert [finding.is_wrong for finding in findings] == [False] * 3
-    assert findings[1].what.startswith("torch ")
-    assert findings[2].what.startswith("warp ")
 
 
 def test_outside_the_root_a_check_says_what_it_lacks(tmp_path: Path):

@@ -1,6 +1,7 @@
 """Room on the disk, against closed forms."""
 
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,35 @@ def test_too_little_room_is_wrong(study: Path, plain: WorkingCopy):
     findings = plain.find("disk")
     assert all(finding.is_wrong for finding in findings)
     assert "INDUSTNERF_STORE" in findings[0].what
+
+
+NAMESPACE = "unshare --user --map-root-user --mount sh -c"  # its mounts end with it
+MOUNT = "mount -t tmpfs -o size=1m tmpfs store"
+FILL = "head -c 2M /dev/zero > store/filler; ls -l store"
+
+
+def on_a_full_disk(plain: WorkingCopy, store: str) -> tuple[int, str]:
+    """What the command says where nothing more can be written to `store`.
+
+    Skips the test where not even the root of a namespace may mount.
+    """
+    plain.places.store.mkdir(exist_ok=True)
+    if plain.run(f"{NAMESPACE} '{MOUNT}'")[0]:
+        pytest.skip("no disk can be filled here: neither root nor anybody else may mount one")
+    asked = f"INDUSTNERF_STORE={store} {sys.executable} -m industnerf.doctor disk"
+    return plain.run(f"{NAMESPACE} '{MOUNT}; {FILL}; {asked}'")
+
+
+def test_a_full_disk_is_wrong_and_a_larger_one_mends_it(study: Path, plain: WorkingCopy):
+    code, output = on_a_full_disk(plain, "store")
+    assert "No space left on device" in output
+    assert f" {2**20} " in output  # bytes of the two million came down
+    assert "  store: 0.0 MB are free, about 17.1 MB are still needed; free some" in output
+    assert output.endswith("1 thing is wrong\n")  # for beside the store there is room
+    assert code == 1
+    code, output = on_a_full_disk(plain, "larger")
+    assert output.endswith("nothing is wrong\n")
+    assert code == 0
 
 
 def test_parameters_that_are_wrong_are_a_finding(study: Path, plain: WorkingCopy):

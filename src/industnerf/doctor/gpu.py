@@ -1,19 +1,35 @@
-"""Whether there is a GPU, and who sees it.  Without one everything runs too: nothing is wrong."""
+"""Whether there is a GPU, and who sees it.
+
+Without one everything runs too, and nothing is wrong, unless INDUSTNERF_DEVICE asks for it.
+"""
 
 import shutil
 import subprocess
 from pathlib import Path
 
+from industnerf import environment
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
+from industnerf.errors import BadParams
+from industnerf.runner.device import check_device
 
 QUERY = ("nvidia-smi", "--query-gpu=name,driver_version,memory.total", "--format=csv,noheader")
 
 
 def find(places: Places) -> list[Finding]:
-    """What the driver, torch and warp each see; for information only."""
+    """What the driver, torch and warp each see, for information; a device asked for in vain."""
     device = Path("/dev/nvidia0")
-    return [Finding(device, text) for text in (_driver(), _torch(), _warp())]
+    seen = [Finding(device, text) for text in (_driver(), _torch(), _warp())]
+    return [*seen, *(Finding(device, text, wrong=True) for text in _in_vain())]
+
+
+def _in_vain() -> list[str]:
+    """What refuses the device that is asked for; with submitit other machines have to have it."""
+    try:
+        check_device(here=environment.text("INDUSTNERF_RUNNER") != "submitit")
+    except BadParams as error:
+        return [f"{error}: no stage begins; name one that is there, or none"]
+    return []
 
 
 def _driver() -> str:

@@ -1,0 +1,64 @@
+"""A GPU: told of, missed where it is asked for, and behind a driver that fails."""
+
+import os
+from pathlib import Path
+
+import pytest
+import torch
+
+from tests.doctor.conftest import WorkingCopy, doctor
+
+SAYS = "NVIDIA-SMI has failed because it couldn't communicate with the NVIDIA driver."
+# what the real one does without its kernel module: a line on stdout, and this exit code
+NVIDIA_SMI = f"""#!/bin/sh
+echo "{SAYS}"
+exit 9
+"""
+
+
+def broken_driver(folder: Path) -> str:
+    """A PATH on which nvidia-smi is found, and fails."""
+    (folder / "bin").mkdir()
+    command = folder / "bin" / "nvidia-smi"
+    command.write_text(NVIDIA_SMI)
+    command.chmod(0o755)
+    return f"{command.parent}{os.pathsep}{os.environ['PATH']}"
+
+
+def test_it_is_told_of_and_not_missed_unless_asked_for(plain: WorkingCopy):
+    findings = plain.find("gpu")
+    assert [finding.is_wrong for finding in findings] == [False] * 3
+    assert findings[1].what.startswith("torch ")
+    assert findings[2].what.startswith("warp ")
+
+
+def test_asked_for_in_vain_it_is_wrong_and_the_driver_is_quoted(plain: WorkingCopy):
+    """CUDA hides every device from torch, whether there is one or not."""
+    variables = {"PATH": broken_driver(plain.folder), "CUDA_VISIBLE_DEVICES": ""}
+    ask = ("-m", "industnerf.doctor", "gpu")
+    code, output = doctor(plain.folder, *ask, INDUSTNERF_DEVICE="cuda", **variables)
+    assert code == 1
+    assert f"the driver fails: {SAYS}" in output
+    assert "INDUSTNERF_DEVICE is 'cuda', but torch finds 0 such devices here" in output
+    assert "1 thing is wrong\n" in output
+    code, output = doctor(plain.folder, *ask, INDUSTNERF_DEVICE="", **variables)
+    assert code == 0
+    assert "nothing is wrong\n" in output
+
+
+def test_without_a_driver_there_is_no_nvidia_smi(plain: WorkingCopy, monkeypatch):
+    monkeypatch.setenv("PATH", str(plain.folder))
+    assert plain.find("gpu")[0].what == "no NVIDIA driver (no nvidia-smi)"
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU that torch could see")
+def test_a_gpu_that_is_there_is_seen_by_all_three(plain: WorkingCopy):
+    name = torch.cuda.get_device_name(0)
+    assert all(name in finding.what for finding in plain.find("gpu"))
+
+
+def test_it_may_be_on_the_cluster_alone(plain: WorkingCopy, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_DEVICE", "cuda:99")
+    assert [finding.is_wrong for finding in plain.find("gpu")][3:] == [True]
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "submitit")
+    assert not any(finding.is_wrong for finding in plain.find("gpu"))
