@@ -3,29 +3,36 @@
 python -m pipeline.sweep experiment=seeds
 python -m pipeline.sweep experiment=seeds_nets
 python -m pipeline.spread runs/sweeps/seeds runs/sweeps/seeds_nets
+
+python -m pipeline.spread     only writes the tables anew, with what the published study has in mm
 """
 
 from pathlib import Path
 
 from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.cli import run_command
-from industnerf.errors import BadArtifact
-from industnerf.report.spread import seeds_csv, seeds_md, spreads
+from industnerf.parts.catalogue import catalogue
+from industnerf.parts.embedded import as_part
+from industnerf.report.spread import in_mm, seed_0, spreads
+from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.sweep_points import preset_of
 
-OUT = Path("results/seeds")
+OUT, STUDY = Path("results/seeds"), Path("results/study")
 
 
 def main(*sweeps: str) -> None:
-    if not sweeps:
-        raise BadArtifact("name the folders of the sweeps, such as runs/sweeps/seeds")
     folders = [Path(sweep) for sweep in sweeps]
     # of each sweep, which is whole: another day and commit than today's may have made it
     made = {preset_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
-    rows = spreads(folders)
+    rows = spreads(folders) if folders else read_seeds(OUT)
+    reports = [path for folder in folders for path in folder.glob("*/reports")] or [STUDY]
+    rows = in_mm(
+        rows, seed_0(reports), {p.part_id: p.diagonal_mm for p in map(as_part, catalogue())}
+    )
     write_text(OUT / "seeds.csv", seeds_csv(rows))
     write_text(OUT / "seeds.md", seeds_md(rows))
-    write_json(OUT / "made.json", {"schema": 1, "sweeps": made})
+    if folders:
+        write_json(OUT / "made.json", {"schema": 1, "sweeps": made})
     print(seeds_md(rows), end="")
 
 

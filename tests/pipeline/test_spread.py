@@ -1,6 +1,8 @@
 """The spread over seeds is brought under version control, from sweeps that are whole."""
 
 import json
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +10,8 @@ from industnerf.artifacts.files import write_json
 from industnerf.errors import BadArtifact
 from pipeline import spread
 from tests.report.test_spread import sweep
+
+RESULTS = Path(__file__).parents[2] / "results"
 
 
 @pytest.fixture
@@ -35,3 +39,14 @@ def test_a_sweep_of_which_a_point_failed_is_refused(seeds, tmp_path):
     with pytest.raises(BadArtifact, match=r"1 points of .* have no report"):
         spread.main(str(seeds))
     assert not (tmp_path / "results").exists()
+
+
+def test_the_committed_tables_are_written_anew_as_they_are(monkeypatch, tmp_path):
+    """If not: python -m pipeline.spread"""
+    for name in ("seeds/seeds.csv", "seeds/seeds.md", "study/scores.csv"):
+        (tmp_path / "results" / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(RESULTS / name, tmp_path / "results" / name)
+    monkeypatch.chdir(tmp_path)
+    spread.main()
+    for name in ("seeds.csv", "seeds.md"):
+        assert Path("results/seeds", name).read_text() == (RESULTS / "seeds" / name).read_text()

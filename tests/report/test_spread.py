@@ -8,7 +8,8 @@ import pytest
 
 from industnerf.errors import BadArtifact
 from industnerf.report.every_score import scores_csv
-from industnerf.report.spread import seeds_csv, seeds_md, spread, spreads
+from industnerf.report.spread import in_mm, seed_0, spread, spreads
+from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.subsets import SEED_PARTS, by_hash
 from tests.samples import unit_part
 from tests.studies import study_of
@@ -67,8 +68,30 @@ def test_a_folder_without_a_finished_point_is_refused(tmp_path):
 def test_the_files_hold_what_the_rows_do():
     rows = [spread("hull", EMDS), spread("ball", {0: EMDS[0], 5: EMDS[1]})]
     hull, ball = csv.DictReader(io.StringIO(seeds_csv(rows)))
-    assert list(hull.values()) == ["hull", "2", "3", "4", "3.5", "", "3.5", "0.5", "1"]
+    assert list(hull.values()) == ["hull", "2", "3", "4", "3.5", "", "3.5", "0.5", "1", ""]
     assert (ball["seed_5"], ball["seed_1"], ball["mean"]) == ("4", "", "3.5")
     assert seeds_md(rows).splitlines()[2] == (
-        "| hull | 2 | 3.00000 | 4.00000 | 3.50000 |  | 3.50000 | 0.50000 | 1.00000 |"
+        "| hull | 2 | 3.00000 | 4.00000 | 3.50000 |  | 3.50000 | 0.50000 | 1.00000 |  |"
     )
+
+
+def test_the_file_is_read_back(tmp_path):
+    rows = [spread("hull", EMDS), spread("ball", {0: EMDS[0], 5: EMDS[1]})]
+    assert read_seeds(tmp_path) == []
+    (tmp_path / "seeds.csv").write_text(seeds_csv(rows))
+    assert seeds_csv(read_seeds(tmp_path)) == seeds_csv(rows)
+
+
+def test_mm_are_of_the_seed_that_was_measured_and_of_nothing_else():
+    """Seed 0 has 1.0 and 5.0 of diagonals of 10 and 2 mm; the ball's scores are of another run."""
+    rows = [spread("hull", EMDS), spread("ball", EMDS), spread("box", EMDS)]
+    known = {"hull": EMDS[0], "ball": EMDS[1]}
+    hull, ball, box = in_mm(rows, known, {"a": 10.0, "b": 2.0})
+    assert hull.mm == pytest.approx((10 + 10) / 2)
+    assert (ball.mm, box.mm) == (None, None)
+
+
+def test_the_first_seed_of_a_sweep_is_found(tmp_path):
+    folder = sweep(tmp_path / "few", ["part-1", "part-2"], ["hull"])
+    found = seed_0(sorted(folder.glob("*/reports")))
+    assert found["hull"] == pytest.approx({"part-1": 0.01, "part-2": 0.02})

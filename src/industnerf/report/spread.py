@@ -7,16 +7,19 @@ single part, as the root of the mean variance over the parts.
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isclose
 from pathlib import Path
 from statistics import fmean, stdev, variance
 
 from industnerf.errors import BadArtifact
-from industnerf.report.formats import csv_rows, csv_text, markdown
+from industnerf.report.formats import csv_rows
 from industnerf.report.lookup import EVEN
 from industnerf.report.subsets import SEED_PARTS, by_hash
 
 Emds = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
+Emds0 = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with seed 0
+PRINTED = 1e-5  # relative: a mean as seeds.csv prints it
 
 
 @dataclass(frozen=True)
@@ -26,13 +29,10 @@ class Spread:
     method: str
     parts: int
     means: dict[int, float]  # seed -> mean EMD
+    mean: float  # over all seeds
     sd: float  # of these means
     part_sd: float  # of the EMD of one part
-
-    @property
-    def mean(self) -> float:
-        """Over all seeds."""
-        return fmean(self.means.values())
+    mm: float | None = None  # mean EMD with seed 0, each part in mm
 
 
 def read_sweeps(folders: Sequence[Path]) -> dict[str, dict[int, dict[str, float]]]:
@@ -46,12 +46,13 @@ def read_sweeps(folders: Sequence[Path]) -> dict[str, dict[int, dict[str, float]
         if not points:
             raise BadArtifact(f"{folder} has no */reports/scores.csv: no finished point of a sweep")
         for path in points:
-            for row in _fixed_parts(path):
+            for row in fixed_parts(path):
                 found[row["method"]][int(row["seed"])][row["part_id"]] = float(row["value"])
     return found
 
 
-def _fixed_parts(path: Path) -> list[dict[str, str]]:
+def fixed_parts(path: Path) -> list[dict[str, str]]:
+    """The rows of a scores.csv that have the EMD (even) of the fixed parts."""
     rows = [
         row
         for row in csv_rows(path)
@@ -72,7 +73,14 @@ def spread(method: str, emds: Emds) -> Spread:
             raise BadArtifact(f"{method}: seed {seed} has not the same parts: {different}")
     means = {seed: fmean(emds[seed].values()) for seed in sorted(emds)}
     variances = [variance([values[part] for values in emds.values()]) for part in parts]
-    return Spread(method, len(parts), means, stdev(means.values()), fmean(variances) ** 0.5)
+    return Spread(
+        method,
+        len(parts),
+        means,
+        fmean(means.values()),
+        stdev(means.values()),
+        fmean(variances) ** 0.5,
+    )
 
 
 def spreads(folders: Sequence[Path]) -> list[Spread]:
@@ -80,33 +88,24 @@ def spreads(folders: Sequence[Path]) -> list[Spread]:
     return sorted((spread(*each) for each in read_sweeps(folders).items()), key=lambda s: s.mean)
 
 
-def _columns(rows: Sequence[Spread]) -> list[int]:
-    return sorted({seed for row in rows for seed in row.means})
+def seed_0(reports: Sequence[Path]) -> Emds0:
+    """The EMDs (even) of the fixed parts with seed 0, from the scores.csv of each of `reports`."""
+    found: dict[str, dict[str, float]] = defaultdict(dict)
+    for report in reports:
+        for row in fixed_parts(report / "scores.csv"):
+            if row["seed"] == "0":
+                found[row["method"]][row["part_id"]] = float(row["value"])
+    return found
 
 
-def seeds_csv(rows: Sequence[Spread]) -> str:
-    """`seeds.csv`: method,parts,seed_0,...,mean,sd,part_sd."""
-    seeds = _columns(rows)
-    return csv_text(
-        ["method", "parts", *(f"seed_{seed}" for seed in seeds), "mean", "sd", "part_sd"],
-        [
-            [row.method, row.parts, *map(row.means.get, seeds), row.mean, row.sd, row.part_sd]
-            for row in rows
-        ],
-    )
+def in_mm(rows: Sequence[Spread], seed_0: Emds0, diagonals_mm: Mapping[str, float]) -> list[Spread]:
+    """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`."""
+    return [replace(row, mm=_mm(row, seed_0.get(row.method, {}), diagonals_mm)) for row in rows]
 
 
-def seeds_md(rows: Sequence[Spread]) -> str:
-    """`seeds.md`: the same for people."""
-    seeds = _columns(rows)
-    lines = [
-        [
-            row.method,
-            str(row.parts),
-            *(f"{row.means[seed]:.5f}" if seed in row.means else "" for seed in seeds),
-            *(f"{value:.5f}" for value in (row.mean, row.sd, row.part_sd)),
-        ]
-        for row in rows
-    ]
-    heads = ["EMD (even)", "parts", *(f"seed {seed}" for seed in seeds)]
-    return markdown([*heads, "mean", "standard deviation", "of one part"], lines)
+def _mm(row: Spread, emds: Mapping[str, float], diagonals_mm: Mapping[str, float]) -> float | None:
+    if not emds or not emds.keys() <= diagonals_mm.keys():
+        return None
+    if not isclose(fmean(emds.values()), row.means.get(0, 0.0), rel_tol=PRINTED):
+        return None
+    return fmean(emd * diagonals_mm[part] for part, emd in emds.items())
