@@ -6,7 +6,7 @@ DATA is the folder `data` of a finished run, of which `truth`, `clouds` and `spl
 Of each part two pictures: the cloud, coloured by how far it is from the true surface, and the true
 surface, by how far the cloud is.  Both are what is scored: points that some photograph could show.
 The worst points are drawn last, so that they show through whatever is before them.  Parts come in
-the order of their errors, the mean of both distances; the numbers are the two, in % of the diagonal.
+the order of their errors, the mean of both distances; the numbers are the two, % of the diagonal.
 """
 
 import argparse

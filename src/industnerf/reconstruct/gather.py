@@ -9,7 +9,7 @@ from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
-from industnerf.reconstruct.places import find_photos
+from industnerf.reconstruct.places import find_photos, unnamed
 from industnerf.reconstruct.remarks import remarks
 from industnerf.reconstruct.transforms import read_shots
 from industnerf.reconstruct.views import View, in_px, read_view, stand
@@ -43,7 +43,7 @@ def gather(
     it was given, or if every photograph is see-through.  `tick(done, of)` is called after each
     photograph.  Raises BadArtifact that names the file and the frame.
     """
-    shots, total = read_shots(transforms, every=every)
+    shots, frames = read_shots(transforms, every=every)
     if len(shots) < 2:
         raise BadArtifact(f"{transforms}: {len(shots)} view to work on, it takes at least 2")
     stands = [stand(shot) for shot in shots]  # cheap, so before any pixel is read
@@ -60,7 +60,7 @@ def gather(
         _cameras(views),
         np.tile(colour, (len(views), 1)) if known else None,
         tuple(photos),
-        tuple(remarks(views, total, colour)),
+        tuple(remarks(views, len(frames), colour, unnamed(photos, frames, folders))),
     )
 
 

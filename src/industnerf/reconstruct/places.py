@@ -26,11 +26,25 @@ def find_photo(shot: Shot, folders: Sequence[Path]) -> Path:
     The name may lack its extension, and the folder may be one that the name's own folders lead
     into: `images/7.png` is found in a folder that holds `7.png`, if it holds no `images/7.png`.
     """
-    for place in _places(shot.name, folders):
-        if place.is_file():
-            return place
+    if found := _found(shot, folders):
+        return found
     looked = " and ".join(str(folder) for folder in folders)
     raise BadArtifact(f"{shot}: no such photograph in {looked}")
+
+
+def unnamed(photos: Sequence[Path], shots: Sequence[Shot], folders: Sequence[Path]) -> list[Path]:
+    """Images that lie beside `photos` and belong to none of `shots`, which are all the frames.
+
+    A frame that is not used may well have no photograph, but the one that it has is no stranger.
+    """
+    owned = {photo.resolve() for shot in shots if (photo := _found(shot, folders))}
+    beside = [path for folder in {photo.parent: None for photo in photos} for path in folder.iterdir()]
+    images = [path for path in beside if path.suffix in SUFFIXES and path.is_file()]
+    return sorted(path for path in images if path.resolve() not in owned)
+
+
+def _found(shot: Shot, folders: Sequence[Path]) -> Path | None:
+    return next((place for place in _places(shot.name, folders) if place.is_file()), None)
 
 
 def _places(name: str, folders: Sequence[Path]) -> Iterator[Path]:

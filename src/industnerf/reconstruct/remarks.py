@@ -1,6 +1,7 @@
 """What was done to some of the photographs, a sentence each."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -8,9 +9,19 @@ from jaxtyping import Float
 from industnerf.reconstruct.poses import SCALED
 from industnerf.reconstruct.views import View, in_px
 
+NAMED = 3  # of the images that are left out
 
-def remarks(views: Sequence[View], total: int, colour: Float[np.ndarray, "3"]) -> list[str]:
-    """Sentences on `views`, which are those of `total` frames that are used."""
+
+def remarks(
+    views: Sequence[View],
+    total: int,
+    colour: Float[np.ndarray, "3"],
+    unnamed: Sequence[Path] = (),
+) -> list[str]:
+    """Sentences on `views`, which are those of `total` frames that are used.
+
+    `unnamed` are images beside theirs that no frame names.
+    """
     height, width = views[0].rgb.shape[:2]
     hexed = "#" + "".join(f"{round(255 * value):02x}" for value in colour)
     counted = {
@@ -33,7 +44,16 @@ def remarks(views: Sequence[View], total: int, colour: Float[np.ndarray, "3"]) -
         for text, which in counted.items()
         if any(which)
     ]
+    if unnamed:
+        said.insert(0, left_out(unnamed))
     if len(views) == total:
         return said
     chosen = f"{len(views)} of {total} frames are used, as `train_filenames` says"
     return [f"{chosen}; --all takes every one", *said]
+
+
+def left_out(unnamed: Sequence[Path]) -> str:
+    """How many they are, and the names of the first."""
+    names = ", ".join(path.name for path in unnamed[:NAMED])
+    more = ", ..." if len(unnamed) > NAMED else ""
+    return f"images that no frame names, left out: {len(unnamed)} ({names}{more})"

@@ -27,8 +27,8 @@ class Shot:
         return f"frame {self.number} ({self.name})"
 
 
-def read_shots(path: Path, *, every: bool) -> tuple[list[Shot], int]:
-    """The frames to use, and how many there are; where `train_filenames` is given, only those.
+def read_shots(path: Path, *, every: bool) -> tuple[list[Shot], list[Shot]]:
+    """The frames to use, and all that there are; where `train_filenames` is given, only those.
 
     `every` takes them all.  Raises BadArtifact that names the file, and the frame if one is wrong.
     """
@@ -39,8 +39,8 @@ def read_shots(path: Path, *, every: bool) -> tuple[list[Shot], int]:
     shots = [_shot(path, number, content, frame) for number, frame in enumerate(frames)]
     named = content.get("train_filenames")
     if named is None or every:
-        return shots, len(shots)
-    return _named(path, shots, named), len(shots)
+        return shots, shots
+    return _named(path, shots, named), shots
 
 
 def _read(path: Path) -> dict[str, Any]:

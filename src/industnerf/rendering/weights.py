@@ -21,7 +21,11 @@ def inverse_distance_weights(
     inverse_square  1 / distance^2
     tapered         ((radius - distance) / (radius distance))^2, which reaches 0 without a jump
                     -- Franke and Little, in Franke (1982), Scattered data interpolation
+
+    ValueError for `tent`, which takes more than a distance: `tent_weights`.
     """
+    if reading == "tent":
+        raise ValueError("tent is no weight by distance alone: `tent_weights` takes the axes")
     near = distance < radius
     distance = torch.where(near, distance, radius)  # inf - inf is no number
     weight = 1 / distance.clamp(min=FLOOR * radius)

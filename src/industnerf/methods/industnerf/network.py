@@ -60,7 +60,10 @@ class Network(nn.Module):
     def forward(
         self, inputs: Float[Tensor, "n i"], colours: Float[Tensor, "n 3"]
     ) -> tuple[Float[Tensor, "n"], Float[Tensor, "n 3"]]:
-        """Raw density, for `activate`, and colour in (0, 1), which starts at `colours`."""
+        """N of eq. (4), of pi(F, P, X) and PosE side by side.
+
+        Raw density, for `activate`, and colour in (0, 1), which starts at `colours`.
+        """
         raw = self.head(self.body(inputs)) + self.straight(inputs)
         return raw[:, 0] * self._gain, (raw[:, 1:] + colours.logit(eps=PURE)).sigmoid()
 

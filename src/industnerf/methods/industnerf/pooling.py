@@ -52,7 +52,9 @@ def pool(
     weights: Float[Tensor, "v n 1"],
     reading: PoolReading,
 ) -> Float[Tensor, "n p"]:
-    """Each point's features over its valid views, and as last column the share of valid views.
+    """pi(F, P, X) of eq. (4) where views are many: each point's features over its valid views.
+
+    The last column is the share of valid views.
 
     Of every channel the weighted mean and variance, the least and the greatest, or some of these.
     A point in no view gets zeros.  `felt` has the gradient.

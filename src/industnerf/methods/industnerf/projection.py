@@ -38,7 +38,7 @@ def in_view(
 def sample_features(
     features: Float[Tensor, "c h w"], uv: Float[Tensor, "n 2"], width: int, height: int
 ) -> Float[Tensor, "n c"]:
-    """pi(F, P, X) of the paper's 3.1: features at `uv`, bilinear between the texels' centres.
+    """pi(F, P, X) of eq. (4): features at `uv`, bilinear between the texels' centres.
 
     `uv` are px of the image, `width` x `height` its size.  The feature map may be coarser: it
     covers the whole image, and each texel its share.  Beyond the outermost centres, and outside

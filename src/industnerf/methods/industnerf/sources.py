@@ -106,7 +106,7 @@ class Sources(nn.Module):
         self._pooled = felt(self._pooled, fresh, valid, weights, reading)
 
     def forward(self) -> Float32[Tensor, "m c"]:
-        """The inputs of N; the graph of a refreshed view is there for one step only."""
+        """The inputs of N in eq. (4); the graph of a refreshed view is there for one step only."""
         pooled = [] if self._blind else [self._pooled]
         inputs = torch.cat([self._encoding, *pooled], dim=1)
         if pooled:
