@@ -299,6 +299,21 @@ def test_a_bad_photograph_is_named_with_its_frame(desk):
     assert errors.startswith(f"error: frame 2 (rgb/002.png): {photo} cannot be read as an image")
 
 
+def test_a_photograph_without_a_camera_is_said_to_be_left_out(desk, fake):
+    (desk.folder / "set/rgb/005.jpg").write_text("not even an image: nobody opens it")
+    code, text, errors = desk.run()
+    assert (code, errors) == (0, "")
+    assert "images that no frame names, left out: 1 (005.jpg)\n" in text
+    np.testing.assert_array_equal(fake.SEEN["posed"].rgb, scene.photographs())
+
+
+def test_a_camera_without_a_photograph_is_an_error(desk):
+    (desk.folder / "set/rgb/003.png").unlink()
+    code, _, errors = desk.run()
+    assert code == 2
+    assert errors.startswith("error: frame 3 (rgb/003.png): no such photograph in ")
+
+
 def test_help_needs_nothing_heavy(root):
     """In a process of its own, as the modules of this one are all there."""
     script = (

@@ -171,6 +171,19 @@ def test_a_scaled_rotation_is_remarked(folder):
     assert remark.startswith("1 of 5 photographs have a rotation that carries a scale")
 
 
+def test_images_that_no_frame_names_are_remarked_and_the_first_named(folder):
+    def fewer(said):
+        del said["frames"][0], said["frames"][-1]
+
+    album = read(folder, fewer)
+    assert len(album.rgb) == 3
+    said = "images that no frame names, left out: "
+    assert album.remarks == (f"{said}2 (000.png, 004.png)",)
+    for i in (6, 7):
+        put(folder, i, scene.photographs()[0])
+    assert read(folder).remarks == (f"{said}4 (000.png, 004.png, 006.png, ...)",)
+
+
 def test_one_view_is_too_few(folder):
     with pytest.raises(BadArtifact, match="1 view to work on, it takes at least 2"):
         read(folder, lambda said: said.update(frames=said["frames"][:1]))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.places import find_photo, find_photos
+from industnerf.reconstruct.places import find_photo, find_photos, unnamed
 from industnerf.reconstruct.transforms import Shot
 
 
@@ -55,3 +55,16 @@ def test_a_missing_photograph_is_named_with_the_folders_searched(folders, name):
 def test_two_frames_cannot_share_a_photograph(folders):
     with pytest.raises(BadArtifact, match=r"frame 0 \(1\) and frame 2 \(left/1.png\) are the same"):
         find_photos([shot("1"), shot("sub/2", 1), shot("left/1.png", 2)], folders)
+
+
+def test_images_beside_the_photographs_are_unnamed_if_no_frame_has_them(folders, tmp_path):
+    for name in ("images/2.png", "images/0.JPG", "images/notes.txt", "beside/4.png"):
+        (tmp_path / name).touch()
+    (tmp_path / "images/folder.png").mkdir()
+    shots = [shot("1"), shot("sub/2", 1), shot("rgb/2.png", 2), shot("9", 3)]
+    photos = find_photos(shots[:1], folders)
+    # frame 2 is not used and has 2.png nevertheless; frame 3 has none; in beside no photograph is
+    assert unnamed(photos, shots, folders) == [tmp_path / "images/0.JPG"]
+    assert unnamed(photos, shots[:1], folders) == [
+        tmp_path / f"images/{n}" for n in ("0.JPG", "2.png")
+    ]

@@ -20,20 +20,20 @@ def read(tmp_path, said, **options):
 
 def test_frames_keep_their_order_and_number(tmp_path, said):
     said["frames"].reverse()
-    shots, total = read(tmp_path, said)
+    shots, frames = read(tmp_path, said)
     assert [(shot.number, shot.name) for shot in shots] == [
         (i, f"rgb/{4 - i:03d}.png") for i in range(5)
     ]
-    assert total == 5
+    assert frames == shots
     assert str(shots[1]) == "frame 1 (rgb/003.png)"
 
 
 def test_only_training_frames_unless_all_are_asked_for(tmp_path, said):
     said["train_filenames"] = ["./rgb/003.png", "rgb\\001.png"]
-    shots, total = read(tmp_path, said)
-    assert ([shot.number for shot in shots], total) == ([1, 3], 5)
-    shots, total = read(tmp_path, said, every=True)
-    assert (len(shots), total) == (5, 5)
+    shots, frames = read(tmp_path, said)
+    assert [shot.number for shot in shots] == [1, 3]
+    assert [shot.number for shot in frames] == [0, 1, 2, 3, 4]
+    assert read(tmp_path, said, every=True) == (frames, frames)
 
 
 @pytest.mark.parametrize(

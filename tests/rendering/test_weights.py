@@ -4,7 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jaxtyping import TypeCheckError
 
-from industnerf.rendering.weights import FLOOR, inverse_distance_weights, weighted_mean
+from industnerf.rendering.weights import (
+    FLOOR,
+    inverse_distance_weights,
+    tent_weights,
+    weighted_mean,
+)
 
 READINGS = ["inverse", "inverse_square", "tapered"]
 RADIUS = 2.0
@@ -79,6 +84,18 @@ def test_an_unknown_reading_is_refused():
         inverse_distance_weights(f64(1.0), RADIUS, "cubic")
 
 
+def test_a_tent_is_refused_where_only_distances_are_known():
+    with pytest.raises(ValueError, match="`tent_weights` takes the axes"):
+        inverse_distance_weights(f64(1.0), RADIUS, "tent")
+
+
+def test_a_tent_is_a_product_over_the_axes_and_ends_on_a_cube():
+    apart = f64([0, 0, 0], [1.0, -0.5, 0.2], [1.9, -1.9, 1.9], [0, RADIUS, 0], [0.1, 0, -3])
+    truth = f64(1, 0.5 * 0.75 * 0.9, 0.05**3, 0, 0)  # 1.9 sqrt(3) is far beyond the radius
+    # 1 - 1.9 / 2 is off by an eps, 2e-15 of it, three times
+    torch.testing.assert_close(tent_weights(apart, RADIUS), truth, rtol=1e-14, atol=0)
+
+
 @pytest.mark.parametrize("reading", READINGS)
 @given(st.integers(0, 2**32 - 1))
 def test_weights_are_a_partition_of_unity(reading, seed):
@@ -114,6 +131,20 @@ def test_the_gradient_is_right_and_finite_without_neighbours():
     nobody = torch.full((1, 2), -1), f64([0.0, 0.0])
     (gradient,) = torch.autograd.grad(weighted_mean(values, *nobody).sum(), values)
     assert gradient.abs().max() == 0
+
+
+@pytest.mark.parametrize("reading", READINGS)
+def test_gradients_of_weights_in_distance_are_right(reading):
+    """Away from the floor and the radius, where they have kinks and jumps; beyond there is none."""
+    distance = f64(0.2, 0.9, 1.7, 2.5).requires_grad_()
+    assert torch.autograd.gradcheck(
+        lambda d: inverse_distance_weights(d, RADIUS, reading), distance
+    )
+
+
+def test_gradients_of_a_tent_are_right_away_from_its_edges():
+    apart = f64([0.3, -1.1, 0.7], [-1.5, 0.4, 2.6]).requires_grad_()
+    assert torch.autograd.gradcheck(lambda x: tent_weights(x, RADIUS), apart)
 
 
 def test_the_mean_over_an_empty_cloud_is_zero():

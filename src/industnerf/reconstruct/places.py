@@ -38,7 +38,8 @@ def unnamed(photos: Sequence[Path], shots: Sequence[Shot], folders: Sequence[Pat
     A frame that is not used may well have no photograph, but the one that it has is no stranger.
     """
     owned = {photo.resolve() for shot in shots if (photo := _found(shot, folders))}
-    beside = [path for folder in {photo.parent: None for photo in photos} for path in folder.iterdir()]
+    folders_used = {photo.parent.resolve() for photo in photos}
+    beside = [path for folder in folders_used for path in folder.iterdir()]
     images = [path for path in beside if path.suffix in SUFFIXES and path.is_file()]
     return sorted(path for path in images if path.resolve() not in owned)
 

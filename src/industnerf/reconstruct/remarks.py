@@ -16,7 +16,7 @@ def remarks(
     views: Sequence[View],
     total: int,
     colour: Float[np.ndarray, "3"],
-    unnamed: Sequence[Path] = (),
+    unnamed: Sequence[Path],
 ) -> list[str]:
     """Sentences on `views`, which are those of `total` frames that are used.
 

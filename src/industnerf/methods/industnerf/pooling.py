@@ -54,10 +54,10 @@ def pool(
 ) -> Float[Tensor, "n p"]:
     """pi(F, P, X) of eq. (4) where views are many: each point's features over its valid views.
 
-    The last column is the share of valid views.
+    Of every channel the weighted mean and variance, the least and the greatest, or some of these;
+    the last column is the share of valid views.  A point in no view gets zeros.
 
-    Of every channel the weighted mean and variance, the least and the greatest, or some of these.
-    A point in no view gets zeros.  `felt` has the gradient.
+    `felt` has the gradient.
     """
     mean, squares = torch.zeros_like(features[0]), torch.zeros_like(features[0])
     least, greatest = torch.full_like(mean, torch.inf), torch.full_like(mean, -torch.inf)
