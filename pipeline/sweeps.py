@@ -2,6 +2,7 @@
 
 python -m pipeline.sweeps runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
 python -m pipeline.sweeps        only writes the table anew
+python -m pipeline.sweeps redraw sweep-nets    draws a published plot anew, from its sweep.csv
 """
 
 import json
@@ -15,14 +16,19 @@ from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
-from industnerf.report.sweep_points import core_seconds, preset_of
+from industnerf.report.sweep_plot import plot
+from industnerf.report.sweep_points import SELECT, core_seconds, preset_of
+from industnerf.report.sweep_reread import reread
+from industnerf.report.sweep_series import series, trends
 
 TABLES = ("sweep.csv", "steps.csv", "trend.csv")
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
 
 def main(sweep: str = "", machine: str = "") -> None:
-    if sweep:
+    if sweep == "redraw":
+        redraw(PUBLISHED / machine)
+    elif sweep:
         publish(Path(sweep), machine)
     write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "sweeps", index(Path.cwd())))
 
@@ -39,14 +45,28 @@ def publish(sweep: Path, machine: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for table in TABLES:
         shutil.copy(sweep / table, folder / table)
-    with Image.open(sweep / "sweep.png") as plot:
-        plot.convert("RGB").quantize(COLOURS).save(folder / "sweep.png", optimize=True)
+    _shrink(sweep / "sweep.png", folder / "sweep.png")
     about = {
         **json.loads((sweep / "made.json").read_text()),
         "machine": machine or "unknown",
         "core_minutes": round(core_seconds(sweep) / 60, 1),
     }
     write_json(folder / "about.json", about)
+
+
+def redraw(folder: Path) -> None:
+    """The plot published in `folder`; not one over parts, whose faces are not kept."""
+    points, swept = reread(folder)
+    if swept[0] == SELECT:
+        raise BadArtifact(f"{folder / 'sweep.csv'} does not say how many faces the parts have")
+    lines = series(points, swept)
+    plot(lines, trends(lines), swept[0], folder / "sweep.png")
+    _shrink(folder / "sweep.png", folder / "sweep.png")
+
+
+def _shrink(source: Path, target: Path) -> None:
+    with Image.open(source) as picture:
+        picture.convert("RGB").quantize(COLOURS).save(target, optimize=True)
 
 
 if __name__ == "__main__":

@@ -5,10 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from industnerf.report.pareto import front
 from industnerf.report.sweep_points import SELECT
 from industnerf.report.sweep_series import COSTS, Series, Trend
 
 SPAN = 4  # numbers that span more than this factor stand on a logarithmic axis
+SETTING = "method."  # of the method, and so the points are of the same task and compete
+FRONT = "#d1495b"
+HEADROOM = 1.2  # times the largest value
 NAMES = {"seconds": "s a part", "peak_mb": "peak MB"}
 
 
@@ -19,7 +23,9 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
     figure = Figure(figsize=(6.4, 10.6), layout="constrained")
     above, below = figure.subfigures(2, 1, height_ratios=(3, 1))
     emd, *costs = above.subplots(1 + len(COSTS), 1, sharex=True)
-    _exchange(below.subplots(), lines)
+    _exchange(exchange := below.subplots(), lines)
+    if key.startswith(SETTING) and len(lines) == 1:
+        _front(exchange, lines[0])
     for i, line in enumerate(lines):
         _emd(emd, line, f"C{i}")
         for axis, quantity in zip(costs, COSTS, strict=True):
@@ -73,10 +79,19 @@ def _exchange(axis: Any, lines: list[Series]) -> None:
             axis.annotate(text, (seconds, emd), (4, 3), textcoords="offset points", fontsize=7)
     axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # for what stands beside the points
-    axis.set_ylim(bottom=0)
+    axis.set_ylim(0, HEADROOM * max(result.emd for line in lines for result in line.results))
     seconds = [result.seconds for line in lines for result in line.results if result.seconds]
     if seconds and max(seconds) > SPAN * min(seconds):
         axis.set_xscale("log")
+
+
+def _front(axis: Any, line: Series) -> None:
+    """A red line through the points that no other is at or below in both coordinates."""
+    best = front([(r.seconds, r.emd) for r in line.results if r.seconds is not None])
+    if best:
+        how = {"where": "post", "color": FRONT, "label": "no point is quicker and better"}
+        axis.step(*zip(*best, strict=True), "o-", **how)
+        axis.legend(fontsize="small", loc="lower right")
 
 
 def _horizontal(axis: Any, lines: list[Series], key: str) -> None:

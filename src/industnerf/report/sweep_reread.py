@@ -1,0 +1,41 @@
+"""A published sweep read back from its sweep.csv: enough to draw it anew."""
+
+from pathlib import Path
+
+from industnerf.report.formats import csv_rows
+from industnerf.report.sweep_points import Point, Result
+
+Cells = dict[str, str]
+COLUMNS = ("emd", "low", "high", "x floor")
+
+
+def reread(folder: Path) -> tuple[list[Point], list[str]]:
+    """The points of `folder`, and what was swept; of no part by itself is anything known."""
+    rows = csv_rows(folder / "sweep.csv")
+    heads = list(rows[0])
+    swept = heads[1 : heads.index("method")]
+    numbers = dict.fromkeys(int(row["point"]) for row in rows)
+    return [
+        _point(number, [row for row in rows if int(row["point"]) == number], swept)
+        for number in numbers
+    ], swept
+
+
+def _point(number: int, rows: list[Cells], swept: list[str]) -> Point:
+    params = {key: _value(rows[0][key]) for key in swept}
+    return Point(number, params, 0.0, [_result(row) for row in rows], {})
+
+
+def _value(text: str) -> int | float | str:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
+def _result(row: Cells) -> Result:
+    seconds, peak_mb = (float(row[name]) if row[name] else None for name in ("seconds", "peak_mb"))
+    emd, low, high, ratio = (float(row[name]) for name in COLUMNS)
+    return Result(row["method"], row["split"], emd, low, high, ratio, seconds, peak_mb, {})
