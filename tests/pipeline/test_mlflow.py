@@ -1,0 +1,105 @@
+"""What MLflow is given of the nets, as the pipeline gives it: how they learned, and an example."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy.ndimage import binary_dilation
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.history import History
+from industnerf.artifacts.views import Views, load_views
+from industnerf.geometry.cameras import project
+from tests.pipeline.conftest import SMALL, Project
+
+NETS = ("atlasnet", "occupancy", "r2n2")
+STEPS = 12  # the net of a fold learns from one part, in so few steps next to nothing
+LESSONS = {"steps": STEPS, "batch": 2, "validate_every": 4}
+SHORT = [f"method.{net}.training.{key}={value}" for net in NETS for key, value in LESSONS.items()]
+READ = """
+import json, sys, mlflow
+mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
+(run,) = mlflow.search_runs(experiment_names=["industnerf"], output_format="list")
+client = mlflow.MlflowClient()
+curves = {
+    name: [(one.step, one.value) for one in client.get_metric_history(run.info.run_id, name)]
+    for name in run.data.metrics if ".fit." in name
+}
+pictures = mlflow.artifacts.download_artifacts(f"{run.info.artifact_uri}/previews")
+print(json.dumps({"curves": curves, "pictures": pictures}))
+"""
+
+
+@pytest.fixture(scope="module")
+def logged(tmp_path_factory, finished_run) -> tuple[Path, dict]:
+    """The data of a study of three nets, and what MLflow has of it."""
+    project = Project(Path(__file__).parents[2], tmp_path_factory.mktemp("nets") / "project")
+    mlflow = str(project.folder / "mlflow")
+    project.environment |= {
+        "INDUSTNERF_STORE": str(finished_run.folder / "store"),
+        "INDUSTNERF_MLFLOW": mlflow,
+        "INDUSTNERF_RUNNER": "serial",  # torch is imported once
+    }
+    methods = f"methods=[{','.join(NETS)}]"
+    sweep = ("python", "-m", "pipeline.sweep", "--multirun")
+    code, output = project.run(*sweep, *SMALL, methods, *SHORT)
+    assert code == 0, output
+    code, output = project.run("python", "-c", READ, mlflow)
+    assert code == 0, output
+    (data,) = project.folder.glob("runs/sweeps/*/*/data")
+    return data, json.loads(output.splitlines()[-1])
+
+
+def curve(folders: list[Path]) -> list[tuple[int, float]]:
+    """The mean of the losses that are kept in `folders`, step by step."""
+    kept = [History.load(folder) for folder in folders]
+    assert len(kept) == 2  # a net for each of the two parts, which the other one taught
+    return list(zip(kept[0].steps, np.mean([one.loss for one in kept], axis=0), strict=True))
+
+
+@pytest.mark.parametrize("net", NETS)
+def test_a_nets_curves_are_those_that_its_training_kept(logged, net):
+    data, found = logged
+    folds = sorted((data / "states" / net).glob("fold-*"))
+    losses = curve(folds)
+    assert [step for step, _ in losses] == list(range(STEPS))
+    assert np.isfinite([loss for _, loss in losses]).all()
+    # as sums of two floats, in either order, they are exact
+    assert found["curves"][f"{net}.fit.loss"] == [list(one) for one in losses]
+    validated = curve([fold / "validation" for fold in folds])
+    assert len(validated) >= STEPS // LESSONS["validate_every"]
+    assert found["curves"][f"{net}.fit.validation"] == [list(one) for one in validated]
+
+
+def shade(cloud: Path, views: Views, camera: int) -> np.ndarray:
+    """The pixels of a camera in which a point of the cloud lies, and those beside them.
+
+    The points of these nets are grey: before white none is missed.
+    """
+    points, cameras = Cloud.load(cloud).points_mm, views.cameras
+    uv, _ = project(points, cameras.K[camera], cameras.c2w[camera])
+    column, row = np.floor(uv).astype(int).T + 1  # of a picture with a margin all round
+    height, width = cameras.height + 2, cameras.width + 2
+    near = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    hit = np.zeros((height, width), bool)
+    hit[row[near], column[near]] = True
+    assert hit.any()
+    return binary_dilation(hit, np.ones((3, 3)))[1:-1, 1:-1]
+
+
+@pytest.mark.parametrize("net", NETS)
+def test_a_nets_picture_has_a_row_a_part_the_photograph_beside_what_was_made_of_it(logged, net):
+    data, found = logged
+    picture = np.asarray(Image.open(Path(found["pictures"]) / f"{net}.png").convert("RGB"))
+    parts = sorted(path.name for path in (data / "clouds" / net).glob("*/"))
+    rows = np.split(picture, len(parts))
+    assert len(parts) == 2
+    for part, row in zip(parts, rows, strict=True):
+        views = load_views(data / "views" / part)
+        photograph, example = np.split(row, 2, axis=1)
+        camera = int(np.flatnonzero(views.held_out)[0])
+        np.testing.assert_array_equal(photograph, views.rgb(np.array([camera]))[0])
+        drawn = (example != 255).any(axis=2)
+        np.testing.assert_array_equal(drawn, shade(data / "clouds" / net / part, views, camera))
