@@ -1,5 +1,6 @@
 """Every preset composes to parameters that are complete and right."""
 
+import shlex
 from dataclasses import asdict
 from pathlib import Path
 from typing import get_args, get_type_hints
@@ -17,6 +18,7 @@ from industnerf.methods.base import Scope
 from industnerf.parts.split import assign
 from industnerf.report.leaves import leaves
 from industnerf.report.subsets import SEED_PARTS, by_hash
+from industnerf.report.sweep_lines import COMMAND, line_of
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
 from pipeline.preset import main as run_preset
@@ -103,6 +105,26 @@ def test_every_point_of_a_sweep_is_valid_and_differs_in_what_is_swept(preset, mo
     differing = {key for s in studies for key in s if s[key] != studies[0][key]}
     assert len(differing) == 1
     assert len({str(s[next(iter(differing))]) for s in studies}) == len(points) >= 3
+
+
+def points_of_line(line: str) -> list[list[str]]:
+    """The overrides of every point of a --multirun line."""
+    words = shlex.split(line.removeprefix(COMMAND))
+    (points,) = BasicSweeper.split_arguments(
+        OverridesParser.create().parse_overrides(words), max_batch_size=None
+    )
+    return points
+
+
+@pytest.mark.parametrize("preset", SWEEPS)
+def test_the_line_of_a_preset_asks_the_same_at_every_point(preset, monkeypatch):
+    """What both change from point to point is the same, and so is the first point as a whole."""
+    points = points_of(preset, monkeypatch)
+    lines = points_of_line(line_of(CONF / "experiment" / f"{preset}.yaml"))
+    assert [line[len(lines[0]) - len(points[0]) :] for line in lines] == points
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        first = build(Params, OmegaConf.to_container(compose("config", lines[0])))
+    assert first == composed(preset, monkeypatch, *points[0])
 
 
 @pytest.mark.parametrize("preset", [name for name in SWEEPS if name != "leakage"])

@@ -16,6 +16,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "conf/experiment").mkdir(parents=True)
     for name in ("sweep-a", "sweep-b"):
         text = f"# @package _global_\n# What of {name}?\n# About 3 minutes on 2 cores.\npreset: x\n"
+        text += "hydra: {sweeper: {params: {n: '1,4'}}}\n"
         (tmp_path / f"conf/experiment/{name}.yaml").write_text(text)
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs/sweeps.md").write_text("a\n<!-- sweeps -->\n<!-- end sweeps -->\nb\n")
@@ -55,6 +56,7 @@ def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path
     )
     assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
     assert "a quiet machine" in text
+    assert text.count("    python -m pipeline.sweep --multirun preset=x n=1,4\n") == 2
     about = json.loads((project / "docs/sweeps/sweep-b/about.json").read_text())
     assert set(about) == {"schema", "date", "commit", "machine", "core_minutes"}
     assert "2026-01-02, at commit 0123456 with changes, a quiet machine" in text

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from industnerf.report.formats import csv_rows
+from industnerf.report.sweep_lines import line_of
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
 HEAD = ("sweep", "question", "points", "time", "result")
@@ -34,11 +35,17 @@ def _preset(path: Path) -> Preset:
 
 
 def index(root: Path) -> str:
-    """Markdown: a row a preset, then the plot of each that was run."""
+    """Markdown: a row a preset, the line that each stands for, the plot of each that was run."""
     found = presets(root)
     rows = [list(HEAD), ["---"] * len(HEAD)] + [_row(root, preset) for preset in found]
     table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
-    return table + "".join(_plate(root, p) for p in found if _published(root, p))
+    plates = [_plate(root, preset) for preset in found if _published(root, preset)]
+    return table + _lines(root, found) + "".join(plates)
+
+
+def _lines(root: Path, found: list[Preset]) -> str:
+    lines = [line_of(root / PRESETS / f"{preset.name}.yaml") for preset in found]
+    return "\nThe same in full, a line each:\n\n" + "".join(f"    {line}\n" for line in lines)
 
 
 def _row(root: Path, preset: Preset) -> list[str]:
