@@ -65,6 +65,43 @@ def test_samples_without_neighbours_give_nothing():
     assert found.tolist() == [[0, 0], [1, 0]]
 
 
+def uniform(*shape: int) -> torch.Tensor:
+    """In [0.1, 0.9], no two of them near each other."""
+    count = math.prod(shape)
+    order = torch.randperm(count, generator=torch.Generator().manual_seed(count))
+    return (0.1 + 0.8 * order.double() / count).reshape(shape).requires_grad_()
+
+
+@pytest.mark.parametrize("opacity", ["with", "without"])
+@pytest.mark.parametrize("reading", ["shared", "own"])
+def test_gradients_of_11_are_right(reading, opacity):
+    """Away from where two weights are the largest.  A slot without a neighbour has none."""
+    missing = torch.tensor([[0, 0, 1], [0, 0, 0]], dtype=torch.bool)
+
+    def voxel(transmittance, weights, alpha):
+        there = weights.masked_fill(missing, 0)
+        return voxel_confidence(transmittance, there, alpha, reading, opacity)
+
+    assert torch.autograd.gradcheck(voxel, (uniform(5, 2), uniform(5, 2, 3), uniform(5, 2)))
+
+
+@pytest.mark.parametrize("reading", ["max", "sum"])
+def test_gradients_of_12_and_13_are_right(reading):
+    """From colours to the surest view; one pixel is off by more than the scale and says nothing."""
+    observed, rendered = uniform(4, 3), uniform(4, 4, 3)[0].detach().requires_grad_()
+    ids = torch.tensor([0, 1, 1, 2, -1, 0])
+
+    def told(observed, rendered, voxel):
+        each = point_confidence(colour_confidence(observed, rendered, 0.7), voxel)
+        return over_views(
+            torch.stack([reduce_samples(one.flatten(), ids, 3, reading) for one in each])
+        )[0]
+
+    agreement = colour_confidence(observed, rendered, 0.7)
+    assert (agreement == 0).sum() == 1
+    assert torch.autograd.gradcheck(told, (observed, rendered, uniform(4, 3, 2)))
+
+
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["shared", "own"]))
 def test_many_rays_are_as_one_after_another_and_stay_within_one(seed, reading):
     generator = torch.Generator().manual_seed(seed)

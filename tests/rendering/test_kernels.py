@@ -14,29 +14,10 @@ from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
 from industnerf.rendering.render import Rays, Renderer
 from industnerf.rendering.twin import confidence_twin, render_twin
+from tests.rendering.compiled import back, compiled, in_order
 from tests.rendering.scenes import SCENES, Scene
 
 DEFAULT = {"transmittance": "shared", "opacity": "with", "samples": "max"}
-
-
-def compiled(scene: Scene) -> tuple[Renderer, Rays]:
-    scene, ways = scene.to(torch.float32), scene.settings
-    points = Points(scene.points, ways["radius"], ways["k"], ways["weights"])
-    box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
-    renderer = Renderer(points, *box, ways["step"], ways["stop"])
-    renderer.beta = ways.get("beta", 0.0)
-    return renderer, Rays(scene.origins, scene.directions, scene.offsets)
-
-
-def in_order(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
-    return values.float()[renderer.points.order]
-
-
-def back(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
-    """Values of the renderer's points, for the points as they were given."""
-    given = torch.empty_like(values)
-    given[renderer.points.order] = values
-    return given.double()
 
 
 @pytest.fixture(params=SCENES)

@@ -67,6 +67,19 @@ def test_the_chain_of_conditionals_is_the_pdf():
     torch.testing.assert_close(chain, p, rtol=1e-13, atol=0)
 
 
+@pytest.mark.parametrize("equation", [pdf, marginal_xy, marginal_x, y_given_x, z_given_xy])
+def test_gradients_are_right_where_there_is_mass(equation):
+    """(5) to (9), of densities that are weighed by visibility.  A row without mass, which is set to
+    0 where it would be 0 / 0, has no gradient; nor has a draw, so that nothing asks for one."""
+    sigma, visibility = (0.5 + torch.rand(2, 2, 3, 2, generator=seeded(4)).double()).unbind()
+
+    def value(*given: torch.Tensor) -> torch.Tensor:
+        p = pdf(density_to_sample(*given, "visible"))
+        return p if equation is pdf else equation(p)
+
+    assert torch.autograd.gradcheck(value, (sigma.requires_grad_(), visibility.requires_grad_()))
+
+
 def invert_slowly(sigma: np.ndarray, u: list[float]) -> list[float]:
     """One draw, cell by cell: the x, y and z at which the distribution functions reach `u`."""
     found, left = [], sigma
