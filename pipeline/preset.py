@@ -21,7 +21,8 @@ from industnerf.store import Store
 from industnerf.tracking import home, is_on
 
 SETTINGS = {"core.analytics": "false", "cache.type": "hardlink,copy"}
-SHARED = ("src", "pipeline", "conf", "dvc.yaml", "data/embedded", "data/organic", "results/grid")
+CODE = ("src", "pipeline", "conf", "dvc.yaml")
+SHARED = (*CODE, "data/embedded", "data/organic", "results/grid", "results/seeds")
 
 
 def main(preset: str) -> None:

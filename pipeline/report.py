@@ -6,7 +6,8 @@ from pathlib import Path
 from industnerf.cli import run_as_stage
 from industnerf.config import PARAMS, Masked, read_yaml
 from industnerf.report.build import build_report
-from industnerf.report.gather import Folders, gather
+from industnerf.report.gather import About, Folders, gather
+from industnerf.report.spread_files import spread_of
 from industnerf.tracking import label, log_report
 
 
@@ -20,12 +21,13 @@ def main(
     clouds: str,
     scores: str,
     grid: str,
+    seeds: str,
     out: str,
 ) -> None:
     folders = map(Path, (parts, views, split, truth, states, clouds, scores))
     count = cfg.reconstruct.views or cfg.views.count
-    about = (cfg.preset, cfg.seed, count, cfg.split.hold_out, cfg.methods)
-    study = gather(Folders(*folders), *about)
+    about = About(cfg.preset, cfg.seed, count, cfg.split.hold_out, cfg.methods, cfg.method)
+    study = gather(Folders(*folders), about, spread_of(cfg.preset, Path(seeds)))
     build_report(study, cfg.report, Path(grid), Path(out))
     label(Path(out))
 

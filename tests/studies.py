@@ -9,6 +9,7 @@ from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
 from industnerf.report.gather import Folders, Study
+from industnerf.report.given import Views
 from industnerf.schema import ReportParams
 
 SETTINGS = ReportParams(resamples=200, interval=0.9, sheet_parts=4)
@@ -39,6 +40,8 @@ def study_of(
         "seen_by_training": {},
         "seen_by_rig": dict.fromkeys(names, 1.0),
         "folders": Folders(*[Path("nowhere")] * 7),
+        "given": dict.fromkeys(emds, Views(12)),
+        "seeds_sd": {},
     }
     return Study(**(values | changes))
 

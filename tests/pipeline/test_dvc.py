@@ -90,7 +90,7 @@ def project(tmp_path_factory):
                 file.touch()
     (here / "dvc.yaml").write_text(yaml.safe_dump(raw))
     shutil.copy(root / "params.yaml", here)
-    for folder in ("data/embedded", "results/grid"):
+    for folder in ("data/embedded", "results/grid", "results/seeds"):
         shutil.copytree(root / folder, here / folder)
     set_params(here, "methods", ["hull", "oracle"])
     for command in (["init", "--no-scm", "-q"], ["repro", "-q"]):

@@ -13,6 +13,7 @@ from industnerf.artifacts.truth import Truth
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.methods import load_method
 from industnerf.report.gather import Folders, Study
+from industnerf.report.given import Views
 from tests.samples import unit_part
 
 RADIUS = 10.0  # mm
@@ -119,4 +120,6 @@ def study(folder: Path) -> Study:
         dict.fromkeys(PARTS, 0.9),
         dict.fromkeys(PARTS, 1.0),
         Folders(folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere),
+        dict.fromkeys(EMD, Views(12)),
+        {},
     )

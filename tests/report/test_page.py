@@ -86,6 +86,7 @@ def test_emd_stands_in_mm_beside_diagonals(report_page):
     """0.02 diagonals of 34.64 mm."""
     row = re.search(r"<td class=text>hull<td class=text>mask(.*?)<tr", report_page)[1]
     assert row.split("<td>")[1:] == [
+        "12",
         "0.0200",
         "0.0200 to 0.0200",
         "0.693",

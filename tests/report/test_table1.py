@@ -13,8 +13,9 @@ from industnerf.methods import load_method
 from industnerf.report.every_score import scores_csv
 from industnerf.report.formats import short
 from industnerf.report.gather import Folders, Lesson, Study
+from industnerf.report.given import Views
 from industnerf.report.table1 import table1, without_failures
-from industnerf.report.table1_text import Extra, table1_csv, table1_md
+from industnerf.report.table1_text import SEEDS, Extra, table1_csv, table1_md
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
 
@@ -61,6 +62,8 @@ def study():
         {},
         {},
         Folders(*[nowhere] * 7),
+        dict.fromkeys(("hull", "oracle"), Views(12)),
+        {},
     )
 
 
@@ -97,6 +100,7 @@ def test_the_files_hold_what_the_rows_do(study):
     text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
     assert "90 %" in text.splitlines()[0]
     assert "| 1.50 |" in text
+    assert SEEDS not in text
     assert len(scores_csv(study).splitlines()) == 1 + 2 * 4 * 3
 
 
@@ -112,6 +116,7 @@ def with_nets(study, settled=True):
         scores=[s for name, v in zip(names, values, strict=True) for s in scores(name, v)],
         training=dict.fromkeys(names, (1_200_000, 4000)),
         lessons=lessons,
+        given=dict.fromkeys(names, Views(12)) | {"occupancy": Views(1, 8)},
     )
 
 
@@ -141,3 +146,24 @@ def test_the_table_says_what_a_method_learned_from(study):
     assert "**undertrained**: no better than retrieval" in text
     alone = [replace(row, learned_from=1) for row in rows if row.learned_from]
     assert "| 1 part of other families;" in table1_md(alone, [Extra(None, 1.5)] * len(alone), 0.9)
+
+
+def test_it_says_how_many_views_were_given_and_of_which_answers_a_number_is(study):
+    rows = table1(with_nets(study), SETTINGS)
+    found = {row.method: (row.views, row.answers) for row in rows}
+    assert found == {"occupancy": (1, 8), "r2n2": (12, 1), "retrieval": (12, 1)}
+    text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
+    assert " | 1 (8 answers) | test | " in text
+    assert " | 12 | test | " in text
+    (said,) = [line for line in text.splitlines() if "of the first answer alone" in line]
+    assert said.startswith("occupancy is given one view at a time and asked 8 times: ")
+
+
+def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):
+    rows = table1(replace(study, seeds_sd={"hull": 0.0123}), SETTINGS)
+    shown = {(row.method, row.split): row.seeds_sd for row in rows if row.seeds_sd is not None}
+    assert shown == {("hull", "test"): 0.0123}
+    head, _, oracle, hull, *_, said = table1_md(rows, [Extra(None, 1.5)] * 4, 0.9).splitlines()
+    at = head.split(" | ").index(SEEDS)
+    assert (hull.split(" | ")[at], oracle.split(" | ")[at]) == ("0.01230", "")
+    assert said.startswith(f"{SEEDS}: standard deviation")

@@ -12,6 +12,7 @@ from industnerf.artifacts.split import Place
 from industnerf.methods import load_method
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.gather import Folders, Study
+from industnerf.report.given import Views
 from industnerf.report.page import page
 from industnerf.report.results import Results
 from industnerf.report.snapshots import Snapshots
@@ -81,6 +82,8 @@ def study_of(rendering: bool, method: str = "hull") -> Study:
         {},
         {},
         Folders(*[Path("nowhere")] * 7),
+        dict.fromkeys((method, "oracle"), Views(12)),
+        {},
     )
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from industnerf.artifacts.cloud import Cloud, load_remarks
 from industnerf.artifacts.part import Part, load_parts
@@ -12,6 +13,7 @@ from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
 from industnerf.methods.base import Method
+from industnerf.report.given import Views, views_of
 from industnerf.stage import read_failures, read_index
 
 
@@ -56,18 +58,31 @@ class Study:
     seen_by_training: dict[str, float]  # part id -> share of its area
     seen_by_rig: dict[str, float]  # the same, of what counts
     folders: Folders
+    given: dict[str, Views]  # method -> what it was given of those views
+    seeds_sd: dict[str, float]  # method -> how far its mean EMD moves with the seed, where known
 
 
-def gather(
-    folders: Folders, preset: str, seed: int, views: int, hold_out: str, methods: list[str]
-) -> Study:
+@dataclass(frozen=True)
+class About:
+    """What parameters say of a study."""
+
+    preset: str
+    seed: int
+    views: int
+    hold_out: str
+    methods: list[str]
+    settings: Any  # of methods, by their names
+
+
+def gather(folders: Folders, about: About, seeds_sd: dict[str, float]) -> Study:
     """Read every artefact; raises BadArtifact that names the first one missing or torn."""
+    methods = about.methods
     known = {name: load_method(name) for name in methods}
     photographed = read_index(folders.views)
     return Study(
-        preset,
-        seed,
-        views,
+        about.preset,
+        about.seed,
+        about.views,
         known,
         {part.part_id: part for part in load_parts(folders.parts)},
         load_split(folders.split),
@@ -78,7 +93,7 @@ def gather(
         {
             name: lesson
             for name in methods
-            if (lesson := _lesson(folders.states / name, hold_out)) is not None
+            if (lesson := _lesson(folders.states / name, about.hold_out)) is not None
         },
         {name: load_views(folders.views / name).seen_by_training for name in photographed},
         {
@@ -86,6 +101,8 @@ def gather(
             for name in read_index(folders.truth)
         },
         folders,
+        {name: views_of(known[name], about.views, about.settings) for name in methods},
+        seeds_sd,
     )
 
 

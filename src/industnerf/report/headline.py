@@ -10,9 +10,9 @@ from industnerf.report import table2
 from industnerf.report.formats import brief, intervals_of, short
 from industnerf.report.gather import Study
 from industnerf.report.lookup import Scores
-from industnerf.report.markup import Column, Line, folded, part_link, table, warning
+from industnerf.report.markup import Column, Line, folded, note, part_link, table, warning
 from industnerf.report.table1 import Row
-from industnerf.report.table1_text import COLUMNS, Extra, cells, lesson
+from industnerf.report.table1_text import COLUMNS, SEEDS, Extra, cells, lesson, notes
 
 TEXT = ("method", "inputs", "subset", "loss")
 GROUPS = {
@@ -22,8 +22,10 @@ GROUPS = {
 ORDER = (  # of Table 1, with the columns that only the page has
     "method",
     "inputs",
+    "views",
     "EMD (even)",
     "95 %",
+    SEEDS,
     "paper",
     "EMD, mm",
     "floor",
@@ -41,7 +43,8 @@ ORDER = (  # of Table 1, with the columns that only the page has
 def table1(rows: Sequence[Row], extras: Sequence[Extra], interval: float) -> str:
     """Table 1 of the reported parts, and folded away that of the dev parts."""
     lines = [_line1(row, extra) for row, extra in zip(rows, extras, strict=True)]
-    return _folded(_columns(ORDER, interval), [row.split for row in rows], lines) + lessons(rows)
+    shown = _folded(_columns(ORDER, interval), [row.split for row in rows], lines)
+    return shown + lessons(rows) + "".join(note(escape(text)) for text in notes(rows))
 
 
 def _folded(columns: list[Column], groups: list[str], lines: list[Line]) -> str:

@@ -5,6 +5,7 @@ What is not published stays empty: failures with their reasons, remarks, what ca
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from industnerf.artifacts.part import Part
@@ -16,7 +17,9 @@ from industnerf.methods import load_method
 from industnerf.report.costs import CostRow
 from industnerf.report.formats import csv_rows
 from industnerf.report.gather import Folders, Lesson, Study
+from industnerf.report.given import Views, views_of
 from industnerf.report.results import Results
+from industnerf.report.spread_files import spread_of
 from industnerf.report.table1 import STILL
 from industnerf.schema import ReportParams
 from industnerf.store import Cost
@@ -49,7 +52,17 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         {},
         {},
         Folders(*[folder / "unpublished"] * 7),
+        _given(params),
+        spread_of(params["preset"], folder.parent / "seeds"),
     )
+
+
+def _given(params: Mapping[str, Any]) -> dict[str, Views]:
+    count = params["reconstruct"]["views"] or params["views"]["count"]
+    settings = SimpleNamespace(
+        **{name: SimpleNamespace(**values) for name, values in params["method"].items()}
+    )
+    return {name: views_of(load_method(name), count, settings) for name in params["methods"]}
 
 
 def _those(parts: Iterable[Part], wanted: set[str]) -> dict[str, Part]:

@@ -24,7 +24,7 @@ class Row:
     inputs: str
     split: str
     preset: str
-    views: int
+    views: int  # that an answer is made of
     emd_even: float
     ci_low: float
     ci_high: float
@@ -42,6 +42,8 @@ class Row:
     hold_out: str  # what those parts have not in common with the part asked for
     undertrained: str  # why a net does not deserve its name, or empty
     emd_mm: float  # EMD (even) of each part in mm, their mean
+    answers: int  # whose mean the score is; but EMD (iid) and (full) are of the first
+    seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
 
 
 def table1(study: Study, settings: ReportParams) -> list[Row]:
@@ -85,7 +87,7 @@ def _row(
         inputs=inputs_of(method),
         split=split,
         preset=study.preset,
-        views=study.views,
+        views=study.given[method.name].each,
         emd_even=fmean(values),
         ci_low=low,
         ci_high=high,
@@ -103,6 +105,8 @@ def _row(
         hold_out=hold_out,
         undertrained="",
         emd_mm=fmean(row.score.value * study.parts[row.part_id].diagonal_mm for row in even),
+        answers=study.given[method.name].answers,
+        seeds_sd=study.seeds_sd.get(method.name) if split == "test" else None,
     )
 
 

@@ -1,18 +1,23 @@
 """Table 1 as files and for people."""
 
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 
 from industnerf.methods.base import Role
 from industnerf.report import paper
 from industnerf.report.formats import brief, csv_text, intervals_of, markdown, short
+from industnerf.report.subsets import SEED_PARTS
 from industnerf.report.table1 import Row
 
+SEEDS = "sd, seeds"
 COLUMNS = (
     "method",
     "inputs",
+    "views",
     "split",
     "EMD (even)",
     "95 %",
+    SEEDS,
     "EMD, mm",
     "floor",
     "x floor",
@@ -49,9 +54,11 @@ def cells(row: Row, extra: Extra) -> list[str]:
     return [
         row.method,
         row.inputs,
+        _views(row),
         row.split,
         short(row.emd_even),
         f"{row.ci_low:.4f} to {row.ci_high:.4f}",
+        short(row.seeds_sd, 5),
         brief(row.emd_mm),
         short(row.floor),
         short(row.ratio_to_floor, 2),
@@ -65,6 +72,33 @@ def cells(row: Row, extra: Extra) -> list[str]:
         lesson(row),
         _published(row.paper_emd),
     ]
+
+
+def _views(row: Row) -> str:
+    """Such as `40`, or `1 (8 answers)`; nothing where no picture of the part was given."""
+    answers = f" ({row.answers} answers)" if row.answers > 1 else ""
+    return f"{row.views}{answers}" if row.views else ""
+
+
+def notes(rows: Sequence[Row]) -> list[str]:
+    """What must be known to read Table 1, in words."""
+    several = [row for row in rows if row.answers > 1 and row.split == rows[0].split]
+    found = [
+        f"{row.method} is given one view at a time and asked {row.answers} times: EMD (even) is "
+        "the mean over its answers, EMD (iid) and EMD (full) are of the first answer alone."
+        for row in several
+    ]
+    if _seeds(rows):
+        found.append(
+            f"{SEEDS}: standard deviation, over the seeds of experiment=seeds, of the mean EMD "
+            f"(even) of {SEED_PARTS} fixed test parts (results/seeds); empty where it was not run."
+        )
+    return found
+
+
+def _seeds(rows: Sequence[Row]) -> bool:
+    """Whether any row has a spread over seeds."""
+    return any(row.seeds_sd is not None for row in rows)
 
 
 def _published(emd: float | None) -> str:
@@ -85,5 +119,8 @@ def lesson(row: Row) -> str:
 
 def table1_md(rows: list[Row], extras: list[Extra], interval: float) -> str:
     """`table1.md`: Table 1 with the seconds of cost.csv."""
-    lines = [cells(row, extra) for row, extra in zip(rows, extras, strict=True)]
-    return markdown(intervals_of(COLUMNS, interval), lines)
+    shown = [i for i, name in enumerate(COLUMNS) if name != SEEDS or _seeds(rows)]
+    heads = intervals_of([COLUMNS[i] for i in shown], interval)
+    texts = [cells(row, extra) for row, extra in zip(rows, extras, strict=True)]
+    table = markdown(heads, [[text[i] for i in shown] for text in texts])
+    return table + "".join(f"\n{text}\n" for text in notes(rows))
