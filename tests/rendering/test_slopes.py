@@ -1,7 +1,4 @@
-"""The way back of the compiled kernels against finite differences of their way there.
-
-The kernels are float32.  Differences are of five points, h and 2 h on either side.
-"""
+"""The way back of the compiled kernels against finite differences of their way there: float32."""
 
 from collections.abc import Callable
 
@@ -11,6 +8,7 @@ from torch import Tensor
 
 from tests.rendering.compiled import compiled, in_order
 from tests.rendering.scenes import SCENES, Scene
+from tests.slopes import slope
 
 Loss = Callable[[Tensor], Tensor]
 
@@ -33,12 +31,6 @@ def a_loss(scene: Scene, leaf: int) -> tuple[Loss, Tensor, float]:
         return (torch.cat([seen.colour, *columns], dim=1).double() * shares).sum()
 
     return loss, given[leaf], (renderer.beta or 1.0) if leaf == 0 else 1.0
-
-
-def slope(loss: Loss, at: Tensor, way: Tensor, h: float) -> Tensor:
-    """Its error is h^4 / 30 of the fifth derivative, and 3 / 2 h of a rounding of the loss."""
-    one, two = (loss(at + n * h * way) - loss(at - n * h * way) for n in (1, 2))
-    return (8 * one - two) / (12 * h)
 
 
 @pytest.mark.parametrize("name", SCENES)
