@@ -28,7 +28,7 @@ ui: $(INSTALLED)  ## compare runs in the browser
 lint: $(INSTALLED)  ## style and import contracts
 	@ruff check . && ruff format --check . && lint-imports
 
-readme: demo  ## bring the demo's table and picture into the README
+readme: demo  ## the demo to results/demo, its table and picture into the README
 	@python -m pipeline.readme
 
 results: $(INSTALLED)  ## copy the finished study's numbers to results/study and the README

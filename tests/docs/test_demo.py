@@ -1,0 +1,54 @@
+"""The demo's table in the README: what `make readme` published, and no number that disagrees."""
+
+from pathlib import Path
+
+from industnerf.report.blocks import block
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = ROOT / "results/demo/table1.md"  # with its scores, from the next `make readme` on
+LAST = 0.5e-4, 0.5e-2  # half of the last digit of an EMD, and of a ratio
+
+
+def shown() -> str:
+    return block((ROOT / "README.md").read_text(), "demo")
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    head, _, *lines = (
+        [cell.strip() for cell in line.strip("|\n ").split("|")]
+        for line in text.splitlines()
+        if line.startswith("|")
+    )
+    return [dict(zip(head, line, strict=False)) for line in lines]
+
+
+def agrees(ratio: str, emd: str, unit: str) -> bool:
+    """Whether `ratio` can be `emd` over `unit`, as all three are rounded."""
+    value, above, below = float(ratio), float(emd), float(unit)
+    least = (above - LAST[0]) / (below + LAST[0]) - LAST[1]
+    most = (above + LAST[0]) / (below - LAST[0]) + LAST[1]
+    return least <= value <= most
+
+
+def test_it_is_the_published_one():
+    """If not: make readme"""
+    assert not PUBLISHED.exists() or PUBLISHED.read_text() == shown()
+
+
+def test_ratios_are_those_of_the_numbers_beside_them_and_the_best_stands_first():
+    found = rows(shown())
+    (ours,) = [row for row in found if row["method"] == "industnerf"]
+    for row in found:
+        assert agrees(row["x floor"], row["EMD (even)"], row["floor"]), row
+        assert agrees(row["x industnerf"], row["EMD (even)"], ours["EMD (even)"]), row
+        assert row["failed"] != "0" or row["without failures"] == row["EMD (even)"]
+        low, high = map(float, row["95 %"].split(" to "))
+        assert low <= float(row["EMD (even)"]) <= high
+    emds = [float(row["EMD (even)"]) for row in found]
+    assert emds == sorted(emds)
+    assert len({row["floor"] for row in found}) == 1
+
+
+def test_a_ratio_of_other_numbers_is_found():
+    assert agrees("2.00", "0.0200", "0.0100")
+    assert not agrees("2.04", "0.0200", "0.0100")
