@@ -1,0 +1,51 @@
+"""How large is the page of a report, and how long does a browser take to open it?
+
+PYTHONPATH=. python benchmarks/page.py runs/dev/reports/report.html 1000 4000
+
+A number stands for a page of so many parts, with three methods, 14 scores and no pictures each.
+In headless Chromium, where software draws: seconds until all of the file is read
+(`domInteractive`), and until the scripts have run and every picture is decoded (`load`).
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+
+from tests.report import gallery
+from tests.report.browser import visit
+from tests.report.test_page import bare
+from tests.report.test_size import grown
+
+REPEATS = 3
+PROBE = """
+  const [opened] = performance.getEntriesByType("navigation");
+  return { read: opened.domInteractive / 1000, loaded: performance.now() / 1000 };
+"""
+
+
+def main(*pages: str) -> None:
+    print(f"{'MB':>6} {'s read':>7} {'s loaded':>9}  median of {REPEATS}")
+    for name in pages:
+        page = of_parts(int(name)) if name.isdigit() else Path(name).read_text()
+        found = [opened(page) for _ in range(REPEATS)]
+        read, loaded = (median(each[key] for each in found) for key in ("read", "loaded"))
+        print(f"{len(page.encode()) / 1e6:6.2f} {read:7.2f} {loaded:9.2f}  {name}", flush=True)
+
+
+def of_parts(count: int) -> str:
+    """The page of a study of equal balls."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in gallery.PARTS:
+            gallery.lay_out(Path(folder), name)
+        return bare(grown(gallery.study(Path(folder)), count))
+
+
+def opened(page: str) -> dict[str, float]:
+    """Seconds, in a browser that has seen no page before."""
+    with tempfile.TemporaryDirectory() as folder:
+        return visit(page, PROBE, Path(folder)).found
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
