@@ -8,6 +8,7 @@ from industnerf.schema.readings import Readings
 from industnerf.schema.rules import (
     Count,
     CountOr0,
+    GridRes,
     ImagePx,
     Positive,
     PositiveOr0,
@@ -119,7 +120,7 @@ class ReliefSettings:
 class FusionSettings:
     """Of the depths that all views see: reading `fused` of R11."""
 
-    grid_res: Annotated[int, within("[8, 512]")]
+    grid_res: GridRes
     truncation: Annotated[float, at_least(1, " cell")]
     points: Count
 
@@ -127,7 +128,7 @@ class FusionSettings:
 @dataclass(frozen=True)
 class IndustnerfSettings:
     readings: Readings
-    grid_res: Annotated[int, within("[8, 512]")]
+    grid_res: GridRes
     grid_points: CountOr0
     warm_up: WarmUpSettings
     levels: Annotated[list[LevelSettings], one_or_more("level")]

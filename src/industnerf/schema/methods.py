@@ -8,6 +8,7 @@ from industnerf.schema.industnerf import IndustnerfSettings
 from industnerf.schema.learning import AugmentSettings, Frame, TrainingSettings
 from industnerf.schema.rules import (
     Count,
+    GridRes,
     ImagePx,
     InnerShare,
     PositiveOr0,
@@ -97,7 +98,7 @@ class CarveSettings(SpaceCarvingSettings):
 
 @dataclass(frozen=True)
 class TsdfSettings:
-    grid_res: Annotated[int, within("[8, 512]")]
+    grid_res: GridRes
     truncation: Annotated[float, at_least(1, " cell")]
     points: Count
 

@@ -42,6 +42,7 @@ PositiveOr0 = Annotated[float, at_least(0)]
 Share = Annotated[float, within("[0, 1)")]
 InnerShare = Annotated[float, within("(0, 1)")]
 ImagePx = Annotated[int, at_least(16, " px")]
+GridRes = Annotated[int, within("[8, 512]")]  # cells along each side
 
 
 def require(holds: bool, key: str, value: object, rule: str) -> None:
