@@ -1,18 +1,22 @@
 """Tables, contact sheet and one page that opens offline.  DVC stage `report`."""
 
 import sys
+from functools import partial
 from pathlib import Path
 
 from industnerf.cli import run_as_stage
 from industnerf.config import PARAMS, Masked, read_yaml
 from industnerf.report.build import build_report
+from industnerf.report.costs import CostRow, add_cost
 from industnerf.report.gather import About, Folders, gather
 from industnerf.report.spread_files import spread_of
+from industnerf.stage import measured
 from industnerf.tracking import label, log_report
 
 
 def main(
     cfg: Masked,
+    solids: str,
     parts: str,
     views: str,
     split: str,
@@ -24,11 +28,12 @@ def main(
     seeds: str,
     out: str,
 ) -> None:
-    folders = map(Path, (parts, views, split, truth, states, clouds, scores))
+    folders = map(Path, (solids, parts, views, split, truth, states, clouds, scores))
     count = cfg.reconstruct.views or cfg.views.count
     about = About(cfg.preset, cfg.seed, count, cfg.split.hold_out, cfg.methods, cfg.method)
-    study = gather(Folders(*folders), about, spread_of(cfg.preset, Path(seeds)))
-    build_report(study, cfg.report, Path(grid), Path(out))
+    read = partial(gather, Folders(*folders), about, spread_of(cfg.preset, Path(seeds)))
+    cost = measured(lambda to: build_report(read(), cfg.report, Path(grid), to), Path(out))
+    add_cost(Path(out) / "cost.csv", CostRow("report", "", "", cost))
     label(Path(out))
 
 

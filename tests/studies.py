@@ -39,7 +39,7 @@ def study_of(
         "lessons": {},
         "seen_by_training": {},
         "seen_by_rig": dict.fromkeys(names, 1.0),
-        "folders": Folders(*[Path("nowhere")] * 7),
+        "folders": Folders(*[Path("nowhere")] * 8),
         "given": dict.fromkeys(emds, Views(12)),
         "seeds_sd": {},
     }

@@ -39,7 +39,7 @@ REPORT = {
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
     "emd_full,parts,failures,parameters,steps,paper_emd,"
-    "size,learned_from,hold_out,undertrained,emd_mm"
+    "size,learned_from,hold_out,undertrained,emd_mm,answers,seeds_sd"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
 TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
@@ -93,8 +93,10 @@ def test_every_part_metric_and_protocol_has_a_score_and_a_cost(finished_run):
     assert len(scores) == 2 * 3 * len(kinds)  # parts x methods x kinds
     assert {row["status"] for row in scores} == {"ok"}
     costs = rows(finished_run.folder / "reports" / "cost.csv")
-    # parts, views, truth; reconstruct, evaluate per method; two folds of the one that learns
-    assert len(costs) == 2 * 3 + 2 * 3 * 2 + 2
+    # parts, views, truth; reconstruct, evaluate per method; two folds of the one that learns; the
+    # report itself
+    assert len(costs) == 2 * 3 + 2 * 3 * 2 + 2 + 1
+    assert costs[-1]["stage"] == "report"
     assert all(float(row["seconds"]) > 0 and float(row["peak_mb"]) > 0 for row in costs)
 
 

@@ -119,7 +119,9 @@ def study(folder: Path) -> Study:
         {},
         dict.fromkeys(PARTS, 0.9),
         dict.fromkeys(PARTS, 1.0),
-        Folders(folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere),
+        Folders(
+            nowhere, folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere
+        ),
         dict.fromkeys(EMD, Views(12)),
         {},
     )

@@ -16,6 +16,7 @@ def failing(folder: Path, failures: dict[str, str]) -> Path:
 def test_every_stage_says_what_failed_in_it_and_once(tmp_path: Path):
     """Each stage also lists what failed before it."""
     folders = Folders(
+        solids=tmp_path,
         parts=failing(tmp_path / "parts", HANDED_ON),
         views=failing(tmp_path / "views", HANDED_ON | {"dark": "no lamp"}),
         split=tmp_path,

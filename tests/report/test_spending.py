@@ -1,10 +1,15 @@
 """What methods cost, from side-cars that are known."""
 
+from dataclasses import fields
+
 import pytest
 
-from industnerf.report.costs import CostRow, seconds_per_part
+from industnerf.artifacts.files import write_json
+from industnerf.report.costs import CostRow, add_cost, costs_csv, read_costs, seconds_per_part
+from industnerf.report.formats import csv_rows
+from industnerf.report.gather import Folders
 from industnerf.report.spending import cells, spending
-from industnerf.store import Cost
+from industnerf.store import Cost, Store
 from tests.samples import unit_part
 from tests.studies import study_of
 
@@ -31,3 +36,21 @@ def test_a_line_holds_means_and_of_memory_the_largest_peak():
 def test_seconds_are_those_of_the_parts_asked_for():
     assert seconds_per_part(COSTS, "hull", {"b"}) == pytest.approx(3.0)
     assert seconds_per_part(COSTS, "hull", {"c"}) is None
+
+
+def test_the_report_adds_what_it_cost_itself(tmp_path):
+    table = tmp_path / "cost.csv"
+    table.write_text(costs_csv(COSTS))
+    add_cost(table, CostRow("report", "", "", Cost(9.0, 700.0, "cpu")))
+    assert len(csv_rows(table)) == len(COSTS) + 1
+    assert list(csv_rows(table)[-1].values()) == ["report", "", "", "9.0", "700.0", "cpu", "0.0"]
+
+
+def test_solids_are_counted_where_the_store_knows_them(tmp_path, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
+    Store.from_environment().put("solids", "0" * 32, lambda _: Cost(4.0, 9.0, "cpu"))
+    for name in ("solids", "parts", "views", "truth"):
+        keys = {"bracket": "0" * 32} if name == "solids" else {}
+        write_json(tmp_path / name / "index.json", {"schema": 1, "keys": keys})
+    (row,) = read_costs(Folders(*(tmp_path / field.name for field in fields(Folders))), [])
+    assert (row.stage, row.part_id, row.cost.seconds) == ("solids", "bracket", 4.0)

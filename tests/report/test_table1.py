@@ -61,7 +61,7 @@ def study():
         {},
         {},
         {},
-        Folders(*[nowhere] * 7),
+        Folders(*[nowhere] * 8),
         dict.fromkeys(("hull", "oracle"), Views(12)),
         {},
     )

@@ -1,10 +1,14 @@
-"""What each result cost, from the store's side-cars; unknown where the store is not at hand."""
+"""What each result cost, from the store's side-cars; unknown where the store is not at hand.
+
+The split, a fraction of a second, is in no store and is not counted; the report counts itself.
+"""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 
+from industnerf.artifacts.files import write_text
 from industnerf.report.formats import csv_text
 from industnerf.report.gather import Folders
 from industnerf.stage import read_index
@@ -23,8 +27,8 @@ class CostRow:
 
 def read_costs(folders: Folders, methods: list[str]) -> list[CostRow]:
     """All costs that the store still knows."""
-    rows = [*_rows("parts", "", folders.parts), *_rows("views", "", folders.views)]
-    rows += _rows("truth", "", folders.truth)
+    stages = {name: getattr(folders, name) for name in ("solids", "parts", "views", "truth")}
+    rows = [row for name, folder in stages.items() for row in _rows(name, "", folder)]
     for method in methods:
         rows += _rows("train", method, folders.states / method)
         rows += _rows("reconstruct", method, folders.clouds / method)
@@ -42,10 +46,16 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 def costs_csv(rows: list[CostRow]) -> str:
     """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,aside_s."""
-    lines = [
-        [row.stage, row.method, row.part_id, *map(str, vars(row.cost).values())] for row in rows
-    ]
-    return csv_text(["stage", "method", "part_id", *Cost.__dataclass_fields__], lines)
+    return csv_text(["stage", "method", "part_id", *Cost.__dataclass_fields__], map(_cells, rows))
+
+
+def add_cost(table: Path, row: CostRow) -> None:
+    """Append `row` to the cost.csv at `table`: what the report cost is known when it is written."""
+    write_text(table, table.read_text() + csv_text(_cells(row), []))
+
+
+def _cells(row: CostRow) -> list[str]:
+    return [row.stage, row.method, row.part_id, *map(str, vars(row.cost).values())]
 
 
 def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str]) -> float | None:

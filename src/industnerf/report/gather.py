@@ -21,6 +21,7 @@ from industnerf.stage import read_failures, read_index
 class Folders:
     """Where the stages before the report wrote."""
 
+    solids: Path
     parts: Path
     views: Path
     split: Path

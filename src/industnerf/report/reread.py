@@ -51,7 +51,7 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         {name: _lesson(row) for name, row in rows.items() if int(row["learned_from"])},
         {},
         {},
-        Folders(*[folder / "unpublished"] * 7),
+        Folders(*[folder / "unpublished"] * 8),
         _given(params),
         spread_of(params["preset"], folder.parent / "seeds"),
     )
