@@ -124,6 +124,11 @@ def silhouettes_of(seen: Scene) -> Silhouettes:
     return Silhouettes(seen, TOLERANCE)
 
 
+def shipped(name: str) -> IndustnerfSettings:
+    """Those of params.yaml."""
+    return getattr(load_params(Path(__file__).parents[3] / "params.yaml").method, name)
+
+
 def settings(
     name: str = "industnerf",
     *,
@@ -138,19 +143,19 @@ def settings(
 
     The paper's method has densities, whose closed forms are known, unless distances are asked for.
     """
-    shipped = getattr(load_params(Path(__file__).parents[3] / "params.yaml").method, name)
+    whole = shipped(name)
     if name.startswith("industnerf") and name != "industnerf_plus":
         readings = {"activation": "cut_exp"} | (readings or {})
         dense = readings["activation"] != "distance"
         others = ({"initial": -4.0} if dense else {}) | others
     level = {"steps": 10, "image_px": 32, "points": 2000}
     return replace(
-        shipped,
-        readings=replace(shipped.readings, **(readings or {})),
-        network=replace(shipped.network, **{"channels": 24, "hidden": 32} | (network or {})),
-        residual=replace(shipped.residual, **(residual or {})),
-        levels=[replace(shipped.levels[0], **level | extra) for extra in levels or [{}]],
-        warm_up=replace(shipped.warm_up, **{"steps": 0} | (warm_up or {})),
+        whole,
+        readings=replace(whole.readings, **(readings or {})),
+        network=replace(whole.network, **{"channels": 24, "hidden": 32} | (network or {})),
+        residual=replace(whole.residual, **(residual or {})),
+        levels=[replace(whole.levels[0], **level | extra) for extra in levels or [{}]],
+        warm_up=replace(whole.warm_up, **{"steps": 0} | (warm_up or {})),
         **{"grid_res": 12, "rays": 256} | others,
     )
 

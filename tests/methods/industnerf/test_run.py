@@ -1,49 +1,27 @@
 """The whole method on solids that are known, in the frame and unit of their cameras."""
 
-import copy
 from dataclasses import replace
-from typing import Any, get_args, get_type_hints
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 import torch
-from scipy.spatial import cKDTree
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf.run import Outcome, Watch, run
+from industnerf.methods.industnerf.run import run
 from industnerf.schema.readings import Readings
+from tests.methods.industnerf.outcomes import SOLIDS, Recorder, bytes_of, errors
 from tests.methods.industnerf.scenes import (
     CENTRE,
     REACH,
-    Solid,
-    ball,
-    box,
     cup,
     posed,
     settings,
-    texture,
 )
 
-SOLIDS = {"ball": ball(18.0), "box": box((16.0, 11.0, 8.0))}
 SMALL = {"grid_res": 12, "rays": 256, "spacing": 0.08, "least_confidence": 0.01}
 LEVELS = [{"steps": 6, "image_px": 32}, {"steps": 4, "image_px": 32}]
 FREE = "industnerf_plus"
-
-
-def surface_of(solid: Solid) -> np.ndarray:
-    """Points all over it."""
-    directions = np.random.default_rng(0).normal(size=(2000, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    return directions * (100 - solid.meets(100 * directions, -directions))[:, None]
-
-
-def errors(solid: Solid, outcome: Outcome) -> tuple[float, float, float]:
-    """Mean distance of the points from the surface, mm; the share of the surface that has one
-    within 4 mm; the mean error of the colours."""
-    points = outcome.points - CENTRE
-    near = cKDTree(points).query(surface_of(solid))[0] < 4
-    off = np.abs(outcome.colours / 255 - texture(points)).mean()
-    return np.abs(solid.away(points)).mean(), near.mean(), off
 
 
 @pytest.mark.slow
@@ -116,11 +94,6 @@ def test_every_reading_goes_from_the_warm_up_to_the_last_level(name, value):
     assert len(run(posed(SOLIDS["ball"], 8, 32, None), ways, 1).points)
 
 
-def bytes_of(outcome: Outcome) -> bytes:
-    fields = (outcome.points, outcome.colours, outcome.confidence, outcome.view)
-    return b"".join(values.tobytes() for values in fields) + str(outcome.losses).encode()
-
-
 METHODS = pytest.mark.parametrize("name", ["industnerf", FREE])
 
 
@@ -158,34 +131,6 @@ def test_the_cloud_is_in_the_cameras_frame_and_unit():
     np.testing.assert_array_equal(a.colours, b.colours)
     pictures = [o.pictures(g.cameras, o.background) for o, g in ((a, here), (b, there))]
     np.testing.assert_allclose(pictures[1].depth_mm, 3 * pictures[0].depth_mm, rtol=1e-5)
-
-
-class Recorder(Watch):
-    """Remembers all that it is told, and asks for everything."""
-
-    def __init__(self) -> None:
-        self.begun: list[tuple[str, int]] = []
-        self.losses: list[float] = []
-        self.states: list[dict[str, Any]] = []
-        self.seen: list[tuple[np.ndarray, np.ndarray]] = []
-
-    def begin(self, level: str, steps: int) -> None:
-        self.begun.append((level, steps))
-
-    def step(self, loss: float) -> None:
-        self.losses.append(loss)
-
-    def wants_preview(self) -> bool:
-        return True
-
-    def preview(self, source: np.ndarray, rendered: np.ndarray) -> None:
-        self.seen.append((source, rendered))
-
-    def wants_checkpoint(self) -> bool:
-        return True
-
-    def checkpoint(self, state: dict[str, Any]) -> None:
-        self.states.append(copy.deepcopy(state))
 
 
 @METHODS
