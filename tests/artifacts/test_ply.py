@@ -29,14 +29,18 @@ def test_a_mesh_is_read_back(tmp_path):
     np.testing.assert_array_equal(read.visual.face_colors[:, :3], COLOURS[:2])
 
 
-def test_confidence_and_view_are_columns(tmp_path):
+def test_confidence_and_view_are_columns_and_meshlab_has_its_name(tmp_path):
     sure, view = np.array([0.0, 0.5, 1.0]), np.array([4, -1, 300], np.int16)
     write_ply(tmp_path / "a.ply", POINTS, confidence=sure, view=view)
     body = (tmp_path / "a.ply").read_bytes().partition(b"end_header\n")[2]
-    rows = np.frombuffer(body, "<f4,<f4,<f4,<f4,<i2")
-    assert rows["f3"].tolist() == [0, 0.5, 1]
-    assert rows["f4"].tolist() == [4, -1, 300]
-    assert header(tmp_path / "a.ply")[-2:] == ["property float confidence", "property short view"]
+    rows = np.frombuffer(body, "<f4,<f4,<f4,<f4,<f4,<i2")
+    assert rows["f3"].tolist() == rows["f4"].tolist() == [0, 0.5, 1]
+    assert rows["f5"].tolist() == [4, -1, 300]
+    assert header(tmp_path / "a.ply")[-3:] == [
+        "property float confidence",
+        "property float quality",
+        "property short view",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_the_ply_says_what_it_holds(desk):
     properties = [line[9:] for line in header.decode().splitlines() if line.startswith("property")]
     assert properties == [
         *("float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"),
-        *("float confidence", "short view"),
+        *("float confidence", "float quality", "short view"),
     ]
     assert len(body) == 6 * (3 * 4 + 3 + 4 + 2)
 

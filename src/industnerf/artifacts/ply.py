@@ -20,7 +20,8 @@ def write_ply(
     """Write points, or a mesh if `faces` is given; colours are sRGB.
 
     Lengths are in `unit`, which the header says: the suite's own files are in mm.
-    `view` is the training view that says most of a point; `face_colours` need `faces`.
+    `confidence` has two columns, `confidence` and, for MeshLab, `quality`; `view` is the training
+    view that says most of a point; `face_colours` need `faces`.
     """
     columns: list[tuple[str, str, np.ndarray]] = [
         (name, "f4", points[:, axis]) for axis, name in enumerate("xyz")
@@ -29,7 +30,8 @@ def write_ply(
         names = ("red", "green", "blue")
         columns += [(name, "u1", colours[:, axis]) for axis, name in enumerate(names)]
     if confidence is not None:
-        columns.append(("confidence", "f4", confidence))
+        # MeshLab shows `quality`; what it makes of a float named `confidence` is not its value
+        columns += [(name, "f4", confidence) for name in ("confidence", "quality")]
     if view is not None:
         columns.append(("view", "i2", view))
     vertices = np.empty(len(points), [(name, "<" + kind) for name, kind, _ in columns])
