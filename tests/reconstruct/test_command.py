@@ -46,7 +46,7 @@ def test_the_ply_says_what_it_holds(desk):
         *("float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"),
         *("float confidence", "float quality", "short view"),
     ]
-    assert len(body) == 6 * (3 * 4 + 3 + 4 + 2)
+    assert len(body) == 6 * (3 * 4 + 3 + 2 * 4 + 2)
 
 
 def test_the_method_gets_what_the_user_gave(desk, fake):
