@@ -44,7 +44,7 @@ def test_no_more_than_there_are():
 
 
 def test_every_method_that_gives_several_answers_is_known_for_it(root):
-    """Its schema has a setting of that name; and what is not known for anything has no setting."""
+    """Its schema has a setting of that name, and no other method's has."""
     sections = get_type_hints(MethodSettings)
     several = {name for name, kind in sections.items() if hasattr_field(kind, "answers")}
     assert several == {name for name, key in SAID_BY.items() if key == "answers"}

@@ -12,7 +12,7 @@ from typing import Any
 from industnerf.errors import BadArtifact
 
 PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
-# Written after a result is made; no number of it depends on them (the page shows results/grid).
+# Written after a result is made; no score depends on them (the page shows results/grid, seeds).
 LATER = ("dvc.lock", "results", "README.md", "docs")
 
 
