@@ -56,6 +56,8 @@ def publish(sweep: Path, machine: str) -> None:
 
 def redraw(folder: Path) -> None:
     """The plot published in `folder`; not one over parts, whose faces are not kept."""
+    if not (folder / "sweep.csv").exists():
+        raise BadArtifact(f"{folder} has no sweep.csv: name a sweep that is published")
     points, swept = reread(folder)
     if swept[0] == SELECT:
         raise BadArtifact(f"{folder / 'sweep.csv'} does not say how many faces the parts have")
