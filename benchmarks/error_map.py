@@ -7,6 +7,8 @@ Of each part two pictures: the cloud, coloured by how far it is from the true su
 surface, by how far the cloud is.  Both are what is scored: points that some photograph could show.
 The worst points are drawn last, so that they show through whatever is before them.  Parts come in
 the order of their errors, the mean of both distances; the numbers are the two, % of the diagonal.
+Printed are the colours of the points that are more than 3 % of the diagonal off, and of the rest: the
+median of their darkest channels, of 255.
 """
 
 import argparse
@@ -17,13 +19,16 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from rich.console import Console
 from rich.progress import track
+from rich.table import Table
 
 from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import load_part
 from industnerf.artifacts.split import load_split
 from industnerf.artifacts.truth import Truth
 from industnerf.config import load_params
-from industnerf.metrics.gaps import Gaps, between
+from industnerf.metrics.gaps import Gaps, between, nearest
 from industnerf.metrics.protocol import Judge
 from industnerf.report.plates import figure, legend, picture, png, tinted
 from industnerf.seeds import generator
@@ -32,6 +37,7 @@ ACROSS = 4  # parts in a row, of two pictures each
 SIDE = 160  # px
 HIGHEST = 4.0  # % of the diagonal: the last colour
 COLOURS = "turbo"
+ASTRAY = 0.03  # diagonals
 TOWARDS_EYE = np.array([1.0, -1.2, 0.9])
 DOT = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
 
@@ -77,6 +83,19 @@ def drawn(points: Float[np.ndarray, "n 3"], error: Float[np.ndarray, "n"]) -> np
     return pixels
 
 
+def colours_of(data: Path, method: str, part_id: str) -> tuple[str, ...]:
+    """Which share of a cloud's points is astray, and how dark these and the others are."""
+    cloud, truth = (
+        Cloud.load(data / "clouds" / method / part_id),
+        load_part(data / "parts" / part_id),
+    )
+    surface = Truth.load(data / "truth" / part_id).points_mm.astype(float)
+    off = nearest(cloud.points_mm.astype(float), surface) > ASTRAY * part.diagonal_mm
+    dark = cloud.colours.min(axis=1)
+    medians = (f"{np.median(dark[those]):.0f}" if those.any() else "" for those in (off, ~off))
+    return part_id, f"{100 * off.mean():.1f}", *medians
+
+
 def plate(errors: list[Error]) -> bytes:
     """All parts, two pictures each, as a PNG."""
     rows = -(-len(errors) // ACROSS)
@@ -110,6 +129,10 @@ def main() -> None:
     errors = [measure(part_id) for part_id in track(chosen, asked.method)]
     errors.sort(key=lambda error: -sum(error.means))
     asked.picture.write_bytes(plate(errors))
+    table = Table("part", "astray, %", "their colour", "the others'")
+    for error in errors:
+        table.add_row(*colours_of(asked.data, asked.method, error.part_id))
+    Console().print(table)
 
 
 if __name__ == "__main__":
