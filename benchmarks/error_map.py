@@ -7,7 +7,7 @@ Of each part two pictures: the cloud, coloured by how far it is from the true su
 surface, by how far the cloud is.  Both are what is scored: points that some photograph could show.
 The worst points are drawn last, so that they show through whatever is before them.  Parts come in
 the order of their errors, the mean of both distances; the numbers are the two, % of the diagonal.
-Printed are the colours of the points that are more than 3 % of the diagonal off, and of the rest: the
+Printed are the colours of the points that are 3 % of the diagonal off or more, and of the rest: the
 median of their darkest channels, of 255.
 """
 
@@ -85,12 +85,12 @@ def drawn(points: Float[np.ndarray, "n 3"], error: Float[np.ndarray, "n"]) -> np
 
 def colours_of(data: Path, method: str, part_id: str) -> tuple[str, ...]:
     """Which share of a cloud's points is astray, and how dark these and the others are."""
-    cloud, truth = (
+    cloud, part = (
         Cloud.load(data / "clouds" / method / part_id),
         load_part(data / "parts" / part_id),
     )
     surface = Truth.load(data / "truth" / part_id).points_mm.astype(float)
-    off = nearest(cloud.points_mm.astype(float), surface) > ASTRAY * part.diagonal_mm
+    off = nearest(cloud.points_mm.astype(float), surface) >= ASTRAY * part.diagonal_mm
     dark = cloud.colours.min(axis=1)
     medians = (f"{np.median(dark[those]):.0f}" if those.any() else "" for those in (off, ~off))
     return part_id, f"{100 * off.mean():.1f}", *medians
