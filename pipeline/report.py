@@ -1,7 +1,6 @@
 """Tables, contact sheet and one page that opens offline.  DVC stage `report`."""
 
 import sys
-from functools import partial
 from pathlib import Path
 
 from industnerf.cli import run_as_stage
@@ -9,7 +8,7 @@ from industnerf.config import PARAMS, Masked, read_yaml
 from industnerf.report.build import build_report
 from industnerf.report.costs import CostRow, add_cost
 from industnerf.report.gather import About, Folders, gather
-from industnerf.report.spread_files import spread_of
+from industnerf.report.spread_shown import with_spread
 from industnerf.stage import measured
 from industnerf.tracking import label, log_report
 
@@ -31,8 +30,12 @@ def main(
     folders = map(Path, (solids, parts, views, split, truth, states, clouds, scores))
     count = cfg.reconstruct.views or cfg.views.count
     about = About(cfg.preset, cfg.seed, count, cfg.split.hold_out, cfg.methods, cfg.method)
-    read = partial(gather, Folders(*folders), about, spread_of(cfg.preset, Path(seeds)))
-    cost = measured(lambda to: build_report(read(), cfg.report, Path(grid), to), Path(out))
+
+    def build(to: Path) -> None:
+        study = with_spread(gather(Folders(*folders), about), Path(seeds))
+        build_report(study, cfg.report, Path(grid), to)
+
+    cost = measured(build, Path(out))
     add_cost(Path(out) / "cost.csv", CostRow("report", "", "", cost))
     label(Path(out))
 

@@ -75,7 +75,7 @@ class About:
     settings: Any  # of methods, by their names
 
 
-def gather(folders: Folders, about: About, seeds_sd: dict[str, float]) -> Study:
+def gather(folders: Folders, about: About) -> Study:
     """Read every artefact; raises BadArtifact that names the first one missing or torn."""
     methods = about.methods
     known = {name: load_method(name) for name in methods}
@@ -103,7 +103,7 @@ def gather(folders: Folders, about: About, seeds_sd: dict[str, float]) -> Study:
         },
         folders,
         {name: views_of(known[name], about.views, about.settings) for name in methods},
-        seeds_sd,
+        {},
     )
 
 

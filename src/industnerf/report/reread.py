@@ -19,7 +19,7 @@ from industnerf.report.formats import csv_rows
 from industnerf.report.gather import Folders, Lesson, Study
 from industnerf.report.given import Views, views_of
 from industnerf.report.results import Results
-from industnerf.report.spread_files import spread_of
+from industnerf.report.spread_shown import with_spread
 from industnerf.report.table1 import STILL
 from industnerf.schema import ReportParams
 from industnerf.store import Cost
@@ -31,7 +31,8 @@ def reread(folder: Path, parts: Iterable[Part]) -> Results:
     """The results published in `folder`, over those of `parts` that it scored."""
     params = read_yaml(folder / "params.yaml")  # which may be of an older schema
     settings = build(ReportParams, params["report"], str(folder / "params.yaml"))
-    return Results.of(_study(folder, params, parts), settings, _costs(folder))
+    study = with_spread(_study(folder, params, parts), folder.parent / "seeds")
+    return Results.of(study, settings, _costs(folder))
 
 
 def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> Study:
@@ -53,7 +54,7 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         {},
         Folders(*[folder / "unpublished"] * 8),
         _given(params),
-        spread_of(params["preset"], folder.parent / "seeds"),
+        {},
     )
 
 

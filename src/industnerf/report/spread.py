@@ -1,21 +1,21 @@
 """How far results move with the seed, from the points of a sweep over it.
 
-Mean EMD (even) over SEED_PARTS fixed test parts, failures included, for each seed, and the standard
-deviation of these means: to be held against differences between methods.  Beside it the same of a
-single part, as the root of the mean variance over the parts.
+Mean EMD (even) over the test parts `subsets.seed_parts`, failures included, for each seed, and the
+standard deviation of these means: to be held against differences between methods.  Beside it the
+same of a single part, as the root of the mean variance over the parts.
 """
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isclose
+from math import inf, isclose
 from pathlib import Path
 from statistics import fmean, stdev, variance
 
 from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
 from industnerf.report.lookup import EVEN
-from industnerf.report.subsets import SEED_PARTS, by_hash
+from industnerf.report.subsets import seed_parts
 
 Emds = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
 Emds0 = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with seed 0
@@ -58,7 +58,7 @@ def fixed_parts(path: Path) -> list[dict[str, str]]:
         for row in csv_rows(path)
         if (row["metric"], row["protocol"], row["split"]) == (*EVEN, "test")
     ]
-    fixed = set(by_hash("seeds", {row["part_id"] for row in rows})[:SEED_PARTS])
+    fixed = seed_parts({row["part_id"] for row in rows})
     return [row for row in rows if row["part_id"] in fixed]
 
 
@@ -103,9 +103,16 @@ def in_mm(rows: Sequence[Spread], seed_0: Emds0, diagonals_mm: Mapping[str, floa
     return [replace(row, mm=_mm(row, seed_0.get(row.method, {}), diagonals_mm)) for row in rows]
 
 
+def is_run_of(row: Spread, seed: int, emds: Mapping[str, float] | None) -> bool:
+    """Whether `emds`, by fixed part, are what `row` had with `seed`: as many, of that mean."""
+    return (
+        bool(emds)
+        and len(emds) == row.parts
+        and isclose(fmean(emds.values()), row.means.get(seed, inf), rel_tol=PRINTED)
+    )
+
+
 def _mm(row: Spread, emds: Mapping[str, float], diagonals_mm: Mapping[str, float]) -> float | None:
-    if not emds or not emds.keys() <= diagonals_mm.keys():
-        return None
-    if not isclose(fmean(emds.values()), row.means.get(0, 0.0), rel_tol=PRINTED):
+    if not is_run_of(row, 0, emds) or not emds.keys() <= diagonals_mm.keys():
         return None
     return fmean(emd * diagonals_mm[part] for part, emd in emds.items())

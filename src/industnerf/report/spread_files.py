@@ -6,18 +6,11 @@ from pathlib import Path
 from industnerf.report.formats import brief, csv_rows, csv_text, markdown
 from industnerf.report.spread import Spread
 
-STUDY = "study"  # the preset whose settings the sweeps over seeds have
-
 
 def read_seeds(folder: Path) -> list[Spread]:
     """What `seeds_csv` wrote into `folder`; nothing where there is none."""
     path = folder / "seeds.csv"
     return [_spread(row) for row in csv_rows(path)] if path.exists() else []
-
-
-def spread_of(preset: str, folder: Path) -> dict[str, float]:
-    """Method -> standard deviation of its mean; only of the study is it known."""
-    return {row.method: row.sd for row in read_seeds(folder)} if preset == STUDY else {}
 
 
 def _spread(row: dict[str, str]) -> Spread:

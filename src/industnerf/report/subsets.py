@@ -38,6 +38,11 @@ def exhibited(study: Study, count: int) -> list[Part]:
     return sorted(parts, key=lambda part: (part.family, part.part_id))
 
 
+def seed_parts(tested: Iterable[str]) -> set[str]:
+    """The subset `seeds` of the test parts `tested`."""
+    return set(by_hash("seeds", tested)[:SEED_PARTS])
+
+
 def by_hash(purpose: str, part_ids: Iterable[str]) -> list[str]:
     """`part_ids` in an order that depends on them and `purpose` alone, not on the study's seed."""
     return sorted(part_ids, key=lambda name: (seed_for(0, purpose, name), name))
