@@ -1,10 +1,12 @@
 """What nets owe to parts like those they are asked about, beside the floor."""
 
+import pytest
+
 from industnerf.report.leakage import leakage_block
 
 SWEEP = """\
 point,split.hold_out,method,split,emd,low,high,x floor
-0,family,r2n2,test,0.08000,0.07000,0.09000,8.000
+0,family,r2n2,test,0.08000,0.07000,0.09000,8.005
 0,family,atlasnet,test,0.09000,0.08000,0.10000,9.000
 0,family,r2n2,dev,0.50000,0.50000,0.50000,2.000
 1,part,r2n2,test,0.06000,0.05000,0.07000,6.000
@@ -13,17 +15,30 @@ point,split.hold_out,method,split,emd,low,high,x floor
 2,none,atlasnet,test,0.03000,0.02000,0.04000,3.000
 """
 STUDY = """\
-method,split,emd_even,emd_mm
-r2n2,test,0.080004,13.8
-atlasnet,test,0.0912,14.6
-r2n2,dev,0.5,99
+method,split,emd_even
+r2n2,test,0.080004
+atlasnet,test,0.0912
+r2n2,dev,0.5
+"""
+TEXT = """\
+| method | split | EMD, mm | x floor |
+| --- | --- | --- | --- |
+| r2n2 | test | 13.8 | 8.00 |
+| atlasnet | test | 14.6 | 9.12 |
+| r2n2 | dev | 99.0 | 2.00 |
 """
 
 
-def test_the_floor_stands_first_and_mm_only_where_the_study_measured_the_same(tmp_path):
-    (tmp_path / "sweep.csv").write_text(SWEEP)
-    (tmp_path / "table1.csv").write_text(STUDY)
-    _, _, floor, r2n2, atlasnet = leakage_block(tmp_path, tmp_path).splitlines()
+@pytest.fixture
+def folder(tmp_path):
+    for name, text in (("sweep.csv", SWEEP), ("table1.csv", STUDY), ("table1.md", TEXT)):
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def test_the_floor_stands_first_and_mm_only_where_the_study_measured_the_same(folder):
+    """8.005, the sweep's, would round to another second decimal than the study's Table 1 has."""
+    _, _, floor, r2n2, atlasnet = leakage_block(folder, folder).splitlines()
     assert floor == "| floor | 0.0100 |  | 1 | 0.0100 | 1 | 0.0100 | 1 |"
     assert r2n2 == (
         "| `r2n2` | 0.0800 (0.0700 to 0.0900) | 13.8 | 8.00 | 0.0600 (0.0500 to 0.0700) | 6.00 "

@@ -147,6 +147,19 @@ def test_the_block_shows_few_columns_of_the_test_parts(published):
     assert text.endswith(" | 0.0118 |\n")
 
 
+def test_a_number_is_rounded_once(published):
+    """Six digits of 17.5649998, 17.565, would round to 17.57; Table 1 has 17.56."""
+    head, rule, *lines = (published / "table1.md").read_text().splitlines()
+    at = head.split(" | ").index("x floor")
+    changed = [line.split(" | ") for line in lines]
+    for cells in changed:
+        cells[at] = "17.56"
+    text = "\n".join([head, rule, *map(" | ".join, changed)]) + "\n"
+    (published / "table1.md").write_text(text)
+    (hull,) = [line for line in shown(published).splitlines() if line.startswith("| hull |")]
+    assert hull.split(" | ")[5] == "17.56"
+
+
 def test_a_tree_that_was_not_clean_is_said_to_be(published):
     made = MADE | {"clean": False, "changed": ["code.py"]}
     (published / "made.json").write_text(json.dumps(made))

@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Iterable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,15 @@ def markdown(columns: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     """A table in Markdown."""
     table = [columns, ["---"] * len(columns), *lines]
     return "".join(f"| {' | '.join(line)} |\n" for line in table)
+
+
+def markdown_rows(path: Path) -> list[dict[str, str]]:
+    """The table that `markdown` wrote at the start of `path`, a row a line, by its columns."""
+    heads, _, *lines = (
+        line.removeprefix("| ").removesuffix(" |").split(" | ")
+        for line in takewhile(lambda line: line.startswith("|"), path.read_text().splitlines())
+    )
+    return [dict(zip(heads, line, strict=True)) for line in lines]
 
 
 def intervals_of(columns: Sequence[str], interval: float) -> list[str]:

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from industnerf.report.formats import brief, csv_rows, markdown
+from industnerf.report.formats import csv_rows, markdown
+from industnerf.report.readme import table1_texts
 
 Cells = dict[str, str]
 HELD = {"family": "families held out", "part": "families seen", "none": "parts seen"}
@@ -11,17 +12,17 @@ SAME = 1e-5  # the last digit of sweep.csv: so near, the study has measured the 
 
 
 def leakage_block(sweep: Path, study: Path) -> str:
-    """A row a method, the floor first; in mm what the published study has measured too."""
+    """A row a method, the floor first; what the published study has measured too, as it says it."""
     rows = [row for row in csv_rows(sweep / "sweep.csv") if row["split"] == "test"]
     found = {(row["method"], row["split.hold_out"]): row for row in rows}
-    mm = _millimetres(csv_rows(study / "table1.csv"), found)
+    said = _said(study, found)
     heads = [head for held in HELD.values() for head in (held, "x floor")]
     heads.insert(1, "mm")
     floors = [cell for held in HELD for cell in (_floor(rows, held), "1")]
     lines = [["floor", floors[0], "", *floors[1:]]]
     for method in dict.fromkeys(row["method"] for row in rows):
-        first, *others = [cell for held in HELD for cell in _cells(found[method, held])]
-        lines.append([f"`{method}`", first, mm.get(method, ""), *others])
+        first, ratio, *others = [cell for held in HELD for cell in _cells(found[method, held])]
+        lines.append([f"`{method}`", first, *said.get(method, ("", ratio)), *others])
     return markdown(["method", *heads], lines)
 
 
@@ -36,11 +37,12 @@ def _floor(rows: Sequence[Cells], held: str) -> str:
     return f"{sum(ratios) / len(ratios):.4f}"
 
 
-def _millimetres(study: Sequence[Cells], found: dict[tuple[str, str], Cells]) -> dict[str, str]:
-    """Of each method whose EMD the study and the sweep agree on."""
+def _said(study: Path, found: dict[tuple[str, str], Cells]) -> dict[str, tuple[str, str]]:
+    """The mm and x floor of each method whose EMD the study and the sweep agree on."""
+    texts = table1_texts(study)
     return {
-        row["method"]: brief(float(row["emd_mm"]))
-        for row in study
+        row["method"]: (texts[row["method"]]["EMD, mm"], texts[row["method"]]["x floor"])
+        for row in csv_rows(study / "table1.csv")
         if row["split"] == "test"
         and (one := found.get((row["method"], "family")))
         and abs(float(row["emd_even"]) - float(one["emd"])) < SAME

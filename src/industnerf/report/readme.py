@@ -6,7 +6,7 @@ from pathlib import Path
 from statistics import fmean
 
 from industnerf.config import flat, read_yaml
-from industnerf.report.formats import brief, csv_rows, markdown, short
+from industnerf.report.formats import csv_rows, markdown, markdown_rows, short
 from industnerf.report.provenance import made_where
 from industnerf.report.table2 import LOSSES
 
@@ -18,7 +18,6 @@ def study_block(folder: Path, params: Path) -> str:
 
     `params` is params.yaml as it is now: what has changed in it since is named.
     """
-    rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
     scores = [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
     made = json.loads((folder / "made.json").read_text())
     parts, families = ({row[name] for row in scores} for name in ("part_id", "family"))
@@ -26,7 +25,7 @@ def study_block(folder: Path, params: Path) -> str:
     return (
         f"{len(parts)} test parts of {len(families)} families, {made_where(folder)}; every number "
         f"is in [{where}]({where}).\n\n"
-        f"{_table1(rows, _seconds(folder, parts), made['interval'])}"
+        f"{_table1(folder, _seconds(folder, parts), made['interval'])}"
         f"{_table2(csv_rows(folder / 'table2.csv'))}"
         f"{_since(folder / 'params.yaml', params)}"
     )
@@ -54,23 +53,27 @@ def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:
     return {method: fmean(seconds) for method, seconds in found.items()}
 
 
-def _table1(rows: list[Cells], seconds: dict[str, float], interval: float) -> str:
-    heads = ["method", "inputs", "EMD (even)", f"{100 * interval:g} %", "mm", "x floor", "failed"]
+def _table1(folder: Path, seconds: dict[str, float], interval: float) -> str:
+    taken = ["inputs", "EMD (even)", f"{100 * interval:g} %", "EMD, mm", "x floor", "failed"]
+    texts = table1_texts(folder)
     lines = [
         [
             row["method"] + (" (undertrained)" if row["undertrained"] else ""),
-            row["inputs"],
-            short(float(row["emd_even"])),
-            f"{float(row['ci_low']):.4f} to {float(row['ci_high']):.4f}",
-            brief(float(row["emd_mm"])),
-            short(float(row["ratio_to_floor"]), 2),
-            row["failures"],
+            *map(texts[row["method"]].get, taken),
             short(seconds.get(row["method"]), 1),
             short(float(row["paper_emd"])) if row["paper_emd"] else "",
         ]
-        for row in rows
+        for row in csv_rows(folder / "table1.csv")
+        if row["split"] == "test"
     ]
-    return markdown([*heads, "s a part", "paper"], lines)
+    heads = [head.replace("EMD, mm", "mm") for head in taken]
+    return markdown(["method", *heads, "s a part", "paper"], lines)
+
+
+def table1_texts(folder: Path) -> dict[str, Cells]:
+    """Method -> what Table 1 says of it to people: to round its CSV again may say another digit."""
+    rows = markdown_rows(folder / "table1.md")
+    return {row["method"]: row for row in rows if row["split"] == "test"}
 
 
 def _table2(rows: list[Cells]) -> str:
