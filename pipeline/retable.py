@@ -3,24 +3,37 @@
 python -m pipeline.retable results/study
 python -m pipeline.retable results/organic
 
-No score is measured anew, and none changes.  Goals and pictures, which need more than the scores,
-stay as they are; `python -m pipeline.publish readme` then brings the documents up to date.
+No score is measured anew, and none changes; `made.json` says when and at which commit the tables
+were made.  Goals and pictures, which need more than the scores, stay as they are; `python -m
+pipeline.publish readme` then brings the documents up to date.
 """
 
+import json
 from pathlib import Path
 
-from industnerf.artifacts.files import write_text
+from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.config import read_yaml
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
 from industnerf.report.build import score_tables
+from industnerf.report.provenance import origin
+from industnerf.report.publish import about
 from industnerf.report.reread import reread
 
 
 def main(published: str) -> None:
-    for name, text in tables(Path(published)).items():
-        write_text(Path(published) / name, text)
+    folder = Path(published)
+    for name, text in tables(folder).items():
+        write_text(folder / name, text)
+    made = json.loads((folder / "made.json").read_text()) | {"retabled": _now()}
+    write_json(folder / "made.json", made)
+    write_text(folder / "README.md", about(folder, made))
+
+
+def _now() -> dict[str, str]:
+    found = origin()
+    return {name: found[name] for name in ("date", "commit")}
 
 
 def tables(published: Path) -> dict[str, str]:

@@ -1,20 +1,45 @@
 """The tables of results/ are what today's code makes of the scores beside them."""
 
+import json
+import shutil
 from pathlib import Path
 
 import pytest
 
+from industnerf.report.publish import about
+from pipeline import retable
 from pipeline.retable import tables
 
 ROOT = Path(__file__).parents[2]
+STUDIES = sorted(path.parent.name for path in ROOT.glob("results/*/scores.csv"))
 
 
-@pytest.mark.parametrize(
-    "name", sorted(path.parent.name for path in ROOT.glob("results/*/scores.csv"))
-)
+@pytest.mark.parametrize("name", STUDIES)
 def test_a_published_table_is_made_of_the_scores_beside_it(name: str, monkeypatch):
     """If not: python -m pipeline.retable results/<name>"""
     monkeypatch.chdir(ROOT)
     folder = Path("results") / name
     differ = [file for file, text in tables(folder).items() if (folder / file).read_text() != text]
     assert differ == []
+
+
+def test_a_table_made_anew_leaves_a_trace(monkeypatch, tmp_path):
+    """The commit that measured the scores stays beside that of the tables."""
+    shutil.copytree(ROOT / "results/organic", tmp_path / "organic")
+    monkeypatch.chdir(ROOT)
+    made = json.loads((tmp_path / "organic/made.json").read_text())
+    made.pop("retabled", None)
+    monkeypatch.setattr(retable, "origin", lambda: {"date": "2026-01-02", "commit": "0123456"})
+    (tmp_path / "organic/table1.md").write_text("old")
+    retable.main(str(tmp_path / "organic"))
+    again = {"date": "2026-01-02", "commit": "0123456"}
+    assert json.loads((tmp_path / "organic/made.json").read_text()) == made | {"retabled": again}
+    assert " on 2026-01-02, commit 0123456, " in (tmp_path / "organic/README.md").read_text()
+    assert (tmp_path / "organic/table1.md").read_text() != "old"
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_what_is_said_of_a_published_folder_is_what_was_done(name: str):
+    folder = ROOT / "results" / name
+    made = json.loads((folder / "made.json").read_text())
+    assert (folder / "README.md").read_text() == about(folder, made)

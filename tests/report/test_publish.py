@@ -8,7 +8,7 @@ import pytest
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import block, replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
-from industnerf.report.publish import COPIED, KEPT, publish
+from industnerf.report.publish import COPIED, KEPT, about, publish
 from industnerf.report.readme import study_block
 from pipeline.publish import shown as shown_of
 from tests.report.published import disagreements, rows_of, write_report
@@ -53,6 +53,14 @@ def test_it_holds_the_tables_the_machine_and_the_commit(published):
     assert "# Results of `make repro`" in about
     assert all(f"`{name}`" in about for name in COPIED)
     assert "![contact_sheet.png](contact_sheet.png)" in about
+
+
+def test_tables_made_anew_are_said_to_be(published):
+    assert "made anew" not in about(published, MADE)
+    again = MADE | {"retabled": {"date": "2026-02-03", "commit": "abcdef0"}}
+    assert "made anew from its scores and costs on 2026-02-03, commit abcdef0" in about(
+        published, again
+    )
 
 
 @pytest.mark.parametrize("missing", ["reports/table2.csv", "dvc.lock"])

@@ -69,16 +69,27 @@ def _fill(out: Path, report: Path, made: dict[str, Any], project: Path) -> None:
         (out / path.name).write_bytes(shrunk(path.read_bytes(), PICTURES // len(pictures)))
     write_json(out / "environment.json", environment())
     write_json(out / "made.json", made)
-    write_text(out / "README.md", _about(made, [path.name for path in pictures]))
+    write_text(out / "README.md", about(out, made))
 
 
-def _about(made: dict[str, Any], pictures: list[str]) -> str:
+def about(out: Path, made: dict[str, Any]) -> str:
+    """The README.md of the published folder `out`."""
+    pictures = sorted(path.name for path in out.glob("*.png"))
     kept = {name: text for name, (_, text) in KEPT.items()}
     files = [[f"`{name}`", text] for name, text in (COPIED | kept | WRITTEN).items()]
     return (
         f"# Results of `{made['command']}`\n\n"
         "Copied from its report by `pipeline/publish.py`; not to be edited.  docs/protocol.md says "
-        "what the numbers are.\n\n"
+        f"what the numbers are.{_retabled(made)}\n\n"
         f"{markdown(['file', 'what'], files)}\n"
         + "".join(f"![{name}]({name})\n" for name in pictures)
+    )
+
+
+def _retabled(made: dict[str, Any]) -> str:
+    if (again := made.get("retabled")) is None:
+        return ""
+    return (
+        f"  Its tables were made anew from its scores and costs on {again['date']}, commit "
+        f"{again['commit']}, by `pipeline/retable.py`: no score was measured anew."
     )

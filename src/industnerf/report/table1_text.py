@@ -91,7 +91,8 @@ def notes(rows: Sequence[Row]) -> list[str]:
     if _seeds(rows):
         found.append(
             f"{SEEDS}: standard deviation, over the seeds of experiment=seeds, of the mean EMD "
-            f"(even) of {SEED_PARTS} fixed test parts (results/seeds); empty where it was not run."
+            f"(even) of {SEED_PARTS} fixed test parts (results/seeds); empty where it was not run, "
+            "or where these parts have other EMDs than there."
         )
     return found
 
