@@ -18,7 +18,7 @@ from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
-from industnerf.report.leakage import leakage_block
+from industnerf.report.leakage import leakage_block, measured
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
@@ -32,6 +32,8 @@ def main(what: str = "study") -> None:
         bring(Path("runs") / what, Path("results") / what, f"python -m pipeline.preset {what}")
         return
     if what == "study":
+        if LEAKAGE.exists():
+            measured(LEAKAGE)  # raises before anything is copied
         bring(Path(), OUT, "make repro")
     for document, blocks in shown(OUT, PARAMS).items():
         text = document.read_text()

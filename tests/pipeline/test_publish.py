@@ -7,8 +7,10 @@ import subprocess
 import pytest
 import yaml
 
+from industnerf.errors import BadArtifact
 from industnerf.report.blocks import block
 from industnerf.report.readme import study_block
+from pipeline import publish
 from tests.pipeline.conftest import Project
 from tests.pipeline.locks import lock_disagreements
 
@@ -121,3 +123,11 @@ def test_the_committed_lock_is_that_of_the_committed_study(root):
     study = root / "results" / "study"
     assert lock_disagreements(study, "pipeline") == []
     assert (root / "dvc.lock").read_bytes() == (study / "pipeline.lock").read_bytes()
+
+
+def test_a_sweep_that_the_documents_cannot_show_leaves_what_is_published(monkeypatch, tmp_path):
+    (tmp_path / "sweep.csv").write_text("point,split.hold_out,method,split\n0,none,r2n2,test\n")
+    monkeypatch.setattr(publish, "LEAKAGE", tmp_path)
+    monkeypatch.setattr(publish, "bring", lambda *_: pytest.fail("it was brought"))
+    with pytest.raises(BadArtifact, match="has no r2n2 at split"):
+        publish.main()

@@ -2,6 +2,7 @@
 
 import pytest
 
+from industnerf.errors import BadArtifact
 from industnerf.report.leakage import leakage_block
 
 SWEEP = """\
@@ -45,3 +46,11 @@ def test_the_floor_stands_first_and_mm_only_where_the_study_measured_the_same(fo
         "| 0.0200 (0.0100 to 0.0300) | 2.00 |"
     )
     assert atlasnet.startswith("| `atlasnet` | 0.0900 (0.0800 to 0.1000) |  | 9.00 |")
+
+
+def test_a_method_that_a_point_lacks_is_named(folder):
+    table = folder / "sweep.csv"
+    lines = table.read_text().splitlines(keepends=True)
+    table.write_text("".join(line for line in lines if not line.startswith("1,part,r2n2,")))
+    with pytest.raises(BadArtifact, match=r"sweep\.csv has no r2n2 at split\.hold_out part"):
+        leakage_block(folder, folder)

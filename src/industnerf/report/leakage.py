@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows, markdown
 from industnerf.report.readme import table1_texts
 
@@ -12,9 +13,12 @@ SAME = 1e-5  # the last digit of sweep.csv: so near, the study has measured the 
 
 
 def leakage_block(sweep: Path, study: Path) -> str:
-    """A row a method, the floor first; what the published study has measured too, as it says it."""
-    rows = [row for row in csv_rows(sweep / "sweep.csv") if row["split"] == "test"]
-    found = {(row["method"], row["split.hold_out"]): row for row in rows}
+    """A row a method, the floor first; what the published study has measured too, as it says it.
+
+    Raises BadArtifact as `measured` does.
+    """
+    found = measured(sweep)
+    rows = list(found.values())
     said = _said(study, found)
     heads = [head for held in HELD.values() for head in (held, "x floor")]
     heads.insert(1, "mm")
@@ -24,6 +28,23 @@ def leakage_block(sweep: Path, study: Path) -> str:
         first, ratio, *others = [cell for held in HELD for cell in _cells(found[method, held])]
         lines.append([f"`{method}`", first, *said.get(method, ("", ratio)), *others])
     return markdown(["method", *heads], lines)
+
+
+def measured(sweep: Path) -> dict[tuple[str, str], Cells]:
+    """The rows of the test parts by method and what was held out.
+
+    Raises BadArtifact if a method was not measured at every point.
+    """
+    rows = [row for row in csv_rows(sweep / "sweep.csv") if row["split"] == "test"]
+    found = {(row["method"], row["split.hold_out"]): row for row in rows}
+    for method, _ in found:
+        for held in HELD:
+            if (method, held) not in found:
+                raise BadArtifact(
+                    f"{sweep / 'sweep.csv'} has no {method} at split.hold_out {held}: bring in a "
+                    "sweep with the same methods at every point, or leave the one before"
+                )
+    return found
 
 
 def _cells(row: Cells) -> tuple[str, str]:
