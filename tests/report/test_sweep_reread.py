@@ -32,8 +32,8 @@ def test_what_is_read_back_grows_as_was_published(table):
     assert found == pytest.approx(wanted, abs=0.0072)
 
 
-def drawn(key, *sweeps, path, monkeypatch):
-    """The red lines of the plot of `sweeps`, each pairs of seconds and EMD."""
+def axes(key, *sweeps, path, monkeypatch):
+    """The axes of the plot of `sweeps`, each pairs of seconds and EMD."""
     figures = []
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
     lines = [
@@ -45,7 +45,12 @@ def drawn(key, *sweeps, path, monkeypatch):
         for i, pairs in enumerate(sweeps)
     ]
     plot(lines, [], key, path)
-    axis = figures[0].axes[-1]
+    return figures[0].axes
+
+
+def drawn(*arguments, **where):
+    """The red lines of the plot."""
+    axis = axes(*arguments, **where)[-1]
     return [line.get_xydata().tolist() for line in axis.lines if line.get_color() == FRONT]
 
 
@@ -62,3 +67,15 @@ def test_points_of_different_tasks_or_methods_do_not_compete(tmp_path, monkeypat
     where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
     assert drawn("views.count", PAIRS, **where) == []
     assert drawn("method.m.size", PAIRS, PAIRS, **where) == []
+
+
+@pytest.mark.parametrize(("most", "scale"), [(3.9, "linear"), (4.1, "log")])
+def test_seconds_that_hardly_differ_stand_on_an_axis_with_numbers(
+    tmp_path, monkeypatch, most, scale
+):
+    """Between 1400 and 1430 a logarithmic axis has no tick that is labelled."""
+    where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
+    _, seconds, memory, exchange = axes("views.count", [(1.0, 0.3), (most, 0.1)], **where)
+    assert (seconds.get_yscale(), exchange.get_xscale()) == (scale, scale)
+    assert (seconds.get_ylim()[0] == 0) == (scale == "linear")
+    assert memory.get_yscale() == "linear"  # of which nothing is known

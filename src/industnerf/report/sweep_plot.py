@@ -1,5 +1,6 @@
 """The plot of a sweep: EMD, seconds and memory over what was swept, and EMD against seconds."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
         *emd.get_legend_handles_labels(), fontsize="small", loc="outside upper center", ncols=3
     )
     for axis, quantity in zip(costs, COSTS, strict=True):
-        axis.set(ylabel=NAMES[quantity], yscale="log" if axis.lines else "linear")
+        _vertical(axis, NAMES[quantity])
         if axis.get_legend_handles_labels()[1]:
             axis.legend(fontsize="small")
     _horizontal(costs[-1], lines, key)
@@ -65,6 +66,20 @@ def _cost(axis: Any, line: Series, quantity: str, trend: Trend | None, colour: s
         axis.plot(x, trend.law.factor * x**trend.law.exponent, "--", color=colour, label=label)
 
 
+def _vertical(axis: Any, name: str) -> None:
+    axis.set_ylabel(name)
+    found = [float(y) for line in axis.lines for y in line.get_ydata()]
+    if _wide(found):
+        axis.set_yscale("log")
+    elif found:
+        axis.set_ylim(0, HEADROOM * max(found))
+
+
+def _wide(values: Sequence[float | int]) -> bool:
+    """Whether `values` go onto a logarithmic axis, which has no label within a small span."""
+    return bool(values) and min(values) > 0 and max(values) > SPAN * min(values)
+
+
 def _exchange(axis: Any, lines: list[Series]) -> None:
     """What more seconds buy: a line a method, each point with where in the sweep it stands."""
     for i, line in enumerate(lines):
@@ -80,8 +95,7 @@ def _exchange(axis: Any, lines: list[Series]) -> None:
     axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # for what stands beside the points
     axis.set_ylim(0, HEADROOM * max(result.emd for line in lines for result in line.results))
-    seconds = [result.seconds for line in lines for result in line.results if result.seconds]
-    if seconds and max(seconds) > SPAN * min(seconds):
+    if _wide([result.seconds for line in lines for result in line.results if result.seconds]):
         axis.set_xscale("log")
 
 
@@ -100,7 +114,7 @@ def _horizontal(axis: Any, lines: list[Series], key: str) -> None:
         axis.tick_params(axis="x", labelrotation=20)
         return
     x = [each for line in lines for each in line.x]
-    if min(x) > 0 and max(x) / min(x) > SPAN:
+    if _wide(x):
         axis.set_xscale("log")
         axis.set_xticks(sorted(set(x)), [f"{each:g}" for each in sorted(set(x))])
         axis.minorticks_off()
