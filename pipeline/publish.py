@@ -6,6 +6,10 @@ docs/            the same of baselines.md and scaling.md
 
 python -m pipeline.publish readme    the documents alone: after params.yaml has changed, they say so
 python -m pipeline.publish organic   the same of a finished preset: runs/organic to results/organic
+
+The order, with the spread over seeds: `pipeline.spread` and its sweeps, `make repro`, whose report
+shows it, and this.  After a spread that came later, `pipeline.retable` and then `pipeline.publish
+readme`.  `pipeline.spread` without a sweep takes its mm from results/study: it comes after this.
 """
 
 import json
