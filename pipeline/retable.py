@@ -19,7 +19,7 @@ from industnerf.parts.embedded import as_part
 from industnerf.report.build import score_tables
 from industnerf.report.provenance import origin
 from industnerf.report.publish import about
-from industnerf.report.reread import reread
+from industnerf.report.reread import reread_study
 
 
 def main(published: str) -> None:
@@ -39,7 +39,7 @@ def _now() -> dict[str, str]:
 def tables(published: Path) -> dict[str, str]:
     """What the tables in the folder `published` should say, by the name of the file."""
     place = Path(read_yaml(published / "params.yaml")["parts"]["path"])
-    return score_tables(reread(published, map(as_part, catalogue(place))))
+    return score_tables(reread_study(published, map(as_part, catalogue(place))))
 
 
 if __name__ == "__main__":

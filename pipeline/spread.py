@@ -13,7 +13,7 @@ from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.cli import run_command
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
-from industnerf.report.spread import in_mm, seed_0, spreads
+from industnerf.report.spread import seed_0, spreads, with_mm
 from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.sweep_points import preset_of
 
@@ -26,7 +26,7 @@ def main(*sweeps: str) -> None:
     made = {preset_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
     rows = spreads(folders) if folders else read_seeds(OUT)
     reports = [path for folder in folders for path in folder.glob("*/reports")] or [STUDY]
-    rows = in_mm(
+    rows = with_mm(
         rows, seed_0(reports), {p.part_id: p.diagonal_mm for p in map(as_part, catalogue())}
     )
     write_text(OUT / "seeds.csv", seeds_csv(rows))

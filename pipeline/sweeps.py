@@ -18,7 +18,7 @@ from industnerf.report.blocks import replace_block
 from industnerf.report.sweep_index import PUBLISHED, index, presets
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import SELECT, core_seconds, preset_of
-from industnerf.report.sweep_reread import reread
+from industnerf.report.sweep_reread import reread_sweep
 from industnerf.report.sweep_series import series, trends
 
 TABLES = ("sweep.csv", "steps.csv", "trend.csv")
@@ -58,7 +58,7 @@ def redraw(folder: Path) -> None:
     """The plot published in `folder`; not one over parts, whose faces are not kept."""
     if not (folder / "sweep.csv").exists():
         raise BadArtifact(f"{folder} has no sweep.csv: name a sweep that is published")
-    points, swept = reread(folder)
+    points, swept = reread_sweep(folder)
     if swept[0] == SELECT:
         raise BadArtifact(f"{folder / 'sweep.csv'} does not say how many faces the parts have")
     lines = series(points, swept)

@@ -46,12 +46,12 @@ def test_no_more_than_there_are():
 def test_every_method_that_gives_several_answers_is_known_for_it(root):
     """Its schema has a setting of that name, and no other method's has."""
     sections = get_type_hints(MethodSettings)
-    several = {name for name, kind in sections.items() if hasattr_field(kind, "answers")}
+    several = {name for name, kind in sections.items() if has_field(kind, "answers")}
     assert several == {name for name, key in SAID_BY.items() if key == "answers"}
     assert set(SAID_BY) <= set(MODULES)
     settings = load_params(root / "params.yaml").method
     assert all(getattr(getattr(settings, name), key) >= 1 for name, key in SAID_BY.items())
 
 
-def hasattr_field(kind, name):
+def has_field(kind, name):
     return name in {field.name for field in fields(kind)}

@@ -8,7 +8,7 @@ import pytest
 
 from industnerf.errors import BadArtifact
 from industnerf.report.every_score import scores_csv
-from industnerf.report.spread import in_mm, seed_0, spread, spreads
+from industnerf.report.spread import seed_0, spread, spreads, with_mm
 from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.subsets import SEED_PARTS, by_hash
 from tests.samples import unit_part
@@ -86,7 +86,7 @@ def test_mm_are_of_the_seed_that_was_measured_and_of_nothing_else():
     """Seed 0 has 1.0 and 5.0 of diagonals of 10 and 2 mm; the ball's scores are of another run."""
     rows = [spread("hull", EMDS), spread("ball", EMDS), spread("box", EMDS)]
     known = {"hull": EMDS[0], "ball": EMDS[1]}
-    hull, ball, box = in_mm(rows, known, {"a": 10.0, "b": 2.0})
+    hull, ball, box = with_mm(rows, known, {"a": 10.0, "b": 2.0})
     assert hull.mm == pytest.approx((10 + 10) / 2)
     assert (ball.mm, box.mm) == (None, None)
 

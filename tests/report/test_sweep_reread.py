@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from industnerf.report.formats import csv_rows
 from industnerf.report.sweep_plot import FRONT, plot
 from industnerf.report.sweep_points import SELECT, Result
-from industnerf.report.sweep_reread import reread
+from industnerf.report.sweep_reread import reread_sweep
 from industnerf.report.sweep_series import Series, series, trends
 
 PUBLISHED = [
@@ -23,7 +23,7 @@ def test_what_is_read_back_grows_as_was_published(table):
     """A second kept with two decimals is off by 0.005, a hundredth at 0.5 s: so much, over the
     factor of four or more that is swept, is 0.01 / ln 4 in an exponent.
     """
-    points, swept = reread(table.parent)
+    points, swept = reread_sweep(table.parent)
     found = {(t.label, t.quantity): t.law.exponent for t in trends(series(points, swept))}
     wanted = {
         (row["series"], row["quantity"]): float(row["exponent"])

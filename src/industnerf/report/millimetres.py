@@ -22,7 +22,7 @@ class InMm:
     ci_high: float
 
 
-def in_mm(study: Study, settings: ReportParams, scores: Sequence[PartScore]) -> InMm | None:
+def mean_in_mm(study: Study, settings: ReportParams, scores: Sequence[PartScore]) -> InMm | None:
     """The mean of `scores`, all of one metric; None if it is no length."""
     unit = scores[0].score.unit
     if unit not in POWERS:

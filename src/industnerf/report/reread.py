@@ -27,7 +27,7 @@ from industnerf.store import Cost
 Cells = dict[str, str]
 
 
-def reread(folder: Path, parts: Iterable[Part]) -> Results:
+def reread_study(folder: Path, parts: Iterable[Part]) -> Results:
     """The results published in `folder`, over those of `parts` that it scored."""
     params = read_yaml(folder / "params.yaml")  # which may be of an older schema
     settings = build(ReportParams, params["report"], str(folder / "params.yaml"))

@@ -98,7 +98,9 @@ def seed_0(reports: Sequence[Path]) -> Emds0:
     return found
 
 
-def in_mm(rows: Sequence[Spread], seed_0: Emds0, diagonals_mm: Mapping[str, float]) -> list[Spread]:
+def with_mm(
+    rows: Sequence[Spread], seed_0: Emds0, diagonals_mm: Mapping[str, float]
+) -> list[Spread]:
     """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`."""
     return [replace(row, mm=_mm(row, seed_0.get(row.method, {}), diagonals_mm)) for row in rows]
 

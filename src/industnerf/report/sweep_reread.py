@@ -9,7 +9,7 @@ Cells = dict[str, str]
 COLUMNS = ("emd", "low", "high", "x floor")
 
 
-def reread(folder: Path) -> tuple[list[Point], list[str]]:
+def reread_sweep(folder: Path) -> tuple[list[Point], list[str]]:
     """The points of `folder`, and what was swept; of no part by itself is anything known."""
     rows = csv_rows(folder / "sweep.csv")
     heads = list(rows[0])

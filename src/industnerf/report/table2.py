@@ -13,7 +13,7 @@ from industnerf.report import paper
 from industnerf.report.formats import brief, csv_text, intervals_of, markdown, short
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
-from industnerf.report.millimetres import InMm, in_mm
+from industnerf.report.millimetres import InMm, mean_in_mm
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.report.subsets import figure3
 from industnerf.schema import ReportParams
@@ -108,7 +108,7 @@ def _line(
         paper.TABLE2.get(loss.metric) if mine[0].method == paper.OURS else None,
         len(mine),
         sum(row.score.status != "ok" for row in only(scores, *EVEN)),
-        in_mm(study, settings, mine),
+        mean_in_mm(study, settings, mine),
     )
 
 
