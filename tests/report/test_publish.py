@@ -234,13 +234,18 @@ def test_costs_are_summed_by_step_and_spread_by_method(published):
     assert "| reconstruct | `industnerf` | 2 | 60.00 | 60.00 | 90.00 |" in shown
     assert "| train | `r2n2` | 2 | 180.00 | 180.00 | 240.00 |" in shown
     assert "0 for scoring." in shown
-    more = COSTS + "solids,,a,30,9,cpu,0\nreport,,,60,9,cpu,0\n"
+    more = COSTS + "parts,,a,60,9,cpu,0\n"
+    (published / "cost.csv").write_text(more)
+    assert "All of it is 12 minutes" in costs_block(published)
+    assert "0 for scoring,\n1 for cleaning meshes." in costs_block(published)
+    more += "solids,,a,30,9,cpu,0\nreport,,,60,9,cpu,0\n"
     (published / "cost.csv").write_text(more)
     around = costs_block(published)
-    assert "All of it is 13 minutes" in around
-    assert "0 for scoring, 2 for reading CAD files and the report." in around
-    assert around.splitlines()[-2:] == [
+    assert "All of it is 14 minutes" in around
+    assert "2 for reading CAD files, cleaning meshes and the report." in around
+    assert around.splitlines()[-3:] == [
         "| solids |  | 1 | 30.00 | 30.00 | 30.00 |",
+        "| parts |  | 1 | 60.00 | 60.00 | 60.00 |",
         "| report |  | 1 | 60.00 | 60.00 | 60.00 |",
     ]
     # of one photographed part 120 s and 6 s for its pictures, so of 10 000 on 64 nodes 19 688 s

@@ -1,5 +1,6 @@
 """What the documents show of the published study: made of its files, as the README's tables are."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import fmean, median
 
@@ -13,7 +14,7 @@ OURS = ("industnerf", "industnerf_plus")
 RIVALS = {"retrieval": "better than retrieval on", "mean_shape": "than the mean shape on"}
 MEAN = ("emd_even", "ci_low", "ci_high")
 STEPS = ("views", "truth", "train", "reconstruct", "evaluate")
-AROUND = ("solids", "report")  # of which older studies know nothing
+AROUND = {"solids": "reading CAD files", "parts": "cleaning meshes", "report": "the report"}
 SHOWN = (*STEPS, *AROUND)
 NODES, PARTS = 64, 10_000  # of docs/scaling.md
 
@@ -86,15 +87,23 @@ def _whole(costs: list[Cells]) -> str:
     views, truth, train, made, scored = (sum(_seconds(costs, step)) / 60 for step in STEPS)
     aside = _aside(costs) / 60
     around = sum(sum(_seconds(costs, step)) for step in AROUND) / 60
-    known = any(row["stage"] in AROUND for row in costs)
+    known = [
+        what for step, what in AROUND.items() if _seconds(costs, step)
+    ]  # not all, of older studies
     return (
         f"All of it is {views + truth + train + made + aside + scored + around:.0f} minutes of one "
         "core: "
         f"{views:.0f} for photographs, {truth:.0f} for truth and floors,\n"
         f"{train:.0f} for training, {made:.0f} for reconstruction and {aside:.0f} for its pictures "
         f"of the held-out views, {scored:.0f} for scoring"
-        + (f", {around:.0f} for reading CAD files and the report." if known else ".")
+        + (f",\n{around:.0f} for {_listed(known)}." if known else ".")
     )
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Such as `one, two and three`."""
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def cluster_block(folder: Path) -> str:
