@@ -50,8 +50,11 @@ def test_the_function_that_a_section_names_takes_the_reading(field: str):
     assert HINTS[field] in get_type_hints(resolve_name(name)).values()
 
 
-def test_no_other_code_asks_which_reading_it_was():
-    """But R4: of distances the softness falls as they are learned, and none is cut off."""
+def test_methods_and_rendering_compare_in_so_many_words_no_reading_but_r4():
+    """As `readings.x ==`, `!=` or `in`; what is handed on under another name is not seen.
+
+    Of distances (R4) the softness falls as they are learned, and none is cut off.
+    """
     folders = [ROOT / "src/industnerf" / name for name in ("methods", "rendering", "reconstruct")]
     texts = [path.read_text() for folder in folders for path in folder.rglob("*.py")]
     asked = [name for text in texts for name in found(r"readings\.(\w+) (?:[!=]=|in)", text)]
