@@ -104,6 +104,15 @@ def test_the_files_hold_what_the_rows_do(study):
     assert len(scores_csv(study).splitlines()) == 1 + 2 * 4 * 3
 
 
+def test_scores_read_back_are_the_numbers_they_were(study):
+    """Tables are made of differences of these: 9 digits of each left 5 of a small one."""
+    third = replace(study.scores[0].score, value=1 / 3, floor=1.0)
+    study = replace(study, scores=[replace(study.scores[0], score=third)])
+    (row,) = csv.DictReader(io.StringIO(scores_csv(study)))
+    assert float(row["value"]) == 1 / 3
+    assert row["floor"] == "1"
+
+
 def with_nets(study, settled=True):
     """The study with two nets, worse and better than retrieval (0.03), and retrieval itself."""
     names = ("occupancy", "r2n2", "retrieval")

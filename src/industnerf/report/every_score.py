@@ -38,8 +38,13 @@ def _score_line(study: Study, row: PartScore) -> list[object]:
         study.seed,
         score.metric,
         score.protocol,
-        f"{score.value:.9g}",
-        f"{score.floor:.9g}",
+        _exact(score.value),
+        _exact(score.floor),
         score.unit,
         score.status,
     ]
+
+
+def _exact(value: float) -> str:
+    """The number itself when read back: small differences of scores need all of its digits."""
+    return repr(float(value)).removesuffix(".0")
