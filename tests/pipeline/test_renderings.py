@@ -45,8 +45,9 @@ def stages(finished_run, tmp_path_factory):
         mine = (split, f"{states}/{NAME}", clouds)
         reconstruct.main(cfg("reconstruct"), NAME, parts, views, *mine)
         evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
-        read = (parts, views, split, truth, states)
-        made = (str(here / name) for name in ("clouds", "scores", "no grid", "reports"))
+        read = (str(data / "solids"), parts, views, split, truth, states)
+        folders = ("clouds", "scores", "no grid", "no seeds", "reports")
+        made = (str(here / name) for name in folders)
         report.main(cfg("report"), *read, *made)
     return here
 
