@@ -28,6 +28,7 @@ from industnerf.artifacts.part import load_part
 from industnerf.artifacts.split import load_split
 from industnerf.artifacts.truth import Truth
 from industnerf.config import load_params
+from industnerf.geometry.portrait import viewing_axes
 from industnerf.metrics.gaps import Gaps, between, nearest
 from industnerf.metrics.protocol import Judge
 from industnerf.report.plates import figure, legend, picture, png, tinted
@@ -38,7 +39,6 @@ SIDE = 160  # px
 HIGHEST = 4.0  # % of the diagonal: the last colour
 COLOURS = "turbo"
 ASTRAY = 0.03  # diagonals
-TOWARDS_EYE = np.array([1.0, -1.2, 0.9])
 DOT = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
 
 
@@ -69,11 +69,9 @@ def error_of(data: Path, method: str, part_id: str) -> Error:
 
 
 def drawn(points: Float[np.ndarray, "n 3"], error: Float[np.ndarray, "n"]) -> np.ndarray:
-    """The points in parallel projection, the worst on top."""
-    back = TOWARDS_EYE / np.linalg.norm(TOWARDS_EYE)
-    right = np.cross([0.0, 0.0, 1.0], back)
-    right /= np.linalg.norm(right)
-    flat = points @ np.stack([right, -np.cross(back, right)], axis=1)
+    """The points from where portraits look, in parallel projection, the worst on top."""
+    right, up, _ = viewing_axes()
+    flat = points @ np.stack([right, -up], axis=1)
     low, high = flat.min(axis=0), flat.max(axis=0)
     middle = (flat - (low + high) / 2) / (high - low).max() * 0.94 + 0.5
     order = np.argsort(error)

@@ -24,7 +24,7 @@ def portrait(
     `albedo` is linear, in [0, 1], and one colour a face; light follows Lambert's law, a face is
     lit on the side that the viewer sees, and the picture is encoded in sRGB.
     """
-    view = _axes()
+    view = viewing_axes()
     seen = vertices @ view.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     side = float((high - low)[:2].max()) / (1 - 2 * MARGIN)
@@ -35,7 +35,7 @@ def portrait(
     return np.round(255 * _srgb(linear.mean(axis=(1, 3)))).astype(np.uint8)
 
 
-def _axes() -> Float[np.ndarray, "3 3"]:
+def viewing_axes() -> Float[np.ndarray, "3 3"]:
     """Rows: right, up and towards the eye, in the world."""
     back = TOWARDS_EYE / np.linalg.norm(TOWARDS_EYE)
     right = np.cross([0.0, 0.0, 1.0], back)
