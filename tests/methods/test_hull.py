@@ -10,7 +10,7 @@ from industnerf.geometry.cameras import Cameras, look_at
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.methods import load_method
 from industnerf.methods.base import Input
-from industnerf.methods.hull import TOUCHED, differs, hull, surface
+from industnerf.methods.hull import TOUCHED, hull, surface
 from industnerf.methods.hull.octree import refine
 from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT, draw
@@ -226,22 +226,6 @@ def test_silhouettes_without_outline_or_common_volume_fail_and_say_so(full):
 
 
 # --- silhouettes from colour -----------------------------------------------------------------
-
-
-def test_a_pixel_differs_if_one_channel_is_beyond_the_tolerance():
-    background = np.array([1.0, 0.5, 0.0])
-    rgb = np.array([[255, 128, 0], [250, 127, 5], [249, 127, 5], [255, 134, 0], [255, 128, 6]])
-    found = differs(rgb.astype(np.uint8).reshape(1, 1, 5, 3), background[None], 0.0205)
-    # 0.0205 * 255 = 5.2: 5 levels are within, 6 beyond; 134 is 6.5 from 127.5
-    np.testing.assert_array_equal(found[0, 0], [False, False, True, True, True])
-
-
-def test_each_view_has_its_own_background():
-    background = np.array([[1.0, 1, 1], [0, 0, 0], [0.2, 0.4, 0.6]])
-    rgb = np.array([[255, 255, 255], [0, 0, 0], [51, 102, 153]], np.uint8)
-    pictures = np.tile(rgb, (3, 1, 1)).reshape(3, 1, 3, 3)
-    found = differs(pictures, background, 0.02)
-    np.testing.assert_array_equal(found[:, 0], ~np.eye(3, dtype=bool))
 
 
 def test_half_a_pixel_off_makes_touched_pixels_unbiased():

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
-from industnerf.geometry.silhouettes import TOUCHED, differs
+from industnerf.geometry.silhouettes import TOUCHED, part_in
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
 from industnerf.methods.hull.octree import refine
 from industnerf.methods.hull.silhouettes import distance_images
@@ -34,7 +34,7 @@ def reconstruct_from_colour(
 
     A part of the background's own colour is taken for background and cut away.
     """
-    mask = differs(given.rgb, given.background, settings.tolerance)
+    mask = part_in(given.rgb, given.background, settings.tolerance)
     return Reconstruction(
         hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED, hint=HINT)
     )

@@ -6,7 +6,7 @@ from edt import edt
 from jaxtyping import Bool, Float32
 from torch import Tensor
 
-from industnerf.geometry.silhouettes import differs
+from industnerf.geometry.silhouettes import part_in
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 
@@ -24,7 +24,7 @@ class Silhouettes:
     def __init__(self, scene: Scene, tolerance: float) -> None:
         self._eyes, self._focal = scene.eyes, scene.eyes.K[:, [0, 1], [0, 1]].amax(dim=1)
         images, background = scene.images.cpu().numpy(), scene.background.cpu().numpy()
-        part = self.part = differs(images, background, tolerance)
+        part = self.part = part_in(images, background, tolerance)
         self._outside, self._inside = (
             torch.stack([_away(mask) for mask in masks]).to(scene.images.device)
             for masks in (part, ~part)
