@@ -94,6 +94,15 @@ def test_every_split_of_a_sweep_has_ends_of_its_own(project: Path):
     assert "`hull` (test) 0.0300 to 0.0200, `hull` (dev) 0.5000 to 0.6000" in text
 
 
+def test_ends_are_in_mm_too_where_the_sweep_knows_them(project: Path):
+    (project / "runs/sweeps/now/sweep.csv").write_text(
+        "point,n,method,split,emd,emd_mm\n0,1,hull,dev,0.0179,2.4665\n1,4,hull,dev,0.0228,12.1\n"
+    )
+    main("runs/sweeps/now")
+    text = (project / "docs/sweeps.md").read_text()
+    assert "`hull` 0.0179 (2.47 mm) to 0.0228 (12.1 mm)" in text
+
+
 def test_a_sweep_of_no_preset_is_refused(project: Path):
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: study\n")
     with pytest.raises(BadArtifact, match="preset 'study'"):

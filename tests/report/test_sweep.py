@@ -23,8 +23,8 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
     (folder / "params.yaml").write_text(yaml.safe_dump({"report": WAYS} | params))
     (folder / "reports/summary.json").write_text("{}")
     (folder / "reports/table1.csv").write_text(
-        "method,split,emd_even,ci_low,ci_high,ratio_to_floor\n"
-        f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5\n"
+        "method,split,emd_even,ci_low,ci_high,ratio_to_floor,emd_mm\n"
+        f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5,{DIAGONAL_MM * emd}\n"
     )
     (folder / "reports/scores.csv").write_text(
         "part_id,family,split,method,metric,protocol,value\n"
@@ -43,6 +43,7 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
     (part / "part.json").write_text(json.dumps({"faces": faces}))
 
 
+DIAGONAL_MM = 130.0  # of either part
 WAYS = {"resamples": 200, "interval": 0.95, "sheet_parts": 1}
 
 
@@ -71,6 +72,7 @@ def test_a_row_has_emd_interval_and_costs(sweep: Path):
         "emd": "0.02500",
         "low": "0.02250",
         "high": "0.03250",
+        "emd_mm": "3.2500",  # 0.025 of 130 mm
         "x floor": "2.500",
         "seconds": "64.00",
         "peak_mb": "200.00",

@@ -32,6 +32,17 @@ def test_what_is_read_back_grows_as_was_published(table):
     assert found == pytest.approx(wanted, abs=0.0072)
 
 
+@pytest.mark.parametrize(("column", "cell", "mm"), [(",emd_mm", ",2.47", 2.47), ("", "", None)])
+def test_a_table_of_before_has_no_mm(tmp_path, column, cell, mm):
+    (tmp_path / "sweep.csv").write_text(
+        f"point,n,method,split,emd,low,high{column},x floor,seconds,peak_mb\n"
+        f"0,1,hull,dev,0.018,0.01,0.02{cell},1.7,,200\n"
+    )
+    ((point,), _) = reread_sweep(tmp_path)
+    (result,) = point.results
+    assert (result.emd_mm, result.ratio, result.seconds, result.peak_mb) == (mm, 1.7, None, 200.0)
+
+
 def axes(key, *sweeps, path, monkeypatch):
     """The axes of the plot of `sweeps`, each pairs of seconds and EMD."""
     figures = []
@@ -40,7 +51,7 @@ def axes(key, *sweeps, path, monkeypatch):
         Series(
             f"m{i}",
             list(range(len(pairs))),
-            [Result("m", "dev", emd, emd, emd, 1.0, s, None, {}) for s, emd in pairs],
+            [Result("m", "dev", emd, emd, emd, None, 1.0, s, None, {}) for s, emd in pairs],
         )
         for i, pairs in enumerate(sweeps)
     ]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from industnerf.report.formats import csv_rows
+from industnerf.report.formats import brief, csv_rows
 from industnerf.report.sweep_lines import line_of
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
@@ -71,9 +71,15 @@ def _ends(lines: list[dict[str, str]]) -> str:
     several = len({line["split"] for line in lines}) > 1
     for method, split in dict.fromkeys((line["method"], line["split"]) for line in lines):
         mine = [line for line in lines if (line["method"], line["split"]) == (method, split)]
-        first, last = (f"{float(line['emd']):.4f}" for line in (mine[0], mine[-1]))
+        first, last = (_emd(line) for line in (mine[0], mine[-1]))
         texts.append(f"`{method}`{f' ({split})' if several else ''} {first} to {last}")
     return f"EMD at `{swept}` {lines[0][swept]} and {lines[-1][swept]}: {', '.join(texts)}"
+
+
+def _emd(line: dict[str, str]) -> str:
+    """Such as `0.0179 (2.47 mm)`; sweeps of before have no mm."""
+    mm = f" ({brief(float(line['emd_mm']))} mm)" if line.get("emd_mm") else ""
+    return f"{float(line['emd']):.4f}{mm}"
 
 
 def _plate(root: Path, preset: Preset) -> str:

@@ -14,6 +14,7 @@ from industnerf.report.leaves import leaves
 from industnerf.report.lookup import EVEN
 
 SELECT = "parts.select"
+MEANS = ("emd_even", "ci_low", "ci_high", "emd_mm", "ratio_to_floor")  # of table1.csv
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Result:
     emd: float  # even, in bounding-box diagonals
     low: float  # of the interval of report.interval
     high: float
+    emd_mm: float | None  # mean of the same parts in mm; None where a published table has none
     ratio: float  # to the floor
     seconds: float | None  # mean of a reconstruction; None where the store does not know
     peak_mb: float | None
@@ -92,7 +94,7 @@ def _read(folder: Path) -> Point:
         Result(
             row["method"],
             row["split"],
-            *(float(row[name]) for name in ("emd_even", "ci_low", "ci_high", "ratio_to_floor")),
+            *(float(row[name]) for name in MEANS),
             seconds.get((row["method"], row["split"])),
             peaks.get((row["method"], row["split"])),
             emds[row["method"], row["split"]],

@@ -36,6 +36,11 @@ def _value(text: str) -> int | float | str:
 
 
 def _result(row: Cells) -> Result:
-    seconds, peak_mb = (float(row[name]) if row[name] else None for name in ("seconds", "peak_mb"))
     emd, low, high, ratio = (float(row[name]) for name in COLUMNS)
-    return Result(row["method"], row["split"], emd, low, high, ratio, seconds, peak_mb, {})
+    mm, seconds, peak_mb = (_known(row, name) for name in ("emd_mm", "seconds", "peak_mb"))
+    return Result(row["method"], row["split"], emd, low, high, mm, ratio, seconds, peak_mb, {})
+
+
+def _known(row: Cells, name: str) -> float | None:
+    """None where the cell is empty, or the table is of before it had that column."""
+    return float(row[name]) if row.get(name) else None
