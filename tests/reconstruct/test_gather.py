@@ -135,9 +135,9 @@ def test_two_sizes_in_one_set_are_refused_with_both_files(folder):
         assert word in str(refusal.value)
 
 
-def see_through(folder, which):
+def see_through(folder, which, level=0):
     for i in which:
-        alpha = np.zeros((scene.HEIGHT, scene.WIDTH, 1), np.uint8)
+        alpha = np.full((scene.HEIGHT, scene.WIDTH, 1), level, np.uint8)
         put(folder, i, np.concatenate([scene.photographs()[i], alpha], axis=2))
 
 
@@ -157,6 +157,15 @@ def test_a_background_is_known_if_it_is_given_or_all_have_it(folder):
     assert album.remarks == ("1 of 5 photographs are see-through: shown over #ffffff",)
     given = read(folder, background=(0.0, 0.0, 1.0))
     np.testing.assert_array_equal(given.background, [[0, 0, 1]] * 5)
+
+
+def test_opaque_photographs_show_their_own_background(folder):
+    """Many tools save an alpha channel of 255 everywhere."""
+    see_through(folder, range(5), level=255)
+    album = read(folder)
+    np.testing.assert_array_equal(album.rgb, scene.photographs())
+    assert album.background is None
+    assert album.remarks == ()
 
 
 def test_a_scaled_rotation_is_remarked(folder):

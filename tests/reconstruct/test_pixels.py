@@ -58,6 +58,13 @@ def test_see_through_pixels_show_the_background(tmp_path):
     assert rgb[0].tolist() == [[0, 0, 255], [20, 40, 214], [100, 200, 50]]
 
 
+def test_an_alpha_channel_that_hides_nothing_is_none(tmp_path):
+    opaque = np.full((H, W, 1), 255, np.uint8)
+    rgb, facts = read(save(tmp_path, np.concatenate([RGB, opaque], axis=2)))
+    np.testing.assert_array_equal(rgb, RGB)
+    assert facts == Facts((W, H), see_through=False, turned=False)
+
+
 def test_a_palette_with_a_see_through_colour_shows_the_background(tmp_path):
     image = Image.fromarray(np.array([[0, 1]], np.uint8)).convert("P")
     image.putpalette([9, 8, 7, 6, 5, 4])

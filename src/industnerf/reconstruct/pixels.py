@@ -19,7 +19,7 @@ class Facts:
     """What a photograph was, and what had to be decided to read it."""
 
     size: tuple[int, int]  # (width, height) in px, upright
-    see_through: bool  # had an alpha channel, which now shows the background
+    see_through: bool  # at least in one pixel, which now shows the background
     turned: bool  # its EXIF orientation was applied
 
 
@@ -83,7 +83,7 @@ def _colour(
         rgba = np.asarray(image.convert("RGBA"), np.float32)
         alpha = rgba[..., 3:] / 255
         over = rgba[..., :3] * alpha + (1 - alpha) * (255 * background.astype(np.float32))
-        return np.rint(over).astype(np.uint8), True
+        return np.rint(over).astype(np.uint8), bool((alpha < 1).any())
     if image.mode in SIXTEEN:
         grey = np.rint(np.asarray(image).astype(np.float32) / 257).astype(np.uint8)
         return np.repeat(grey[..., None], 3, axis=2), False
