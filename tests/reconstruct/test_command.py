@@ -104,6 +104,17 @@ def test_a_second_ctrl_c_ends_at_once_and_keeps_the_last_checkpoint(desk, fake):
     assert len(fake.SEEN["resume"]["points"]) == 3
 
 
+def test_an_interrupted_fresh_start_goes_on_without_fresh(desk, fake):
+    """With it, the same command would drop what was just kept."""
+    fake.AT[3] = ctrl_c
+    code, _, errors = desk.run("--fresh")
+    assert code == 130
+    assert f"the same command without --fresh goes on from {desk.checkpoint}" in errors
+    fake.AT.clear()
+    desk.run()
+    assert len(fake.SEEN["resume"]["points"]) == 4
+
+
 def test_an_early_ctrl_c_keeps_nothing_and_says_so(desk, fake):
     fake.AT[0] = lambda: (ctrl_c(), ctrl_c())
     code, _, errors = desk.run()

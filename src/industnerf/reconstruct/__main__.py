@@ -3,14 +3,14 @@
 python -m industnerf.reconstruct --cameras transforms.json --images DIR --out cloud.ply
 
 The cloud is in the frame and the unit of the cameras.  An interrupted run goes on where it was
-when the same command is given again.  Exit code: 0, 1 if the method finds no surface, 2 if what
-it was given is wrong, 130 after Ctrl-C.
+when the same command is given again, without --fresh.  Exit code: 0, 1 if the method finds no
+surface, 2 if what it was given is wrong, 130 after Ctrl-C.
 """
 
 import sys
 
 from industnerf.errors import ReconstructionFailed, SuiteError
-from industnerf.reconstruct.options import parse
+from industnerf.reconstruct.options import Options, parse
 
 
 def main() -> int:
@@ -23,13 +23,16 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1 if isinstance(error, ReconstructionFailed) else 2
     except KeyboardInterrupt:
-        kept = options.checkpoint.exists()
-        ending = (
-            f"the same command goes on from {options.checkpoint}" if kept else "nothing is kept"
-        )
-        print(f"interrupted; {ending}", file=sys.stderr)
+        print(f"interrupted; {_outlook(options)}", file=sys.stderr)
         return 130
     return 0
+
+
+def _outlook(options: Options) -> str:
+    if not options.checkpoint.exists():
+        return "nothing is kept"
+    command = "the same command without --fresh" if options.fresh else "the same command"
+    return f"{command} goes on from {options.checkpoint}"
 
 
 if __name__ == "__main__":
