@@ -62,6 +62,14 @@ def test_the_method_gets_what_the_user_gave(desk, fake):
     assert (fake.SEEN["posed"].centre.tolist(), fake.SEEN["posed"].radius) == ([9, -4, 3], 0.5)
 
 
+@pytest.mark.parametrize("y", ["-4", "-4.", "-4e0", "-.4E+1"])
+def test_a_centre_may_be_negative_however_it_is_written(desk, fake, y):
+    """The command itself says -2.3e-05."""
+    code, *_ = desk.run("--centre", 9, y, 3, "--radius", 0.5)
+    assert code == 0
+    assert fake.SEEN["posed"].centre.tolist() == [9, -4, 3]
+
+
 def test_images_may_lie_elsewhere(desk, fake):
     (desk.folder / "set/rgb").rename(desk.folder / "photos")
     code, *_ = desk.run("--images", desk.folder / "photos")

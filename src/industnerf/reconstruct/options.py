@@ -49,6 +49,8 @@ def parse(arguments: Sequence[str], description: str) -> Options:
         description=description,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    # argparse's own takes -2.3e-05 for an option
+    parser._negative_number_matcher = re.compile(r"-\.?\d")
     _add_inputs(parser)
     _add_outputs(parser)
     _add_settings(parser)
