@@ -235,6 +235,17 @@ def test_a_run_that_goes_on_may_renew_its_preview(desk, fake):
     assert desk.run(*arguments)[0] == 0
 
 
+def test_a_fresh_start_has_no_preview_of_its_own(desk, fake):
+    stopped(desk, fake, "--preview-every", 0)
+    (desk.folder / "mine.png").write_text("dear")
+    arguments = ("--fresh", "--preview", desk.folder / "mine.png", "--preview-every", ALWAYS)
+    code, _, errors = desk.run(*arguments)
+    assert (code, "mine.png is there already; --force" in errors) == (2, True)
+    assert (desk.folder / "mine.png").read_text() == "dear"
+    assert desk.checkpoint.exists()
+    assert desk.run("--force", *arguments)[0] == 0
+
+
 def test_one_file_cannot_be_two(desk):
     code, _, errors = desk.run("--checkpoint", desk.out)
     assert (code, "must be different files" in errors) == (2, True)

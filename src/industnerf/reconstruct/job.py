@@ -36,8 +36,8 @@ def check_outputs(options: Options) -> None:
     if len({path.resolve() for path in outputs.values()}) < len(outputs):
         raise BadArtifact(f"{', '.join(outputs)} must be different files")
     in_the_way = [options.out, *([options.npz] if options.npz else [])]
-    # the preview of the run that goes on is its own
-    if options.preview_named and options.preview_every and not options.checkpoint.exists():
+    goes_on = options.checkpoint.exists() and not options.fresh  # then the preview is its own
+    if options.preview_named and options.preview_every and not goes_on:
         in_the_way.append(options.preview)
     for path in in_the_way:
         if path.exists() and not options.force:
