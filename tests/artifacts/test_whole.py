@@ -46,3 +46,10 @@ def test_folders_are_made_and_tried(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(BadArtifact, match=r"--out .*a.ply: cannot be written"):
         check_folder(tmp_path / "file/a.ply", "--out")
+
+
+def test_a_folder_is_no_file(tmp_path):
+    (tmp_path / "runs").mkdir()
+    with pytest.raises(BadArtifact, match=r"--checkpoint .*runs: is a folder"):
+        check_folder(tmp_path / "runs", "--checkpoint")
+    assert list(tmp_path.rglob("*")) == [tmp_path / "runs"]

@@ -246,6 +246,15 @@ def test_a_fresh_start_has_no_preview_of_its_own(desk, fake):
     assert desk.run("--force", *arguments)[0] == 0
 
 
+@pytest.mark.parametrize("option", ["--out", "--checkpoint", "--preview"])
+def test_a_folder_is_refused_before_any_work(desk, fake, option):
+    (desk.folder / "mine.ply").mkdir()
+    for extra in ((), ("--force",)):
+        code, _, errors = desk.run(option, desk.folder / "mine.ply", *extra)
+        assert (code, "mine.ply: is a folder" in errors) == (2, True)
+    assert fake.SEEN == {}
+
+
 def test_one_file_cannot_be_two(desk):
     code, _, errors = desk.run("--checkpoint", desk.out)
     assert (code, "must be different files" in errors) == (2, True)

@@ -26,6 +26,8 @@ def written_whole(path: Path) -> Iterator[Path]:
 
 def check_folder(path: Path, option: str) -> None:
     """Make the folder of `path`, and see that it can be written, before any work is done."""
+    if path.is_dir():
+        raise BadArtifact(f"{option} {path}: is a folder")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with written_whole(path.with_name(f".{path.name}.try")) as draft:

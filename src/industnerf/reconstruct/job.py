@@ -40,7 +40,7 @@ def check_outputs(options: Options) -> None:
     if options.preview_named and options.preview_every and not goes_on:
         in_the_way.append(options.preview)
     for path in in_the_way:
-        if path.exists() and not options.force:
+        if path.exists() and not (options.force or path.is_dir()):
             raise BadArtifact(f"{path} is there already; --force overwrites it")
     for option, path in outputs.items():
         check_folder(path, option)
