@@ -1,22 +1,21 @@
 """Small files, written whole or not at all."""
 
 import json
-import os
 import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from industnerf.artifacts.whole import written_whole
 from industnerf.errors import BadArtifact
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write `text` to `path` through a temporary file and a rename."""
+    """Write `text` to `path`, in a folder made for it; raises BadArtifact if it cannot."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    draft.write_text(text)
-    draft.replace(path)
+    with written_whole(path) as draft:
+        draft.write_text(text)
 
 
 def write_json(path: Path, content: Any) -> None:

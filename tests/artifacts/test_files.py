@@ -1,0 +1,31 @@
+"""Small files: whole or as they were before, whatever the text holds."""
+
+import pytest
+
+from industnerf.artifacts import whole
+from industnerf.artifacts.files import write_text
+from industnerf.errors import BadArtifact
+
+
+def test_a_text_that_cannot_be_written_leaves_no_trace(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with pytest.raises(UnicodeEncodeError):
+        write_text(path, "new \ud800")  # half a pair, which no file name decodes to
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_text_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    """Where the disk turns out to be full only then, what was there stays."""
+
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    monkeypatch.setattr(whole.os, "fsync", full)
+    with pytest.raises(BadArtifact, match=r"a.txt: cannot be written: No space left"):
+        write_text(path, "new")
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
