@@ -122,3 +122,10 @@ def test_a_digest_does_not_depend_on_where_or_when(tmp_path):
     assert here == there
     (tmp_path / "there" / "views" / "b" / "x").rename(tmp_path / "there" / "views" / "b" / "y")
     assert content_digest([tmp_path / "there" / "views"]) != here
+
+
+def test_names_that_are_not_utf8_are_told_apart(tmp_path):
+    files = [tmp_path / os.fsdecode(name) for name in (b"caf\xe8.stl", b"caf\xe9.stl")]
+    for file in files:
+        file.write_text("solid")
+    assert content_digest(files[:1]) != content_digest(files[1:])

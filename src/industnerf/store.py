@@ -42,7 +42,8 @@ def content_digest(paths: Iterable[Path]) -> str:
     for path in paths:
         files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
         for file in files:
-            digest.update(f"{file.relative_to(path.parent)}\n{file.stat().st_size}\n".encode())
+            head = f"{file.relative_to(path.parent)}\n{file.stat().st_size}\n"
+            digest.update(head.encode(errors="surrogateescape"))  # names of files are any bytes
             digest.update(file.read_bytes())
     return digest.hexdigest()
 

@@ -1,10 +1,18 @@
 """Small files: whole or as they were before, whatever the text holds."""
 
+import os
+
 import pytest
 
 from industnerf.artifacts import whole
 from industnerf.artifacts.files import write_text
 from industnerf.errors import BadArtifact
+
+
+def test_a_name_that_is_not_utf8_is_written_as_it_is(tmp_path):
+    """A table of files holds their names, and a name is any bytes."""
+    write_text(tmp_path / "check.csv", os.fsdecode(b"caf\xe9.stl,whole\n"))
+    assert (tmp_path / "check.csv").read_bytes() == b"caf\xe9.stl,whole\n"
 
 
 def test_a_text_that_cannot_be_written_leaves_no_trace(tmp_path):

@@ -15,7 +15,7 @@ def write_text(path: Path, text: str) -> None:
     """Write `text` to `path`, in a folder made for it; raises BadArtifact if it cannot."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as draft:
-        draft.write_text(text)
+        draft.write_text(text, errors="surrogateescape")  # names of files are any bytes
 
 
 def write_json(path: Path, content: Any) -> None:
