@@ -23,8 +23,8 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
     (folder / "params.yaml").write_text(yaml.safe_dump({"report": WAYS} | params))
     (folder / "reports/summary.json").write_text("{}")
     (folder / "reports/table1.csv").write_text(
-        "method,split,emd_even,ci_low,ci_high,ratio_to_floor,emd_mm\n"
-        f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5,{DIAGONAL_MM * emd}\n"
+        "method,split,emd_even,ci_low,ci_high,ratio_to_floor,emd_mm,parameters\n"
+        f"hull,dev,{emd},{0.9 * emd},{1.3 * emd},2.5,{DIAGONAL_MM * emd},{LEARNED}\n"
     )
     (folder / "reports/scores.csv").write_text(
         "part_id,family,split,method,metric,protocol,value\n"
@@ -44,6 +44,7 @@ def point(sweep: Path, number: int, params: dict, emd: float, seconds: float, fa
 
 
 DIAGONAL_MM = 130.0  # of either part
+LEARNED = 12728
 WAYS = {"resamples": 200, "interval": 0.95, "sheet_parts": 1}
 
 
@@ -76,6 +77,7 @@ def test_a_row_has_emd_interval_and_costs(sweep: Path):
         "x floor": "2.500",
         "seconds": "64.00",
         "peak_mb": "200.00",
+        "numbers": "12728",
     }
 
 

@@ -32,28 +32,35 @@ def test_what_is_read_back_grows_as_was_published(table):
     assert found == pytest.approx(wanted, abs=0.0072)
 
 
-@pytest.mark.parametrize(("column", "cell", "mm"), [(",emd_mm", ",2.47", 2.47), ("", "", None)])
-def test_a_table_of_before_has_no_mm(tmp_path, column, cell, mm):
+@pytest.mark.parametrize(
+    ("columns", "cells", "found"),
+    [(",emd_mm,numbers", ",2.47,8", (2.47, 8)), ("", "", (None, None))],
+)
+def test_a_table_of_before_has_no_mm_and_no_numbers(tmp_path, columns, cells, found):
     (tmp_path / "sweep.csv").write_text(
-        f"point,n,method,split,emd,low,high{column},x floor,seconds,peak_mb\n"
-        f"0,1,hull,dev,0.018,0.01,0.02{cell},1.7,,200\n"
+        f"point,n,method,split,emd,low,high,x floor,seconds,peak_mb{columns}\n"
+        f"0,1,hull,dev,0.018,0.01,0.02,1.7,,200{cells}\n"
     )
     ((point,), _) = reread_sweep(tmp_path)
     (result,) = point.results
-    assert (result.emd_mm, result.ratio, result.seconds, result.peak_mb) == (mm, 1.7, None, 200.0)
+    assert (result.emd_mm, result.numbers) == found
+    assert (result.ratio, result.seconds, result.peak_mb) == (1.7, None, 200.0)
 
 
 def axes(key, *sweeps, path, monkeypatch):
-    """The axes of the plot of `sweeps`, each pairs of seconds and EMD."""
+    """The axes of the plot of `sweeps`, each of seconds, EMD and maybe numbers learned."""
     figures = []
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
     lines = [
         Series(
             f"m{i}",
-            list(range(len(pairs))),
-            [Result("m", "dev", emd, emd, emd, None, 1.0, s, None, {}) for s, emd in pairs],
+            list(range(len(points))),
+            [
+                Result("m", "dev", emd, emd, emd, None, 1.0, s, None, *(learned or [None]), {})
+                for s, emd, *learned in points
+            ],
         )
-        for i, pairs in enumerate(sweeps)
+        for i, points in enumerate(sweeps)
     ]
     plot(lines, [], key, path)
     return figures[0].axes
@@ -78,6 +85,31 @@ def test_points_of_different_tasks_or_methods_do_not_compete(tmp_path, monkeypat
     where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
     assert drawn("views.count", PAIRS, **where) == []
     assert drawn("method.m.size", PAIRS, PAIRS, **where) == []
+
+
+SIZES = [(9.0, 0.3, 20), (8.0, 0.4, 30), (7.0, 0.1, 40)]
+
+
+def test_the_price_of_a_setting_is_the_numbers_learned_where_it_changes_them(tmp_path, monkeypatch):
+    """In seconds the largest would be both the quickest and the best."""
+    where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
+    assert drawn("method.m.size", SIZES, **where) == [[[20, 0.3], [40, 0.1]]]
+    assert drawn("method.m.size", [(s, emd, 20) for s, emd, _ in SIZES], **where) == [[[7.0, 0.1]]]
+
+
+@pytest.mark.parametrize(
+    ("key", "others", "price"),
+    [
+        ("method.m.size", [(1.0, 0.2, 50)] * 3, "numbers learned"),
+        ("method.m.size", [(1.0, 0.2, 0)] * 3, "s a part"),
+        ("views.count", [(1.0, 0.2, 50)] * 3, "s a part"),
+    ],
+)
+def test_the_price_is_seconds_where_one_learns_nothing_or_views_change_what_is_learned(
+    tmp_path, monkeypatch, key, others, price
+):
+    where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
+    assert axes(key, SIZES, others, **where)[-1].get_xlabel() == price
 
 
 @pytest.mark.parametrize(("most", "scale"), [(3.9, "linear"), (4.1, "log")])

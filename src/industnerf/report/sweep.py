@@ -1,6 +1,6 @@
 """After a sweep: a table of its points, what each step changes, how costs grow, and a plot.
 
-sweep.csv    a row a point, method and split: EMD with interval and in mm, seconds, memory
+sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, numbers learned
 steps.csv    from each point to the next: the mean paired difference of the EMD, with its interval
 trend.csv    exponents of seconds and memory, where what is swept is a number
 sweep.png    the same
@@ -19,8 +19,26 @@ from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import Point, Result, read_points, swept_keys, unfinished
 from industnerf.report.sweep_series import Trend, series, trends
 
-COLUMNS = ("method", "split", "emd", "low", "high", "emd_mm", "x floor", "seconds", "peak_mb")
-ONLY_IN_FILES = ("point", "split", "low", "high", "emd_mm")  # the others fit into 80 characters
+COLUMNS = (
+    "method",
+    "split",
+    "emd",
+    "low",
+    "high",
+    "emd_mm",
+    "x floor",
+    "seconds",
+    "peak_mb",
+    "numbers",
+)
+ONLY_IN_FILES = (
+    "point",
+    "split",
+    "low",
+    "high",
+    "emd_mm",
+    "numbers",
+)  # the others fit into 80 characters
 
 
 def write_sweep(folder: Path) -> int:
@@ -50,7 +68,8 @@ def _line(point: Point, swept: list[str], result: Result) -> list[str]:
     emd = [f"{value:.5f}" for value in (result.emd, result.low, result.high)]
     keys = [str(point.params.get(key)) for key in swept]
     means = [*emd, short(result.emd_mm), f"{result.ratio:.3f}"]
-    return [str(point.number), *keys, result.method, result.split, *means, *costs]
+    numbers = "" if result.numbers is None else str(result.numbers)
+    return [str(point.number), *keys, result.method, result.split, *means, *costs, numbers]
 
 
 def _growth(found: list[Trend]) -> list[list[str]]:

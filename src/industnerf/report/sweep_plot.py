@@ -1,4 +1,4 @@
-"""The plot of a sweep: EMD, seconds and memory over what was swept, and EMD against seconds."""
+"""The plot of a sweep: EMD, seconds and memory over what was swept, and EMD against its price."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,7 +14,8 @@ SPAN = 4  # numbers that span more than this factor stand on a logarithmic axis
 SETTING = "method."  # of the method, and so the points are of the same task and compete
 FRONT = "#d1495b"
 HEADROOM = 1.2  # times the largest value
-NAMES = {"seconds": "s a part", "peak_mb": "peak MB"}
+NAMES = {"seconds": "s a part", "peak_mb": "peak MB", "numbers": "numbers learned"}
+CHEAPER = {"seconds": "quicker", "numbers": "smaller"}
 
 
 def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None:
@@ -24,9 +25,10 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
     figure = Figure(figsize=(6.4, 10.6), layout="constrained")
     above, below = figure.subfigures(2, 1, height_ratios=(3, 1))
     emd, *costs = above.subplots(1 + len(COSTS), 1, sharex=True)
-    _exchange(exchange := below.subplots(), lines)
+    price = _price(lines, key)
+    _exchange(exchange := below.subplots(), lines, price)
     if key.startswith(SETTING) and len(lines) == 1:
-        _front(exchange, lines[0])
+        _front(exchange, lines[0], price)
     for i, line in enumerate(lines):
         _emd(emd, line, f"C{i}")
         for axis, quantity in zip(costs, COSTS, strict=True):
@@ -80,30 +82,40 @@ def _wide(values: Sequence[float | int]) -> bool:
     return bool(values) and min(values) > 0 and max(values) > SPAN * min(values)
 
 
-def _exchange(axis: Any, lines: list[Series]) -> None:
-    """What more seconds buy: a line a method, each point with where in the sweep it stands."""
+def _price(lines: list[Series], key: str) -> str:
+    """Numbers learned, where a setting changes how many and all learn some; else seconds."""
+    counts = [[result.numbers for result in line.results] for line in lines]
+    varied = any(len(set(each)) > 1 for each in counts)
+    known = all(number for each in counts for number in each)
+    return "numbers" if key.startswith(SETTING) and varied and known else "seconds"
+
+
+def _exchange(axis: Any, lines: list[Series], price: str) -> None:
+    """What a higher price buys: a line a method, each point with where in the sweep it stands."""
     for i, line in enumerate(lines):
         known = [
-            (result.seconds, result.emd, x)
+            (getattr(result, price), result.emd, x)
             for x, result in zip(line.x, line.results, strict=True)
-            if result.seconds is not None
+            if getattr(result, price) is not None
         ]
-        axis.plot([s for s, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}")
-        for seconds, emd, x in known:
+        axis.plot([paid for paid, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}")
+        for paid, emd, x in known:
             text = f"{x:g}" if line.numeric else x
-            axis.annotate(text, (seconds, emd), (4, 3), textcoords="offset points", fontsize=7)
-    axis.set(xlabel="s a part", ylabel="EMD (even), diagonals")
+            axis.annotate(text, (paid, emd), (4, 3), textcoords="offset points", fontsize=7)
+    axis.set(xlabel=NAMES[price], ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # for what stands beside the points
     axis.set_ylim(0, HEADROOM * max(result.emd for line in lines for result in line.results))
-    if _wide([result.seconds for line in lines for result in line.results if result.seconds]):
+    paid = [getattr(result, price) for line in lines for result in line.results]
+    if _wide([each for each in paid if each]):
         axis.set_xscale("log")
 
 
-def _front(axis: Any, line: Series) -> None:
+def _front(axis: Any, line: Series, price: str) -> None:
     """A red line through the points that no other is at or below in both coordinates."""
-    best = front([(r.seconds, r.emd) for r in line.results if r.seconds is not None])
+    paid = [(getattr(result, price), result.emd) for result in line.results]
+    best = front([(float(each), emd) for each, emd in paid if each is not None])
     if best:
-        how = {"where": "post", "color": FRONT, "label": "no point is quicker and better"}
+        how = {"where": "post", "color": FRONT, "label": f"no point is {CHEAPER[price]} and better"}
         axis.step(*zip(*best, strict=True), "o-", **how)
         axis.legend(fontsize="small", loc="lower right")
 

@@ -30,6 +30,7 @@ class Result:
     ratio: float  # to the floor
     seconds: float | None  # mean of a reconstruction; None where the store does not know
     peak_mb: float | None
+    numbers: int | None  # learned for a part, less weights that are 0 for good; None as of mm
     emds: dict[str, float]  # EMD (even) by part
 
 
@@ -97,6 +98,7 @@ def _read(folder: Path) -> Point:
             *(float(row[name]) for name in MEANS),
             seconds.get((row["method"], row["split"])),
             peaks.get((row["method"], row["split"])),
+            int(row["parameters"]),
             emds[row["method"], row["split"]],
         )
         for row in csv_rows(folder / "reports/table1.csv")

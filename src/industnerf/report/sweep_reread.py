@@ -38,7 +38,9 @@ def _value(text: str) -> int | float | str:
 def _result(row: Cells) -> Result:
     emd, low, high, ratio = (float(row[name]) for name in COLUMNS)
     mm, seconds, peak_mb = (_known(row, name) for name in ("emd_mm", "seconds", "peak_mb"))
-    return Result(row["method"], row["split"], emd, low, high, mm, ratio, seconds, peak_mb, {})
+    numbers = int(row["numbers"]) if row.get("numbers") else None
+    means = (emd, low, high, mm, ratio)
+    return Result(row["method"], row["split"], *means, seconds, peak_mb, numbers, {})
 
 
 def _known(row: Cells, name: str) -> float | None:
