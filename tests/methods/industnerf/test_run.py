@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf.run import run
+from industnerf.methods.industnerf.rerender import rerender
+from industnerf.methods.industnerf.run import Watch, Work, pictures, run
 from industnerf.schema.readings import Readings
 from tests.methods.industnerf.outcomes import SOLIDS, Recorder, bytes_of, errors
 from tests.methods.industnerf.scenes import (
@@ -129,8 +130,23 @@ def test_the_cloud_is_in_the_cameras_frame_and_unit():
     np.testing.assert_allclose(b.points, 3 * a.points + 7, rtol=0, atol=1e-4 * REACH)
     np.testing.assert_allclose(b.candidates, 3 * a.candidates + 7, rtol=0, atol=1e-4 * REACH)
     np.testing.assert_array_equal(a.colours, b.colours)
-    pictures = [o.pictures(g.cameras, o.background) for o, g in ((a, here), (b, there))]
-    np.testing.assert_allclose(pictures[1].depth_mm, 3 * pictures[0].depth_mm, rtol=1e-5)
+    taken = [o.pictures(g.cameras, o.background) for o, g in ((a, here), (b, there))]
+    np.testing.assert_allclose(taken[1].depth_mm, 3 * taken[0].depth_mm, rtol=1e-5)
+
+
+def test_pictures_are_nearer_to_the_photographs_as_soft_as_learned_than_hard():
+    """Aslant a soft surface is nearer than a hard one, so that outlines move when it hardens."""
+    given = posed(SOLIDS["ball"], 12, 48)
+    ways = settings(FREE, grid_res=16, rays=512, levels=[{"steps": 60, "image_px": 48}])
+    work = Work(given, ways, 1, Watch())
+    work.train()
+    work.listen()
+    taken = pictures(work.training, given, given.cameras, work.scene.background.numpy())
+    hard = work.training.finely(ways.softness.shown)
+    values, rgb = work.training.values()
+    others = rerender(work.scene.eyes, work.scene.background, hard, values, rgb, given.radius)
+    soft, hard = (((t.rgb / 255 - given.rgb / 255) ** 2).mean() for t in (taken, others))
+    assert soft < 0.7 * hard
 
 
 @METHODS

@@ -134,7 +134,7 @@ def test_over_all_levels_the_surface_hardens_and_rates_fall_once():
             assert training.field.softness == pytest.approx(beta)
             rate = training._adam.param_groups[0]["lr"]
             assert rate == pytest.approx(ways.network.rate * DECAY ** ((before + taken) / 16))
-    assert training.fine.beta == pytest.approx(0.1 * unit)
+    assert training.finely(softness.shown).beta == pytest.approx(0.1 * unit)
 
 
 def test_hardening_makes_what_n_calls_matter_more_opaque():
@@ -402,7 +402,7 @@ def test_what_views_say_of_a_hard_surface_needs_no_space_where_only_a_soft_one_h
     monkeypatch,
 ):
     training, _ = a_relief(torch.full((len(grid(spacing_of(RES, 0), CPU)),), -9.0))
-    assert training.fine.beta < training.renderer.beta
+    assert training.ways.softness.shown < training.softness()
     filled = []
     monkeypatch.setattr(training, "_fill", lambda which: filled.append(int(which.sum())))
     everywhere = training.testimony()  # rays skip nothing yet

@@ -251,9 +251,10 @@ class Work:
 def pictures(
     training: Training, posed: Posed, cameras: Cameras, background: Background
 ) -> Renderings:
-    """The field of `training` from `cameras`, before `background`, depth in the cameras' unit."""
+    """The field of `training`, as soft as it is, from `cameras`; depth in the cameras' unit."""
     where = training.points.positions.device
     behind = torch.tensor(background, dtype=torch.float32, device=where)
     values, rgb = training.values()
     looking = eyes(cameras, posed.centre, posed.radius, where)
-    return rerender(looking, behind, training.fine, values, rgb, posed.radius)
+    renderer = training.finely(training.softness())
+    return rerender(looking, behind, renderer, values, rgb, posed.radius)

@@ -80,7 +80,7 @@ class Training:
         self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
         box = (-side,) * 3, (side,) * 3
         self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
-        self.fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
+        self._fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
         self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
 
     @cached_property
@@ -116,11 +116,20 @@ class Training:
     def _harden(self) -> None:
         """Bring the softness of the surface to where it is after the steps taken."""
         if self.ways.readings.activation == "distance":
-            self.field.softness = self._softness()
+            self.field.softness = self.softness()
             self.renderer.beta = self.field.softness * self._unit
-            self.fine.beta = self.ways.softness.shown * self._unit
 
-    def _softness(self) -> float:
+    def finely(self, softness: float) -> Renderer:
+        """What looks at the field once it is learned, with a surface so soft, in first spacings.
+
+        As the last step had it for pictures, which is what was learned: seen aslant, a soft
+        surface is nearer than a hard one.  As `softness.shown` to find where the surface is.
+        """
+        if self.ways.readings.activation == "distance":
+            self._fine.beta = softness * self._unit
+        return self._fine
+
+    def softness(self) -> float:
         """Of the surface, in first spacings: falls geometrically from first to last step."""
         ways = self.ways.softness
         return ways.first * (ways.last / ways.first) ** self._share()
@@ -212,7 +221,7 @@ class Training:
 
     def _pace(self) -> float:
         """Of distances, in this step."""
-        return self.relief.rate(self._softness())
+        return self.relief.rate(self.softness())
 
     def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
         """Of fields that re-render alike, rather the emptier one, and the one without veils.
@@ -257,7 +266,7 @@ class Training:
         """What the source views say of the points: the last level's finely, others' as trained."""
         self._harden()  # as soft as after the last step, whether it was taken just now or not
         last = self.level == len(self.ways.levels) - 1
-        renderer = self.fine if last else self.renderer
+        renderer = self.finely(self.ways.softness.shown) if last else self.renderer
         longest = self.ways.surface_px if last else self.image_px // 2
         values, rgb = self.values()
         sigma = density(values, renderer.beta)

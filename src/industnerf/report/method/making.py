@@ -129,7 +129,12 @@ def _made(
     sigma, (values, rgb), points = last.density(), last.values(), last.points.positions
     some = {v: alone(last, work.scene, v).cpu() for v in witnesses_of(len(work.scene), view)}
     all_of_them = points, values, sigma, rgb, work.told.confidence
-    fine = Fine(*(x.cpu() for x in all_of_them), some, last.spacing, last.fine.beta)
+    fine = Fine(
+        *(x.cpu() for x in all_of_them),
+        some,
+        last.spacing,
+        last.finely(last.ways.softness.shown).beta,
+    )
     rendered = pictures(last, posed, posed.cameras[view : view + 1], behind)
     cloud = out.points, out.colours, out.confidence, out.view
     return Making(part_id, posed, settings, view, coarse, kept, drawn, fine, rendered, *cloud)
@@ -148,4 +153,5 @@ def alone(training: Training, scene: Scene, view: int) -> Float32[Tensor, "m"]:
     longest, readings = training.ways.surface_px, training.ways.readings
     shown = footprint(points[training.density() > 0], reach, one.eyes, longest)
     pixels = Pixels(one, longest, shown)
-    return testimony(one, pixels, training.fine, values, rgb, readings).confidence
+    renderer = training.finely(training.ways.softness.shown)
+    return testimony(one, pixels, renderer, values, rgb, readings).confidence
