@@ -33,8 +33,8 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "point,n,method,split,emd\n0,1,hull,dev,0.03\n0,1,box,dev,0.1\n1,4,hull,dev,0.02\n"
         "1,4,box,dev,0.1\n"
     )
-    (sweep / "trend.csv").write_text("series\n")
-    (sweep / "steps.csv").write_text("series\n")
+    (sweep / "trend.csv").write_text("series,quantity,exponent,standard error,points\n")
+    (sweep / "steps.csv").write_text("series\nhull\n")
     made = {"schema": 1, "date": "2026-01-02", "commit": "0123456 with changes"}
     (sweep / "made.json").write_text(json.dumps(made))
     Image.new("RGB", (640, 800), (255, 0, 0)).save(sweep / "sweep.png")
@@ -47,12 +47,13 @@ def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path
     text = (project / "docs/sweeps.md").read_text()
     first, second = [line for line in text.splitlines() if line.startswith("| `sweep")]
     assert first == (
-        "| `sweep-a` | What of sweep-a? |  | about 3 minutes on 2 cores, estimated | not yet run |"
+        "| `sweep-a` | What of sweep-a? |  | about 3 minutes on 2 cores, estimated "
+        "| not yet run |  |"
     )
     assert second == (
         "| `sweep-b` | What of sweep-b? | 2 | 2.5 minutes of one core, measured "
         "| EMD at `n` 1 and 4: `hull` 0.0300 to 0.0200, `box` 0.1000 to 0.1000 "
-        "([table](sweeps/sweep-b/sweep.csv), [steps](sweeps/sweep-b/steps.csv)) |"
+        "([table](sweeps/sweep-b/sweep.csv), [steps](sweeps/sweep-b/steps.csv)) |  |"
     )
     assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
     assert "a quiet machine" in text
@@ -101,6 +102,19 @@ def test_ends_are_in_mm_too_where_the_sweep_knows_them(project: Path):
     main("runs/sweeps/now")
     text = (project / "docs/sweeps.md").read_text()
     assert "`hull` 0.0179 (2.47 mm) to 0.0228 (12.1 mm)" in text
+
+
+def test_exponents_stand_in_the_table_and_their_file_is_linked(project: Path):
+    (project / "runs/sweeps/now/trend.csv").write_text(
+        "series,quantity,exponent,standard error,points\nhull,seconds,0.858,0.181,4\n"
+        "hull,peak_mb,-0.003,0.039,4\nbox,peak_mb,1.000,0.000,4\n"
+    )
+    main("runs/sweeps/now")
+    text = (project / "docs/sweeps.md").read_text()
+    assert (
+        "[trend](sweeps/sweep-b/trend.csv)) "
+        "| `hull` seconds 0.86 ± 0.18, MB 0.00 ± 0.04; `box` MB 1.00 ± 0.00 |\n"
+    ) in text
 
 
 def test_a_sweep_of_no_preset_is_refused(project: Path):

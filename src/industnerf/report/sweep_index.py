@@ -9,8 +9,9 @@ from industnerf.report.formats import brief, csv_rows
 from industnerf.report.sweep_lines import line_of
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
-HEAD = ("sweep", "question", "points", "time", "result")
-TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"))
+HEAD = ("sweep", "question", "points", "time", "result", "cost exponents")
+TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"), ("trend", "trend.csv"))
+QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
 @dataclass(frozen=True)
@@ -51,18 +52,16 @@ def _lines(root: Path, found: list[Preset]) -> str:
 def _row(root: Path, preset: Preset) -> list[str]:
     name = f"`{preset.name}`"
     if not _published(root, preset):
-        return [name, preset.question, "", f"{preset.time.lower()}, estimated", "not yet run"]
+        return [name, preset.question, "", f"{preset.time.lower()}, estimated", "not yet run", ""]
     folder = root / PUBLISHED / preset.name
     lines = csv_rows(folder / "sweep.csv")
     points = len({line["point"] for line in lines})
     tables = [
-        f"[{text}](sweeps/{preset.name}/{file})"
-        for text, file in TABLES
-        if (folder / file).exists()
+        f"[{text}](sweeps/{preset.name}/{file})" for text, file in TABLES if _rows(folder / file)
     ]
     result = f"{_ends(lines)} ({', '.join(tables)})"
     time = f"{_about(root, preset)['core_minutes']} minutes of one core, measured"
-    return [name, preset.question, str(points), time, result]
+    return [name, preset.question, str(points), time, result, _growth(folder)]
 
 
 def _ends(lines: list[dict[str, str]]) -> str:
@@ -80,6 +79,21 @@ def _emd(line: dict[str, str]) -> str:
     """Such as `0.0179 (2.47 mm)`; sweeps of before have no mm."""
     mm = f" ({brief(float(line['emd_mm']))} mm)" if line.get("emd_mm") else ""
     return f"{float(line['emd']):.4f}{mm}"
+
+
+def _growth(folder: Path) -> str:
+    """Such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04: exponents with their standard errors."""
+    found: dict[str, list[str]] = {}
+    for row in _rows(folder / "trend.csv"):
+        exponent, error = (float(row[name]) for name in ("exponent", "standard error"))
+        text = f"{QUANTITIES[row['quantity']]} {exponent:z.2f} ± {error:.2f}"
+        found.setdefault(row["series"], []).append(text)
+    return "; ".join(f"`{label}` {', '.join(texts)}" for label, texts in found.items())
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    """Nothing where there is no such table; sweeps of before had fewer."""
+    return csv_rows(path) if path.exists() else []
 
 
 def _plate(root: Path, preset: Preset) -> str:
