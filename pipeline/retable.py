@@ -4,8 +4,9 @@ python -m pipeline.retable results/study
 python -m pipeline.retable results/organic
 
 No score is measured anew, and none changes; `made.json` says when and at which commit the tables
-were made.  Goals and pictures, which need more than the scores, stay as they are; `python -m
-pipeline.publish readme` then brings the documents up to date.
+were made.  Pictures, which need more than the scores, stay as they are, and so does the goal about
+what the reference rig sees; `python -m pipeline.publish readme` then brings the documents up to
+date.
 """
 
 import json
@@ -16,7 +17,7 @@ from industnerf.cli import run_command
 from industnerf.config import read_yaml
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
-from industnerf.report.build import score_tables
+from industnerf.report.build import table_texts
 from industnerf.report.provenance import origin
 from industnerf.report.publish import about
 from industnerf.report.reread import reread_study
@@ -39,7 +40,7 @@ def _now() -> dict[str, str]:
 def tables(published: Path) -> dict[str, str]:
     """What the tables in the folder `published` should say, by the name of the file."""
     place = Path(read_yaml(published / "params.yaml")["parts"]["path"])
-    return score_tables(reread_study(published, map(as_part, catalogue(place))))
+    return table_texts(reread_study(published, map(as_part, catalogue(place))))
 
 
 if __name__ == "__main__":

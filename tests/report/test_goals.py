@@ -2,12 +2,13 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import pytest
 
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.costs import CostRow
-from industnerf.report.goals import Goal, goals, goals_csv, goals_md
+from industnerf.report.goals import ABOVE, Beside, Goal, goals, goals_csv, goals_md, with_the_rigs
 from industnerf.store import Cost
 from tests.samples import unit_part
 from tests.studies import study_of
@@ -15,7 +16,7 @@ from tests.studies import study_of
 PARTS = [
     unit_part("a", "f"),
     unit_part("b", "g", strata=("pockets",)),
-    unit_part("c", "h"),
+    unit_part("c", "h", extents_mm=(2.0, 2.0, 2.0)),
     unit_part("d", "i"),
 ]
 EMDS = {  # floor 0.01
@@ -33,9 +34,11 @@ def found():
     for part, share in zip("abcd", (0.97, 0.99, 0.98, 0.0), strict=True):
         score = Score("coverage", "P1-union", share, 1.0, "share", "ok")
         study.scores.append(PartScore(part, "industnerf", score))
+        score = Score("depth_mse", "P1-union", 0.002, 0.0, "diagonal^2", "ok")
+        study.scores.append(PartScore(part, "industnerf", score))
     costs = [
         CostRow("reconstruct", "industnerf_plus", part, Cost(seconds, 70 * seconds, "cpu"))
-        for part, seconds in (("a", 20.0), ("b", 30.0), ("d", 99.0))
+        for part, seconds in (("a", 14.0), ("b", 30.0), ("c", 31.0), ("d", 99.0))
     ]
     return {(goal.method, goal.what): goal for goal in goals(study, costs)}
 
@@ -70,11 +73,13 @@ def test_what_is_to_be_at_least_so_much_is_met_from_above(found):
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(found):
-    assert found["industnerf_plus", "seconds a part, one core"].value == 25
+    seconds = found["industnerf_plus", "mean seconds a part, one core"]
+    assert (seconds.value, seconds.met) == (25, True)
+    assert seconds.beside == Beside(1 / 3, ABOVE)  # 30 is not above 30
     assert found["industnerf_plus", "peak memory of any part, GB"].value == pytest.approx(
-        2.2020096
-    )  # 2100 MiB
-    assert ("industnerf", "seconds a part, one core") not in found
+        2.27540992
+    )  # 2170 MiB
+    assert ("industnerf", "mean seconds a part, one core") not in found
 
 
 def test_the_files_hold_them(found):
@@ -85,11 +90,15 @@ def test_the_files_hold_them(found):
         "wanted": "at most 0.02",
         "value": "0.0266667",
         "met": "no",
+        "beside": "0.069282",
+        "unit": "mm",
         "tsdf": "",
         "oracle": "0.01",
     }
     told = goals_md(list(found.values()))
-    assert "| industnerf | EMD (even) | at most 0.02 | 0.0267 | **no** |  | 0.01 |" in told
+    assert "| EMD (even) | at most 0.02 | 0.0267 | **no** | 0.0693 mm |  | 0.01 |" in told
+    assert " | 25 | yes | 33 % of parts above 30 |  |  |" in told
+    assert " | at most 0.0005 | 0.002 | **no** | 0.0120 mm² |  |  |" in told
 
 
 def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(found):
@@ -103,6 +112,29 @@ def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(found)
     deep = reached["EMD of the hull over its own, parts with pockets"]
     assert deep == {"oracle": pytest.approx(8)}  # b alone
     assert reached["share of the foreground that has a depth"] == {}
+
+
+def test_a_mean_length_stands_in_mm_too_part_by_part(found):
+    """c is twice as large: the mean in mm is not that in diagonals times any length."""
+    emd, share = found["industnerf", "EMD (even)"], "share of the foreground that has a depth"
+    assert emd.beside.value == pytest.approx(3**0.5 * (0.01 + 0.03 + 2 * 0.04) / 3)
+    depth = found["industnerf", "depth MSE of held-out views, diagonal 1"]
+    assert depth.beside.value == pytest.approx(0.002 * 3 * (1 + 1 + 4) / 3)
+    assert (emd.beside.unit, depth.beside.unit) == ("mm", "mm^2")
+    assert found["industnerf", share].beside is None
+
+
+def test_what_no_score_tells_is_taken_of_the_published_rows_and_nothing_else(found):
+    """As where a table is made anew: of the rows the other numbers are not believed."""
+    whole = list(found.values())
+    scored = [goal for goal in whole if "rig" not in goal.what]
+    rows = list(csv.DictReader(io.StringIO(goals_csv(whole))))
+    for row in rows:
+        row["value"] = "1.5" if "rig" in row["goal"] else "7"
+    at = next(i for i, goal in enumerate(whole) if "rig" in goal.what)
+    again = with_the_rigs(scored, rows)
+    assert again[at] == replace(whole[at], value=1.5, reached={"oracle": 0.8})
+    assert again[:at] + again[at + 1 :] == scored
 
 
 def test_a_study_of_other_methods_has_none():

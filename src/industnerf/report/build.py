@@ -64,13 +64,12 @@ def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) ->
 
 def write_tables(results: Results, out: Path) -> None:
     """Every table, as CSV and as Markdown."""
-    goals = {"goals.csv": goals_csv(results.reached), "goals.md": goals_md(results.reached)}
-    for name, text in (score_tables(results) | goals).items():
+    for name, text in table_texts(results).items():
         write_text(out / name, text)
 
 
-def score_tables(results: Results) -> dict[str, str]:
-    """The text of every table that is made of scores and costs alone, by the name of its file."""
+def table_texts(results: Results) -> dict[str, str]:
+    """The text of every table, by the name of its file."""
     interval = results.interval
     return {
         "table1.csv": table1_csv(results.rows),
@@ -83,6 +82,8 @@ def score_tables(results: Results) -> dict[str, str]:
         "comparisons.md": comparisons_md(results.compared, interval),
         "strata.csv": strata_csv(results.kinds),
         "strata.md": strata_md(results.kinds),
+        "goals.csv": goals_csv(results.reached),
+        "goals.md": goals_md(results.reached),
         "cost.md": spending_md(results.spent),
         "scores.csv": scores_csv(results.study),
     }

@@ -24,12 +24,22 @@ class InMm:
 
 def mean_in_mm(study: Study, settings: ReportParams, scores: Sequence[PartScore]) -> InMm | None:
     """The mean of `scores`, all of one metric; None if it is no length."""
-    unit = scores[0].score.unit
-    if unit not in POWERS:
+    unit = unit_in_mm(scores)
+    if unit is None:
         return None
-    parts = [study.parts[row.part_id] for row in scores]
-    lengths = [part.diagonal_mm ** POWERS[unit] for part in parts]
-    values = [row.score.value * length for row, length in zip(scores, lengths, strict=True)]
-    families = [part.family for part in parts]
+    values = in_mm(study, scores)
+    families = [study.parts[row.part_id].family for row in scores]
     ends = bootstrap_interval(values, families, settings, study.seed)
-    return InMm(unit.replace("diagonal", "mm"), fmean(values), *ends)
+    return InMm(unit, fmean(values), *ends)
+
+
+def unit_in_mm(scores: Sequence[PartScore]) -> str | None:
+    """mm, or mm^2: of `scores`, all of one metric; None if it is no length."""
+    unit = scores[0].score.unit
+    return unit.replace("diagonal", "mm") if unit in POWERS else None
+
+
+def in_mm(study: Study, scores: Sequence[PartScore]) -> list[float]:
+    """The values of `scores`, lengths all of one metric, in mm or mm^2."""
+    power = POWERS[scores[0].score.unit]
+    return [row.score.value * study.parts[row.part_id].diagonal_mm ** power for row in scores]

@@ -1,9 +1,11 @@
 """A published study read back: a table that got a column is made anew of its scores, not run anew.
 
-What is not published stays empty: failures with their reasons, remarks, what cameras saw.
+What is not published stays empty: failures with their reasons, remarks, what cameras saw.  The goal
+about what the reference rig saw is the published one.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +20,7 @@ from industnerf.report.costs import CostRow
 from industnerf.report.formats import csv_rows
 from industnerf.report.gather import Folders, Lesson, Study
 from industnerf.report.given import Views, views_of
+from industnerf.report.goals import with_the_rigs
 from industnerf.report.results import Results
 from industnerf.report.spread_shown import with_spread
 from industnerf.report.table1 import STILL
@@ -32,7 +35,9 @@ def reread_study(folder: Path, parts: Iterable[Part]) -> Results:
     params = read_yaml(folder / "params.yaml")  # which may be of an older schema
     settings = build(ReportParams, params["report"], str(folder / "params.yaml"))
     study = with_spread(_study(folder, params, parts), folder.parent / "seeds")
-    return Results.of(study, settings, _costs(folder))
+    results = Results.of(study, settings, _costs(folder))
+    reached = with_the_rigs(results.reached, csv_rows(folder / "goals.csv"))
+    return replace(results, reached=reached)
 
 
 def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> Study:
