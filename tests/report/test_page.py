@@ -15,6 +15,8 @@ from industnerf.report.scenes import scene
 from industnerf.report.snapshots import Snapshots
 from tests.report import gallery
 from tests.report.conftest import SETTINGS
+from tests.samples import unit_part
+from tests.studies import study_of
 
 
 def bare(study) -> str:
@@ -105,6 +107,16 @@ def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
         assert f"<button>{text}</button>" in section
     assert "<tr class=failed><td class=text>box<td>0.2000 (failed)<td>6.93" in section
     assert "no silhouette &lt;seen&gt;" in section
+
+
+def test_the_headline_and_the_table_of_parts_have_mm_too(report_page):
+    """The mean of the mm of parts: the second, twice as large, weighs twice."""
+    parts = [unit_part("a", "f"), unit_part("b", "g", extents_mm=(2.0, 2.0, 2.0))]
+    shown = bare(study_of(parts, {"industnerf": [0.02, 0.06], "hull": [0.02, float("inf")]}))
+    assert "<b>industnerf</b> is at 0.0400 (4.00 floors, 0.121 mm)" in shown
+    assert "<td>0.0600 <small>0.208 mm</small>" in shown
+    table_of_parts = report_page.split("id='part-by-part'")[1].split("</table>")[0]
+    assert "<td>0.2000 <small>6.93 mm</small><em> (failed)</em>" in table_of_parts
 
 
 def test_a_part_leads_to_its_neighbours_and_shows_its_picture(report_page):

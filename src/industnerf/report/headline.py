@@ -126,7 +126,7 @@ def _part_line(study: Study, scores: Scores, part: Part) -> Line:
         percent(part.visible_share),
         percent(seen),
         short(floor),
-        *map(value_text, found),
+        *(value_text(score, part) for score in found),
     ]
     return Line(texts)
 
@@ -136,8 +136,9 @@ def percent(share: float | None) -> str:
     return "" if share is None else f"{100 * share:.0f} %"
 
 
-def value_text(score: Score | None) -> str:
-    """A normalised value, and whether it is a failure's."""
+def value_text(score: Score | None, part: Part) -> str:
+    """A normalised value, the same in mm, and whether it is a failure's."""
     if score is None:
         return ""
-    return short(score.value) + ("" if score.status == "ok" else warning(" (failed)"))
+    text = f"{short(score.value)} <small>{brief(score.value * part.diagonal_mm)} mm</small>"
+    return text + ("" if score.status == "ok" else warning(" (failed)"))

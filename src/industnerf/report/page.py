@@ -9,6 +9,7 @@ from industnerf.report import table2, texts
 from industnerf.report.comparisons import OURS
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.figures import calibration, distribution, failures, remarks, renderings
+from industnerf.report.formats import brief
 from industnerf.report.gather import Study
 from industnerf.report.headline import by_part, table1, table2_html
 from industnerf.report.lookup import Scores
@@ -111,13 +112,14 @@ def _headline(results: Results) -> str:
     """The one sentence of a study that has the paper's method, or nothing."""
     rows = {row.method: row for row in results.rows if row.split == "test"}
     said = [
-        f"<b>{method}</b> is at {row.emd_even:.4f} ({row.ratio_to_floor:.2f} floors)"
+        f"<b>{method}</b> is at {row.emd_even:.4f} "
+        f"({row.ratio_to_floor:.2f} floors, {brief(row.emd_mm)} mm)"
         for method in (*OURS[::-1], "hull")
         if (row := rows.get(method))
     ]
     if not any(method in rows for method in OURS):
         return ""
-    return f"<p>Mean EMD in bounding-box diagonals: {', '.join(said)}.</p>"
+    return f"<p>Mean EMD in bounding-box diagonals, and in mm: {', '.join(said)}.</p>"
 
 
 def _table2(lines: Sequence[table2.Line], interval: float) -> str:

@@ -24,9 +24,9 @@ TABLE2 = (
     "its errors average over."
 )
 BY_PART = (
-    "EMD (even) of every method. <i>visible</i> is the share of the surface that can be seen from "
-    "anywhere around the part, <i>seen</i> the share that its training views show; the strata are "
-    "formulas on the mesh (docs/dataset.md). A part's name leads to all its scores."
+    "EMD (even) of every method, and in mm. <i>visible</i> is the share of the surface that can be "
+    "seen from anywhere around the part, <i>seen</i> the share that its training views show; the "
+    "strata are formulas on the mesh (docs/dataset.md). A part's name leads to all its scores."
 )
 PARETO = (
     "EMD (even) against seconds a part. No method is at once quicker and better than one on the "
