@@ -109,6 +109,12 @@ def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
     assert "no silhouette &lt;seen&gt;" in section
 
 
+def test_sheet_and_viewer_say_which_of_several_answers_they_show(report_page):
+    for name in ("Contact sheet", "Truth and reconstruction"):
+        section = report_page.split(f">{name}</h2>")[1].split("<h2")[0]
+        assert re.search("[Oo]f several answers of a net (it is )?the first", section)
+
+
 def test_the_headline_and_the_table_of_parts_have_mm_too(report_page):
     """The mean of the mm of parts: the second, twice as large, weighs twice."""
     parts = [unit_part("a", "f"), unit_part("b", "g", extents_mm=(2.0, 2.0, 2.0))]

@@ -166,6 +166,7 @@ def test_it_says_how_many_views_were_given_and_of_which_answers_a_number_is(stud
     assert " | 12 | test | " in text
     (said,) = [line for line in text.splitlines() if "of the first answer alone" in line]
     assert said.startswith("occupancy is given one view at a time and asked 8 times: ")
+    assert "all pictures and the viewer" in said
 
 
 def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):

@@ -85,7 +85,8 @@ def notes(rows: Sequence[Row]) -> list[str]:
     several = [row for row in rows if row.answers > 1 and row.split == rows[0].split]
     found = [
         f"{row.method} is given one view at a time and asked {row.answers} times: EMD (even) is "
-        "the mean over its answers, EMD (iid) and EMD (full) are of the first answer alone."
+        "the mean over its answers; EMD (iid), EMD (full), all pictures and the viewer are of the "
+        "first answer alone."
         for row in several
     ]
     if _seeds(rows):

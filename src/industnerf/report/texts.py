@@ -46,6 +46,6 @@ RENDERINGS = (
     "Photographs that no method was shown, and beside each what the method renders from there."
 )
 SHEET = (
-    "A row a part and a column a method, coloured by the distance to the true surface; "
-    "contact_sheet.png beside this page is larger."
+    "A row a part and a column a method, coloured by the distance to the true surface; of several "
+    "answers of a net it is the first. contact_sheet.png beside this page is larger."
 )
