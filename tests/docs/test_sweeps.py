@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.report.sweep_index import index, presets
+from industnerf.report.sweep_index import ELSEWHERE, index, presets, sweeping
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
@@ -23,6 +23,17 @@ def test_every_sweep_answers_a_limitation_and_states_its_time(preset):
     assert f"`{preset.name}`" in before or preset.name in before
     assert re.fullmatch(r"About \d+ minutes on 2 cores", preset.time)
     assert preset.question
+
+
+def test_every_preset_that_sweeps_has_its_line_and_where_its_result_stands():
+    _, after = TEXT.split("## What was run")
+    lines = re.findall(r"^    python -m pipeline\.sweep --multirun .*", after, re.MULTILINE)
+    named = [re.findall(r"(?:preset|experiment)=([\w-]+)", line)[-1] for line in lines]
+    assert sorted(named) == sorted(sweeping(ROOT))
+    assert set(ELSEWHERE) == sweeping(ROOT) - {preset.name for preset in presets(ROOT)}
+    for link in ELSEWHERE.values():
+        (target,) = re.findall(r"\]\((.*)\)", link)
+        assert (ROOT / "docs" / target).exists()
 
 
 def test_every_preset_that_is_named_is_there():

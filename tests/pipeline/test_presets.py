@@ -8,6 +8,7 @@ from typing import get_args, get_type_hints
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
@@ -26,6 +27,7 @@ from tests.samples import unit_part
 
 CONF = Path(__file__).parents[2] / "conf"
 SWEEPS = ["leakage", *(path.stem for path in sorted(CONF.glob("experiment/sweep-*.yaml")))]
+IN_FULL = [*SWEEPS, "ablation", "seeds", "seeds_nets"]  # readings: not on a line
 NETS = ("r2n2", "atlasnet", "occupancy")
 
 
@@ -42,10 +44,15 @@ def points_of(preset: str, monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
     with initialize_config_dir(str(CONF), version_base="1.3"):
         hydra = compose("config", [f"experiment={preset}"], return_hydra_config=True).hydra
     assert hydra.mode.name == "MULTIRUN"
-    swept = [f"{key}={values}" for key, values in hydra.sweeper.params.items()]
-    (points,) = BasicSweeper.split_arguments(
-        OverridesParser.create().parse_overrides(swept), max_batch_size=None
-    )
+    return split([f"{key}={values}" for key, values in hydra.sweeper.params.items()])
+
+
+def split(words: list[str]) -> list[list[str]]:
+    """The overrides of every point of a sweep."""
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        parser = OverridesParser.create(GlobalHydra.instance().config_loader())
+        overrides = parser.parse_overrides(words)
+        (points,) = BasicSweeper.split_arguments(overrides, max_batch_size=None)
     return points
 
 
@@ -109,14 +116,10 @@ def test_every_point_of_a_sweep_is_valid_and_differs_in_what_is_swept(preset, mo
 
 def points_of_line(line: str) -> list[list[str]]:
     """The overrides of every point of a --multirun line."""
-    words = shlex.split(line.removeprefix(COMMAND))
-    (points,) = BasicSweeper.split_arguments(
-        OverridesParser.create().parse_overrides(words), max_batch_size=None
-    )
-    return points
+    return split(shlex.split(line.removeprefix(COMMAND)))
 
 
-@pytest.mark.parametrize("preset", SWEEPS)
+@pytest.mark.parametrize("preset", IN_FULL)
 def test_the_line_of_a_preset_asks_the_same_at_every_point(preset, monkeypatch):
     """What both change from point to point is the same, and so is the first point as a whole."""
     points = points_of(preset, monkeypatch)
@@ -125,6 +128,17 @@ def test_the_line_of_a_preset_asks_the_same_at_every_point(preset, monkeypatch):
     with initialize_config_dir(str(CONF), version_base="1.3"):
         first = build(Params, OmegaConf.to_container(compose("config", lines[0])))
     assert first == composed(preset, monkeypatch, *points[0])
+
+
+def test_a_sweep_of_files_that_set_what_its_preset_does_is_named():
+    """On a line `methods` would win over that of reading `encoder-shared`, which is of another."""
+    assert line_of(CONF / "experiment/readings.yaml") == f"{COMMAND} experiment=readings"
+
+
+@pytest.mark.parametrize("preset", ["seeds", "seeds_nets"])
+def test_a_line_says_where_its_sweep_goes_if_the_preset_does(preset):
+    words = shlex.split(line_of(CONF / f"experiment/{preset}.yaml"))
+    assert f"hydra.sweep.dir=runs/sweeps/{preset}" in words
 
 
 @pytest.mark.parametrize("preset", [name for name in SWEEPS if name != "leakage"])

@@ -117,6 +117,24 @@ def test_exponents_stand_in_the_table_and_their_file_is_linked(project: Path):
     ) in text
 
 
+def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
+    """Of the seeds of nets nothing was brought in."""
+    for name in ("ablation", "seeds", "seeds_nets"):
+        text = f"preset: {name}\nhydra: {{mode: MULTIRUN, sweeper: {{params: {{n: '1,4'}}}}}}\n"
+        (project / f"conf/experiment/{name}.yaml").write_text(text)
+    (project / "docs/ablation.csv").touch()
+    (project / "results/seeds").mkdir(parents=True)
+    (project / "results/seeds/made.json").write_text('{"sweeps": {"seeds": {}}}')
+    main()
+    assert (
+        "\nOther sweeps, and where their results stand: `ablation` in [method.md](method.md), "
+        "`seeds` in [results/seeds](../results/seeds/seeds.md), `seeds_nets` not yet run.\n\n"
+        "    python -m pipeline.sweep --multirun preset=ablation n=1,4\n"
+        "    python -m pipeline.sweep --multirun preset=seeds n=1,4\n"
+        "    python -m pipeline.sweep --multirun preset=seeds_nets n=1,4\n"
+    ) in (project / "docs/sweeps.md").read_text()
+
+
 def test_a_sweep_of_no_preset_is_refused(project: Path):
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: study\n")
     with pytest.raises(BadArtifact, match="preset 'study'"):

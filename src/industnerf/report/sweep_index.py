@@ -1,16 +1,27 @@
-"""The table of docs/sweeps.md: every sweep preset, what it asks, and what came out."""
+"""The table of docs/sweeps.md: every sweep preset, what it asks, and what came out.
+
+Below it are the presets whose results have documents of their own.
+"""
 
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from industnerf.config import read_yaml
 from industnerf.report.formats import brief, csv_rows
 from industnerf.report.sweep_lines import line_of
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
 HEAD = ("sweep", "question", "points", "time", "result", "cost exponents")
 TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"), ("trend", "trend.csv"))
+SEEDS = Path("results/seeds")
+ELSEWHERE = {
+    "ablation": "[method.md](method.md)",
+    "readings": "[readings.md](readings.md)",
+    "seeds": f"[{SEEDS}](../{SEEDS}/seeds.md)",
+    "seeds_nets": f"[{SEEDS}](../{SEEDS}/seeds.md)",
+}
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
@@ -41,12 +52,40 @@ def index(root: Path) -> str:
     rows = [list(HEAD), ["---"] * len(HEAD)] + [_row(root, preset) for preset in found]
     table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
     plates = [_plate(root, preset) for preset in found if _published(root, preset)]
-    return table + _lines(root, found) + "".join(plates)
+    lines = _lines(root, [preset.name for preset in found])
+    return f"{table}\nThe same in full, a line each:\n\n{lines}{_others(root)}{''.join(plates)}"
 
 
-def _lines(root: Path, found: list[Preset]) -> str:
-    lines = [line_of(root / PRESETS / f"{preset.name}.yaml") for preset in found]
-    return "\nThe same in full, a line each:\n\n" + "".join(f"    {line}\n" for line in lines)
+def _lines(root: Path, names: list[str]) -> str:
+    lines = [line_of(root / PRESETS / f"{name}.yaml") for name in names]
+    return "".join(f"    {line}\n" for line in lines)
+
+
+def _others(root: Path) -> str:
+    """The presets that sweep and have no row: where their results stand, and their lines."""
+    names = sweeping(root) - {preset.name for preset in presets(root)}
+    if not names:
+        return ""
+    where = ", ".join(f"`{name}` {_where(root, name)}" for name in sorted(names))
+    lines = _lines(root, sorted(names))
+    return f"\nOther sweeps, and where their results stand: {where}.\n\n{lines}"
+
+
+def sweeping(root: Path) -> set[str]:
+    """All presets that Hydra is to run at several points."""
+    modes = {
+        path.stem: read_yaml(path).get("hydra", {}).get("mode")
+        for path in (root / PRESETS).glob("*.yaml")
+    }
+    return {name for name, mode in modes.items() if mode == "MULTIRUN"}
+
+
+def _where(root: Path, name: str) -> str:
+    """`pipeline.effects` leaves a table of the points, `pipeline.spread` says what it read."""
+    made = root / SEEDS / "made.json"
+    seeds = json.loads(made.read_text())["sweeps"] if made.exists() else ()
+    known = name in seeds or (root / f"docs/{name}.csv").exists()
+    return f"in {ELSEWHERE[name]}" if known else "not yet run"
 
 
 def _row(root: Path, preset: Preset) -> list[str]:
