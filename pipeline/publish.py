@@ -2,7 +2,7 @@
 
 results/study    tables, scores, costs, small pictures, machine and commit
 README.md        what stands between its marks `study`
-docs/            the same of baselines.md and scaling.md
+docs/            the same of baselines.md, scaling.md and readings.md
 
 python -m pipeline.publish readme    the documents alone: after params.yaml has changed, they say so
 python -m pipeline.publish organic   the same of a finished preset: runs/organic to results/organic
@@ -23,11 +23,13 @@ from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
 from industnerf.report.leakage import leakage_block, measured
+from industnerf.report.measuring import measuring_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
 
 OUT, README = Path("results/study"), Path("README.md")
+GRID = Path("results/grid")  # which docs/readings.md shows beside the study
 LEAKAGE = Path("docs/sweeps/leakage")  # a sweep that docs/baselines.md shows too
 
 
@@ -50,10 +52,12 @@ def main(what: str = "study") -> None:
 def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
     """What documents show of the published study, by document and the name of its marks."""
     leakage = {"leakage": leakage_block(LEAKAGE, study)} if LEAKAGE.exists() else {}
+    measuring = {"measuring": measuring_block(study, GRID)} if GRID.exists() else {}
     return {
         README: {"study": study_block(study, params)},
         Path("docs/baselines.md"): {"nets": nets_block(study), **leakage},
         Path("docs/scaling.md"): {"costs": costs_block(study), "cluster": cluster_block(study)},
+        Path("docs/readings.md"): measuring,
     }
 
 

@@ -10,6 +10,8 @@ from typing import get_args, get_type_hints
 import pytest
 
 from industnerf.config import load_params
+from industnerf.report.blocks import block
+from industnerf.report.measuring import CHOICES, measuring_block
 from industnerf.schema import readings
 from industnerf.schema.readings import Readings
 
@@ -68,7 +70,19 @@ def test_sections_without_a_key_are_those_that_the_metrics_answer():
 
 
 def test_every_reading_has_a_row_for_its_effect():
-    rows = found(r"^\| (R\d+) \| `(\w+)` \|", TEXT)
+    rows = found(r"^\| (R\d+) \| `(\w+)` \|", block(TEXT, "readings"))
     wanted = {(NUMBER[field], value) for field, values in LITERALS.items() for value in values}
     assert len(rows) == len(set(rows))
     assert set(rows) == wanted
+
+
+def test_what_the_metrics_answer_has_rows_for_its_effect_too(monkeypatch):
+    """If not: python -m pipeline.publish readme"""
+    monkeypatch.chdir(ROOT)
+    shown = block(TEXT, "measuring")
+    assert shown == measuring_block(Path("results/study"), Path("results/grid"))
+    rows = found(r"^\| (R\d+) \| `([^`]+)` \|", shown)
+    assert {number for number, _ in rows} == {"R12", "R13"}
+    named = set(found(r"`(P1-\w+)`", SECTIONS["R12"]))
+    assert {reading for number, reading in rows if number == "R12"} == named
+    assert {reading for number, reading in rows if number == "R13"} == set(CHOICES)

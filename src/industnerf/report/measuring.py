@@ -1,0 +1,70 @@
+"""docs/readings.md: what R12 and R13, which are about measuring, make of the paper's method.
+
+The same pictures and clouds, measured otherwise: R12 by the scores of the published study, R13 by
+the grid of protocols, of which one choice at a time is another than in P1-even.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.artifacts.files import read_json
+from industnerf.report.formats import csv_rows, markdown, short
+from industnerf.report.grid import FLOOR, Line, read_grid
+from industnerf.report.provenance import made_where
+from industnerf.report.table2 import LOSSES
+
+OURS, HULL = "industnerf", "hull"
+SCOPES = ("P1-union", "P1-frame")
+CHOICES = {  # what is another than in P1-even: a cell of the grid
+    "P1-even": (4096, "even", "visible", "distance", "diagonal"),
+    "random points": (4096, "iid", "visible", "distance", "diagonal"),
+    "the whole surface": (4096, "even", "full", "distance", "diagonal"),
+    "longest edge 1": (4096, "even", "visible", "distance", "longest"),
+    "1024 points": (1024, "even", "visible", "distance", "diagonal"),
+    "2048 points": (2048, "even", "visible", "distance", "diagonal"),
+    "2048 points, squared": (2048, "even", "visible", "squared", "diagonal"),  # 4096: not solved
+    "8192 points": (8192, "even", "visible", "distance", "diagonal"),
+}
+
+
+def measuring_block(study: Path, grid: Path) -> str:
+    """Two tables, and of what each is; `grid` is the folder of the grid of protocols.
+
+    Raises BadArtifact if the grid is torn.
+    """
+    made = read_json(grid / "made.json", 1, "grid")
+    cells = {line.cell: line for line in read_grid(grid / "grid.csv")}
+    protocols = [_protocol(name, cells[cell]) for name, cell in CHOICES.items() if cell in cells]
+    heads = ["id", "reading", f"EMD, `{OURS}`", "floor", "x floor", f"EMD, `{HULL}`", "parts"]
+    return (
+        f"R12: {study}/scores.csv, test parts, {made_where(study)}.\n\n"
+        f"{markdown(['id', 'reading', 'loss', f'`{OURS}`', 'parts'], _scopes(study))}\n"
+        f"R13: {grid}/grid.csv, test parts, {made['date']}, commit {made['commit'][:7]}.\n\n"
+        f"{markdown(heads, protocols)}"
+    )
+
+
+def _scopes(study: Path) -> Iterator[list[str]]:
+    """A row for each loss that has a mean over both of SCOPES, and each of these."""
+    rows = [
+        row
+        for row in csv_rows(study / "scores.csv")
+        if (row["method"], row["split"]) == (OURS, "test")
+    ]
+    for loss in LOSSES:
+        values = {scope: _values(rows, loss.metric, scope) for scope in SCOPES}
+        for scope, found in values.items() if all(values.values()) else ():
+            mean = short(fmean(found), loss.digits)
+            yield ["R12", f"`{scope}`", loss.name, mean, str(len(found))]
+
+
+def _values(rows: list[dict[str, str]], metric: str, protocol: str) -> list[float]:
+    wanted = metric, protocol
+    return [float(row["value"]) for row in rows if (row["metric"], row["protocol"]) == wanted]
+
+
+def _protocol(name: str, line: Line) -> list[str]:
+    ours, floor, hull = (line.means[subject] for subject in (OURS, FLOOR, HULL))
+    emds = [f"{ours:.4f}", f"{floor:.4f}", short(ours / floor, 2), f"{hull:.4f}"]
+    return ["R13", f"`{name}`", *emds, str(line.parts)]
