@@ -1,8 +1,9 @@
 """The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from math import isclose
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import Testimony
+from industnerf.rendering.render import Renderer
 from industnerf.schema import IndustnerfSettings
 
 Background = Float[np.ndarray, "views 3"]
@@ -251,10 +253,23 @@ class Work:
 def pictures(
     training: Training, posed: Posed, cameras: Cameras, background: Background
 ) -> Renderings:
-    """The field of `training`, as soft as it is, from `cameras`; depth in the cameras' unit."""
+    """The field of `training` from `cameras`, before `background`, depth in the cameras' unit.
+
+    Colour and opacity as soft as it was learned.  Depth is that of its surface, as hard as this is
+    looked for, and of the soft one in pixels that pass the hard one by.
+    """
     where = training.points.positions.device
     behind = torch.tensor(background, dtype=torch.float32, device=where)
-    values, rgb = training.values()
     looking = eyes(cameras, posed.centre, posed.radius, where)
-    renderer = training.finely(training.softness())
-    return rerender(looking, behind, renderer, values, rgb, posed.radius)
+    values, rgb = training.values()
+
+    def seen_by(renderer: Renderer) -> Renderings:
+        return rerender(looking, behind, renderer, values, rgb, posed.radius)
+
+    soft = training.finely(training.softness())
+    seen, beta = seen_by(soft), soft.beta
+    hard = training.finely(training.ways.softness.shown)
+    if isclose(hard.beta, beta):
+        return seen
+    depth = seen_by(hard).depth_mm
+    return replace(seen, depth_mm=np.where(depth > 0, depth, seen.depth_mm))

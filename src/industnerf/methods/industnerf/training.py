@@ -122,8 +122,8 @@ class Training:
     def finely(self, softness: float) -> Renderer:
         """What looks at the field once it is learned, with a surface so soft, in first spacings.
 
-        As the last step had it for pictures, which is what was learned: seen aslant, a soft
-        surface is nearer than a hard one.  As `softness.shown` to find where the surface is.
+        As the last step had it for colours, which is what was learned: seen aslant, a soft surface
+        is nearer than a hard one.  As `softness.shown` to find where the surface is.
         """
         if self.ways.readings.activation == "distance":
             self._fine.beta = softness * self._unit
