@@ -98,9 +98,30 @@ def test_a_full_disk_is_wrong_and_a_larger_one_mends_it(study: Path, plain: Work
     assert "  store: 0.0 MB are free, about 17.1 MB are still needed; free some" in output
     assert output.endswith("1 thing is wrong\n")  # for beside the store there is room
     assert code == 1
-    code, output = on_a_full_disk(plain, "larger")
+    larger = plain.folder / ".store"
+    assert f"    mend: export INDUSTNERF_STORE={larger}\n" in output
+    code, output = on_a_full_disk(plain, str(larger))
     assert output.endswith("nothing is wrong\n")
     assert code == 0
+
+
+def test_on_one_full_disk_dvc_lets_go_of_what_nothing_else_holds(copy: WorkingCopy, root: Path):
+    """Of the output of today, which is linked, it does not; then there is no command left."""
+    values = yaml.safe_load((root / "params.yaml").read_text())
+    values["views"]["count"] = 10**9
+    values["parts"]["select"] = ["a"]
+    (copy.folder / "params.yaml").write_text(yaml.safe_dump(values))
+    assert [(each.mend, each.is_wrong) for each in copy.find("disk")] == [("", True)] * 2
+    forgotten = "head -c 3M /dev/zero > big && dvc add -q big && rm big big.dvc"
+    assert copy.run(forgotten)[0] == 0
+    found = copy.find("disk")
+    assert all("DVC's cache can give back 3.1 MB at most" in each.what for each in found)
+    assert {each.mend for each in found} == {"(cd . && dvc gc --workspace --force)"}
+    code, output = copy.run(found[0].mend)
+    assert code == 0, output
+    assert [each.mend for each in copy.find("disk")] == [""] * 2
+    assert copy.find("cache") == []
+    assert (copy.folder / "data/out/a").exists()
 
 
 def test_parameters_that_are_wrong_are_a_finding(study: Path, plain: WorkingCopy):

@@ -1,11 +1,13 @@
 """A GPU: told of, missed where it is asked for, and behind a driver that fails."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
 import torch
 
+from industnerf.doctor.gpu import NONE
 from tests.doctor.conftest import WorkingCopy, doctor
 
 SAYS = "NVIDIA-SMI has failed because it couldn't communicate with the NVIDIA driver."
@@ -41,9 +43,19 @@ def test_asked_for_in_vain_it_is_wrong_and_the_driver_is_quoted(plain: WorkingCo
     assert f"the driver fails: {SAYS}" in output
     assert "INDUSTNERF_DEVICE is 'cuda', but torch finds 0 such devices here" in output
     assert "1 thing is wrong\n" in output
-    code, output = doctor(plain.folder, *ask, INDUSTNERF_DEVICE="", **variables)
-    assert code == 0
-    assert "nothing is wrong\n" in output
+    assert f"    mend: {NONE}\n" in output
+
+
+@pytest.mark.parametrize("where", ["INDUSTNERF_DEVICE=cuda:98", ""])
+def test_what_it_says_mends_it_though_a_file_names_the_device(plain: WorkingCopy, where: str):
+    (plain.folder / ".industnerf.env").write_text("INDUSTNERF_DEVICE=cuda:99\n")
+    asked = f"export INDUSTNERF_STORE=store {where}; {sys.executable} -m industnerf.doctor gpu"
+    code, output = plain.run(asked)
+    assert code == 1
+    mend = output.split("    mend: ")[1].splitlines()[0]
+    code, output = plain.run(f"{mend}; {sys.executable} -m industnerf.doctor gpu")
+    assert code == 0, output
+    assert output.endswith("nothing is wrong\n")
 
 
 def test_without_a_driver_there_is_no_nvidia_smi(plain: WorkingCopy, monkeypatch):

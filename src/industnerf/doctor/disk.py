@@ -7,12 +7,15 @@ truth together less than 1 MB.  Hard links make cache, store and outputs one.
 
 import json
 import os
+import shlex
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 
 from industnerf.config import load_params
+from industnerf.doctor.cache import objects
 from industnerf.doctor.findings import Finding, megabytes
-from industnerf.doctor.places import Places
+from industnerf.doctor.places import Places, Project
 from industnerf.schema import Params
 
 PER_PIXEL, PER_CLOUD, PER_PART = 0.4, 2.5e6, 1.0e6  # bytes
@@ -21,8 +24,7 @@ PER_PIXEL, PER_CLOUD, PER_PART = 0.4, 2.5e6, 1.0e6  # bytes
 def find(places: Places) -> list[Finding]:
     """Free space, and whether it is too little.  Raises BadParams if params.yaml is not right."""
     need = max(0, estimate(places.root, load_params(places.root / "params.yaml")) - _held(places))
-    free = {path: shutil.disk_usage(_existing(path)).free for path in (places.store, places.root)}
-    return [_finding(path, room, need) for path, room in free.items()]
+    return [_finding(places, path, need) for path in (places.store, places.root)]
 
 
 def estimate(root: Path, params: Params) -> int:
@@ -59,8 +61,33 @@ def _existing(path: Path) -> Path:
     return next(each for each in (path, *path.parents) if each.exists())
 
 
-def _finding(path: Path, free: int, need: int) -> Finding:
-    what = f"{megabytes(free)} are free, about {megabytes(need)} are still needed"
-    if free >= need:
+def _free(path: Path) -> int:
+    return shutil.disk_usage(_existing(path)).free
+
+
+def _finding(places: Places, path: Path, need: int) -> Finding:
+    what = f"{megabytes(_free(path))} are free, about {megabytes(need)} are still needed"
+    if _free(path) >= need:
         return Finding(path, what)
-    return Finding(path, f"{what}; free some, or set INDUSTNERF_STORE to a larger disk", wrong=True)
+    what += "; free some, or set INDUSTNERF_STORE to a larger disk"
+    here = places.root / ".store"
+    if path == places.store and _free(here) >= need:
+        return Finding(path, what, f"export INDUSTNERF_STORE={shlex.quote(str(here))}")
+    if _existing(path).stat().st_dev != places.root.stat().st_dev:
+        return Finding(path, what, wrong=True)
+    alone = {project: size for project in places.projects() if (size := _alone(project))}
+    if alone:
+        what += f"; DVC's cache can give back {megabytes(sum(alone.values()))} at most"
+    return Finding(path, what, _collect(places, alone), wrong=True)
+
+
+def _alone(project: Project) -> int:
+    """The most bytes that go if DVC drops what it does not need: what is linked elsewhere stays."""
+    files = (path.stat() for path in objects(project) if path.suffix != ".dir")
+    return sum(facts.st_size for facts in files if facts.st_nlink == 1)
+
+
+def _collect(places: Places, projects: Iterable[Project]) -> str:
+    """Without what no output of today needs; it asks nothing, and spares the store."""
+    folders = (places.words(project.folder) for project in projects)
+    return " && ".join(f"(cd {folder} && dvc gc --workspace --force)" for folder in folders)

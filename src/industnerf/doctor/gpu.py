@@ -13,6 +13,8 @@ from industnerf.doctor.places import Places
 from industnerf.errors import BadParams
 from industnerf.runner.device import check_device
 
+# Empty is as good as not set, and wins over .industnerf.env too, which `unset` would not.
+NONE = "export INDUSTNERF_DEVICE="
 QUERY = ("nvidia-smi", "--query-gpu=name,driver_version,memory.total", "--format=csv,noheader")
 
 
@@ -20,7 +22,7 @@ def find(places: Places) -> list[Finding]:
     """What the driver, torch and warp each see, for information; a device asked for in vain."""
     device = Path("/dev/nvidia0")
     seen = [Finding(device, text) for text in (_driver(), _torch(), _warp())]
-    return [*seen, *(Finding(device, text, wrong=True) for text in _in_vain())]
+    return [*seen, *(Finding(device, text, NONE) for text in _in_vain())]
 
 
 def _in_vain() -> list[str]:
