@@ -46,6 +46,36 @@ def test_a_path_of_another_machine_means_the_file_beside(folder):
     assert named(folder / "x.obj", "-o 1 2 a b.mtl") == folder / "a b.mtl"
 
 
+def test_what_no_file_can_be_called_is_no_sidecar(folder):
+    """Two files that ended the whole stage: bytes that look like a name, and a long comment."""
+    assert of(folder, "box.glb", b"glTF\2\0\0\0 a \0 b wood.png") == []
+    comment = "# " + 200 * "\u5bf8" + ".png\nmtllib a b.mtl\n"
+    assert of(folder, "box.obj", comment.encode()) == ["a b.mtl"]
+    assert named(folder / "x.obj", "\0/wood.png") is None
+
+
+@pytest.mark.parametrize(
+    ("owner", "text", "name"),
+    [
+        ("box.gltf", '{"asset": 1, "uri": "m\\u00fcll.bin"}', "m\u00fcll.bin"),
+        ("box.gltf", '{"asset": 1, "uri": "maps\\/m\u00fcll.bin"}', "maps/m\u00fcll.bin"),
+        ("box.obj", "mtllib Bob's.mtl\n", "Bob's.mtl"),
+        ("box.obj", "mtllib  two\t words.mtl\n", "two words.mtl"),
+        ("box.obj", "mtllib a.mtl b.mtl\n", "b.mtl"),
+        ("box.dae", "<COLLADA><init_from>\n a&amp;b.png\n</init_from>", "a&b.png"),
+        ("wrong.stl", "mtllib mine.mtl\nv 0 0 0\n", "mine.mtl"),
+    ],
+)
+def test_a_name_is_found_however_its_format_writes_it(folder, owner, text, name):
+    (folder / name).write_bytes(b"")
+    assert of(folder, owner, text.encode()) == [name]
+
+
+def test_a_name_that_could_not_be_told_from_the_text_around_it_is_not_looked_for(folder):
+    (folder / 'a"b.png').write_bytes(b"")
+    assert named(folder / "x.dae", 'a"b.png') is None
+
+
 def test_formats_that_name_no_files_have_none(folder):
     assert of(folder, "box.stl", b"solid box.mtl") == []
     assert sidecars(folder / "gone.obj") == ()

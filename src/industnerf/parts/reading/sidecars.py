@@ -4,29 +4,32 @@ A sidecar is a file in the folder of the CAD file, or below, of one of the types
 text names.  Readers open no other, so a result depends on the file and on its sidecars alone.
 """
 
+import html
+import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote
 
-from industnerf.parts.reading.formats import text_of
+from industnerf.errors import BadPart
+from industnerf.parts.reading import formats
+from industnerf.parts.reading.formats import recognise, text_of
 
-OWNERS = (".obj", ".gltf", ".glb", ".dae", ".ply", ".mtl")  # that may name other files
+OWNERS = (formats.OBJ, formats.GLTF, formats.GLB, formats.DAE)  # whose readers open other files
 TYPES = ("mtl", "bin", "png", "jpg", "jpeg", "bmp", "tga", "gif", "tif", "tiff", "webp")
-NAMED = re.compile(rf"[^\r\n\t\"'<>|?*]{{1,250}}\.(?:{'|'.join(TYPES)})\b", re.I)
+ENDING = re.compile(rf"\.(?:{'|'.join(TYPES)})\b", re.I)
+BOUNDS = re.compile(r"[\r\n\"<>]")  # what stands around names; none that holds one is looked for
+LONGEST = 2000  # characters of a name with its folders, escaped
 
 
 def sidecars(path: Path) -> tuple[Path, ...]:
     """The files that `path` names and that are there, and those that its materials name."""
-    if path.suffix.lower() not in OWNERS or not path.is_file():
+    if not path.is_file() or not _is_owner(path):
         return ()
-    found: dict[Path, None] = {}
-    for text in set(NAMED.findall(text_of(path.read_bytes()))):
-        beside = named(path, text)
-        if beside is not None and beside != path:
-            found[beside] = None
-            if beside.suffix.lower() == ".mtl" and path.suffix.lower() != ".mtl":
-                found |= dict.fromkeys(sidecars(beside))
-    return tuple(sorted(found))
+    found = set(_named_in(path))
+    for library in [beside for beside in found if beside.suffix.lower() == ".mtl"]:
+        found.update(_named_in(library))
+    return tuple(sorted(found - {path}))
 
 
 def named(path: Path, text: str) -> Path | None:
@@ -34,18 +37,45 @@ def named(path: Path, text: str) -> Path | None:
 
     Names may hold blanks and stand behind options, so the longest tail that names a file counts.
     """
-    words = unquote(text.replace("\\", "/")).removeprefix("file:///").split(" ")
+    words = unquote(text.replace("\\", "/")).strip().removeprefix("file:///").split(" ")
     folder = path.parent.resolve()
     for i in range(len(words)):
         name = " ".join(words[i:]).strip()
         for place in (name, name.rpartition("/")[2]):
-            beside = folder / place
-            if not _is_sidecar(beside):
-                continue
-            if folder in beside.resolve().parents and beside.is_file():
-                return beside
+            if BOUNDS.search(place) is None and _is_sidecar(folder / place, folder):
+                return folder / place
     return None
 
 
-def _is_sidecar(path: Path) -> bool:
-    return path.suffix[1:].lower() in TYPES
+def _is_owner(path: Path) -> bool:
+    try:
+        return recognise(path)[0] in OWNERS
+    except BadPart:
+        return False
+
+
+def _named_in(path: Path) -> Iterator[Path]:
+    """The sidecars that the text at `path` may mean, whichever of the formats it is in."""
+    text = text_of(path.read_bytes())
+    ends = [match.end() for match in ENDING.finditer(text)]
+    for name in {BOUNDS.split(text[max(end - LONGEST, 0) : end])[-1] for end in ends}:
+        for meant in {name, " ".join(name.split()), html.unescape(name), _without_escapes(name)}:
+            beside = named(path, meant)
+            if beside is not None:
+                yield beside
+
+
+def _without_escapes(name: str) -> str:
+    """What JSON means by `name`."""
+    try:
+        return json.loads(f'"{name}"')
+    except ValueError:
+        return name
+
+
+def _is_sidecar(path: Path, folder: Path) -> bool:
+    try:
+        there = path.suffix[1:].lower() in TYPES and path.is_file()
+        return there and folder in path.resolve().parents
+    except (OSError, ValueError):  # too long a name, or one with a character that none can have
+        return False
