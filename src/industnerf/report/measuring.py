@@ -38,9 +38,9 @@ def measuring_block(study: Path, grid: Path) -> str:
     protocols = [_protocol(name, cells[cell]) for name, cell in CHOICES.items() if cell in cells]
     heads = ["id", "reading", f"EMD, `{OURS}`", "floor", "x floor", f"EMD, `{HULL}`", "parts"]
     return (
-        f"R12: {study}/scores.csv, test parts, {made_where(study)}.\n\n"
+        f"R12: results/{study.name}/scores.csv, test parts, {made_where(study)}.\n\n"
         f"{markdown(['id', 'reading', 'loss', f'`{OURS}`', 'parts'], _scopes(study))}\n"
-        f"R13: {grid}/grid.csv, test parts, {made['date']}, commit {made['commit'][:7]}.\n\n"
+        f"R13: results/{grid.name}/grid.csv, test parts, {made['date']}, commit {made['commit'][:7]}.\n\n"
         f"{markdown(heads, protocols)}"
     )
 
