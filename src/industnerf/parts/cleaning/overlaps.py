@@ -37,12 +37,17 @@ def described(overlaps: Overlaps) -> list[str]:
             f"overlapping pairs of bodies: {len(overlaps.pairs)}, by up to {overlaps.share:.1%} "
             "of the smaller (parts.clean.union unites them)"
         )
-    if overlaps.unlooked:
-        told.append(
-            f"pairs of bodies not searched for overlap: {overlaps.unlooked}, beyond the first "
-            f"{MOST_PAIRS}"
-        )
-    return told
+    return told + unsearched(overlaps)
+
+
+def unsearched(overlaps: Overlaps) -> list[str]:
+    """What to say of the pairs that were not looked at, whatever became of the others."""
+    if not overlaps.unlooked:
+        return []
+    return [
+        f"pairs of bodies not searched for overlap: {overlaps.unlooked}, beyond the first "
+        f"{MOST_PAIRS}"
+    ]
 
 
 def _near(bodies: list[Body]) -> Int[np.ndarray, "p 2"]:

@@ -7,7 +7,7 @@ from jaxtyping import Int
 from industnerf.artifacts.part import Mesh
 from industnerf.parts.cleaning.bodies import FILM, Body, bodies_of
 from industnerf.parts.cleaning.edges import components
-from industnerf.parts.cleaning.overlaps import described, overlaps_of
+from industnerf.parts.cleaning.overlaps import described, overlaps_of, unsearched
 from industnerf.parts.cleaning.selection import joined, kept, solid_of_faces
 from industnerf.schema import CleanParams
 
@@ -24,7 +24,7 @@ def unite(solids: list[Mesh], settings: CleanParams) -> tuple[list[Mesh], list[s
     united = [_union([bodies[i] for i in members], whole) for members in groups]
     taken = np.concatenate([bodies[i].faces for members in groups for i in members])
     said = f"overlapping bodies united: {sum(map(len, groups))} to {len(united)}"
-    return [*_without(solids, taken), *united], [said], []
+    return [*_without(solids, taken), *united], [said], unsearched(overlaps)
 
 
 def _without(solids: list[Mesh], taken: Int[np.ndarray, "f"]) -> list[Mesh]:
