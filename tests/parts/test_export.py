@@ -173,10 +173,13 @@ def test_an_unknown_part_is_named():
         export(QUIET, "organic", ["cat"], "stl", FOLDER)
 
 
-def test_a_file_that_is_there_is_left_alone(tmp_path):
-    (tmp_path / f"{PART}.stl").write_text("mine")
-    with pytest.raises(BadParams, match=f"{PART}.stl is there already"):
-        export(QUIET, "organic", ["textured-fox", PART], "stl", tmp_path)
+@pytest.mark.parametrize(
+    ("form", "name"), [("stl", f"{PART}.stl"), ("obj", f"{PART}.obj"), ("obj", f"{PART}.mtl")]
+)
+def test_a_file_that_is_there_is_left_alone(tmp_path, form, name):
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(BadParams, match=f"{name} is there already"):
+        export(QUIET, "organic", ["textured-fox", PART], form, tmp_path)
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"mine"]
 
 

@@ -35,9 +35,7 @@ def export(
     entries = _chosen(name, part_ids)
     if form == "step" and find_spec("OCP") is None:
         raise SuiteError("STEP needs the CAD libraries: `pip install -e '.[cad]'`")
-    _require_absent(
-        [_path(out, entry.id, form, flag) for entry in entries for flag in (False, True)]
-    )
+    _require_absent([path for entry in entries for path in _paths(out, entry.id, form)])
     out.mkdir(parents=True, exist_ok=True)
     works = [partial(export_part, name, entry, form, out) for entry in entries]
     outcomes = runner_from_environment().map(works, PATIENCE_S)
@@ -58,6 +56,12 @@ def _chosen(name: str, part_ids: Sequence[str] | None) -> list[Entry]:
 
 def _path(out: Path, part_id: str, form: str, faceted: bool) -> Path:
     return out / f"{part_id}{'-faceted' if faceted else ''}.{form}"
+
+
+def _paths(out: Path, part_id: str, form: str) -> list[Path]:
+    """All files that may be written for one part."""
+    paths = [_path(out, part_id, form, faceted) for faceted in (False, True)]
+    return [*paths, paths[0].with_suffix(".mtl")] if form == "obj" else paths
 
 
 def _require_absent(paths: list[Path]) -> None:
