@@ -15,6 +15,12 @@ def cut(name, share=2 / 3):
     return SAMPLES[name][: int(share * len(SAMPLES[name]))]
 
 
+def off_of_eight(corners):
+    """A box's corners, and one face with `corners`."""
+    rows = [f"{x} {y} {z}" for x, y, z in CORNERS]
+    return "\n".join(["OFF", "8 1", *rows, f"8 {corners}"]).encode()
+
+
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
@@ -35,6 +41,7 @@ def cut(name, share=2 / 3):
         ("number.obj", b"v 0 zero 0\n", "line 1, 'v 0 zero 0': could not convert"),
         ("flat.obj", b"v 0 0\n", "a vertex has three coordinates"),
         ("far.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "OFF: 1 of 1 faces name"),
+        ("eight.off", off_of_eight("0 1 2 -1 4 5 6 7"), "[0, 1, 2, -1, 4, 5, 6, 7] of 8"),
         (
             "few.off",
             b"OFF\n3 4\n0 0 0\n1 0 0\n0 1 0\n",

@@ -60,7 +60,7 @@ def placed(body: Body, matrix: Float64[np.ndarray, "4 4"], name: str) -> Body:
     return Body(name, vertices, body.faces[:, ::-1] if mirrored else body.faces, body.albedo)
 
 
-def require_indices(faces: Int64[np.ndarray, "m 3"], vertices: int, what: str) -> None:
+def require_indices(faces: Int64[np.ndarray, "m k"], vertices: int, what: str) -> None:
     """Raise BadPart if a face names a vertex that is not there."""
     wrong = np.flatnonzero(((faces < 0) | (faces >= vertices)).any(axis=1))
     if len(wrong):

@@ -40,8 +40,7 @@ def _content(head: str, points: list[list[str]], polygons: list[list[str]]) -> C
         indices = np.array(row[1 : 1 + count], np.int64)
         if len(indices) != count or count < 3:
             raise BadPart(f"OFF: a face promises {count} corners and has {len(indices)}")
-        require_indices(indices[None, :3], len(vertices), "OFF")
-        require_indices(indices[None, -3:], len(vertices), "OFF")
+        require_indices(indices[None], len(vertices), "OFF")
         cut = indices[triangles(vertices[indices])] if count > 3 else indices[None]
         corners.append(cut)
         paint += [row[1 + count :]] * len(cut)
