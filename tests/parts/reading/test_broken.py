@@ -37,6 +37,7 @@ def off_of_eight(corners):
         ("words.stl", samples.text_stl(number="x{}"), "a vertex is no number"),
         ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "OBJ: no face in the file"),
         ("far.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 3\n", "line 3, 'f 1 2 3': vertex 3, and so far"),
+        ("on.obj", b"v 0 0 0\nv 1 \\\n0 \\\r\n0\nf 1 2 \\\n9\n", "line 5, 'f 1 2 9': vertex 9"),
         ("zero.obj", b"v 0 0 0\nf 0 0 0\n", "line 2, 'f 0 0 0': vertex 0"),
         ("number.obj", b"v 0 zero 0\n", "line 1, 'v 0 zero 0': could not convert"),
         ("flat.obj", b"v 0 0\n", "a vertex has three coordinates"),

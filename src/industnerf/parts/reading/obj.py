@@ -1,5 +1,6 @@
 """Wavefront OBJ: one body per `o`; groups are not bodies, for many programs write one per face."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,7 @@ from industnerf.parts.reading.sidecars import named
 def read_obj(path: Path) -> Content:
     """Raises BadPart that names the line if a face or a vertex makes no sense."""
     scene = Scene()
-    lines = text_of(path.read_bytes()).replace("\r\n", "\n").replace("\\\n", " ").splitlines()
-    for number, line in enumerate(lines, start=1):
+    for number, line in _lines(text_of(path.read_bytes())):
         try:
             take(scene, line.split())
         except (ValueError, IndexError) as error:
@@ -33,6 +33,19 @@ def read_obj(path: Path) -> Content:
         for i, each in enumerate(solids, start=1)
     ]
     return Content(tuple(bodies), None, None, False, tuple(dict.fromkeys(remarks)))
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Each line, and its number; after a backslash it goes on in the next, as one line."""
+    first, begun = 1, ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        first = first if begun else number
+        if line.endswith("\\"):
+            begun += line[:-1] + " "
+        else:
+            yield first, begun + line
+            begun = ""
+    yield first, begun
 
 
 def _materials(path: Path, scene: Scene, remarks: list[str]) -> dict[str, Material]:
