@@ -40,7 +40,8 @@ def measuring_block(study: Path, grid: Path) -> str:
     return (
         f"R12: results/{study.name}/scores.csv, test parts, {made_where(study)}.\n\n"
         f"{markdown(['id', 'reading', 'loss', f'`{OURS}`', 'parts'], _scopes(study))}\n"
-        f"R13: results/{grid.name}/grid.csv, test parts, {made['date']}, commit {made['commit'][:7]}.\n\n"
+        f"R13: results/{grid.name}/grid.csv, test parts, {made['date']}, "
+        f"commit {made['commit'][:7]}.\n\n"
         f"{markdown(heads, protocols)}"
     )
 
