@@ -1,9 +1,11 @@
 """`python -m industnerf.parts check`: a verdict on each file, whatever the others do."""
 
 import csv
+import gc
 import io
 import os
 import signal
+import weakref
 from dataclasses import replace
 
 import pytest
@@ -76,11 +78,32 @@ def test_the_sheet_has_a_tile_for_every_file(folder, monkeypatch):
     tiles = []
     monkeypatch.setattr(checking, "contact_sheet", lambda given, path, columns: tiles.extend(given))
     run([folder], folder / "out")
-    assert [(tile.caption.split("\n"), tile.mesh is None) for tile in tiles] == [
+    assert [(tile.caption.split("\n"), tile.picture is None) for tile in tiles] == [
         (["bad.stl", "refused"], True),
         (["good.stl", "usable"], False),
         (["open.ply", "usable with remarks"], False),
     ]
+
+
+def test_no_mesh_is_kept_until_the_sheet_is_drawn(folder, monkeypatch):
+    """A folder of large files would fill the memory with them."""
+    meshes, kept = [], []
+    honest = checking.used_finishes
+
+    def watched(mesh, finishes):
+        meshes.append(weakref.ref(mesh))
+        used = honest(mesh, finishes)
+        meshes.append(weakref.ref(used[0]))
+        return used
+
+    def sheet(*_):
+        gc.collect()
+        kept.extend(mesh() is not None for mesh in meshes)
+
+    monkeypatch.setattr(checking, "used_finishes", watched)
+    monkeypatch.setattr(checking, "contact_sheet", sheet)
+    run([folder], folder / "out")
+    assert kept == [False] * 4  # of two files, as they were read and as they are shown
 
 
 def test_sound_files_alone_succeed_and_the_sheet_can_be_seen(folder):

@@ -17,6 +17,7 @@ from industnerf.parts.sheet import (
     albedo_of,
     contact_sheet,
     gallery,
+    tile_of,
 )
 from tests.solids import ball, box
 
@@ -32,9 +33,9 @@ def drawn(tmp_path, *tiles, columns=2):
 
 def test_tiles_stand_row_by_row(tmp_path):
     tiles = [
-        Tile("ball", ball(10), (RED,)),
-        Tile("no\nfile", None, ()),
-        Tile("", box(1, 2, 3), (RED,)),
+        tile_of("ball", ball(10), (RED,)),
+        Tile("no\nfile", None),
+        tile_of("", box(1, 2, 3), (RED,)),
     ]
     sheet = drawn(tmp_path, *tiles)
     assert sheet.shape == (2 * HEIGHT, 2 * PICTURE_PX, 3)
@@ -49,7 +50,7 @@ def test_tiles_stand_row_by_row(tmp_path):
 
 def test_a_caption_has_two_lines_and_keeps_to_its_tile(tmp_path):
     wide = "x" * 200
-    sheet = drawn(tmp_path, Tile(f"{wide}\nsecond\nthird", None, ()), Tile("", None, ()))
+    sheet = drawn(tmp_path, Tile(f"{wide}\nsecond\nthird", None), Tile("", None))
     rows = [PICTURE_PX + i * LINE_PX for i in range(LINES + 1)]
     for top, bottom in pairwise(rows):
         assert (sheet[top:bottom, :PICTURE_PX] < 100).any()
@@ -57,15 +58,15 @@ def test_a_caption_has_two_lines_and_keeps_to_its_tile(tmp_path):
 
 
 def test_few_tiles_make_a_narrow_sheet(tmp_path):
-    assert drawn(tmp_path, Tile("a", None, ()), columns=9).shape[1] == PICTURE_PX
+    assert drawn(tmp_path, Tile("a", None), columns=9).shape[1] == PICTURE_PX
 
 
 def test_a_name_that_no_font_draws_is_no_error(tmp_path):
-    drawn(tmp_path, Tile("bad \udcff name", None, ()), Tile("", None, ()))
+    drawn(tmp_path, Tile("bad \udcff name", None), Tile("", None))
 
 
 def test_equal_tiles_give_equal_bytes(tmp_path):
-    tiles = [Tile("ball", ball(10), (RED,))]
+    tiles = [tile_of("ball", ball(10), (RED,))]
     for name in ("a.png", "b.png"):
         contact_sheet(tiles, tmp_path / name, 1)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
@@ -79,7 +80,7 @@ def test_faces_have_the_colour_of_their_finish():
     np.testing.assert_array_equal(albedo[4:], [UNCOLOURED] * 8)
 
 
-@pytest.mark.parametrize(("tiles", "columns"), [([], 3), ([Tile("a", None, ())], 0)])
+@pytest.mark.parametrize(("tiles", "columns"), [([], 3), ([Tile("a", None)], 0)])
 def test_no_sheet_without_tiles_or_columns(tmp_path, tiles, columns):
     with pytest.raises(ValueError, match="contact sheet"):
         contact_sheet(tiles, tmp_path / "sheet.png", columns)

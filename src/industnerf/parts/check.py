@@ -18,7 +18,7 @@ from industnerf.parts.files import is_cad
 from industnerf.parts.findings import short_name, table, verdicts, write_csv
 from industnerf.parts.ingest import used_finishes
 from industnerf.parts.reading.formats import SUFFIXES
-from industnerf.parts.sheet import Tile, contact_sheet
+from industnerf.parts.sheet import Tile, contact_sheet, tile_of
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
 from industnerf.schema import PartsParams
@@ -101,9 +101,9 @@ def _tiles(found: Sequence[Finding], target: Path) -> list[Tile]:
     for finding in found:
         caption = f"{short_name(finding)}\n{finding.verdict}"
         if finding.refused or file is None:
-            tiles.append(Tile(caption, None, ()))
+            tiles.append(Tile(caption, None))
         else:
-            tiles.append(Tile(caption, *used_finishes(next(meshes).mesh, file.finishes)))
+            tiles.append(tile_of(caption, *used_finishes(next(meshes).mesh, file.finishes)))
     return tiles
 
 

@@ -26,8 +26,12 @@ class Tile:
     """One part of a contact sheet."""
 
     caption: str  # lines beyond LINES, and what is wider than the picture, are cut
-    mesh: Mesh | None  # None shows a crossed box
-    finishes: tuple[Finish, ...]  # what `mesh.finish` counts
+    picture: Image.Image | None  # PICTURE_PX a side; None shows a crossed box
+
+
+def tile_of(caption: str, mesh: Mesh, finishes: tuple[Finish, ...]) -> Tile:
+    """A tile that shows `mesh`, whose `finish` counts `finishes`, and does not keep it."""
+    return Tile(caption, _picture(mesh, finishes, PICTURE_PX))
 
 
 def contact_sheet(tiles: Sequence[Tile], path: Path, columns: int) -> None:
@@ -73,10 +77,10 @@ def _place(
     corner: tuple[int, int],
 ) -> None:
     left, top = corner
-    if tile.mesh is None:
+    if tile.picture is None:
         _crossed_box(pen, left, top)
     else:
-        sheet.paste(_picture(tile.mesh, tile.finishes, PICTURE_PX), corner)
+        sheet.paste(tile.picture, corner)
     for number, line in enumerate(tile.caption.splitlines()[:LINES]):
         at = (left + PICTURE_PX // 2, top + PICTURE_PX + number * LINE_PX)
         pen.text(at, _fitting(line, font), INK, font, anchor="ma")

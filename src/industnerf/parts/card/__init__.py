@@ -17,7 +17,7 @@ from industnerf.parts.card.tables import (
 from industnerf.parts.card.text import ORGANIC, TEXT
 from industnerf.parts.catalogue import catalogue, load
 from industnerf.parts.embedded import as_part
-from industnerf.parts.sheet import Tile, contact_sheet, gallery
+from industnerf.parts.sheet import contact_sheet, gallery, tile_of
 from industnerf.parts.split import assign
 
 COLUMNS = 8  # of a contact sheet
@@ -86,7 +86,7 @@ def _counted(counts: Counter[str]) -> str:
 def sheet(folder: Path, path: Path) -> None:
     """Write the contact sheet of the set in `folder`."""
     tiles = [
-        Tile(f"{entry.id}\n{entry.designation}", load(entry, folder), entry.finishes)
+        tile_of(f"{entry.id}\n{entry.designation}", load(entry, folder), entry.finishes)
         for entry in catalogue(folder)
     ]
     contact_sheet(tiles, path, COLUMNS)
