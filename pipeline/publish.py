@@ -52,12 +52,12 @@ def main(what: str = "study") -> None:
 def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
     """What documents show of the published study, by document and the name of its marks."""
     leakage = {"leakage": leakage_block(LEAKAGE, study)} if LEAKAGE.exists() else {}
-    measuring = {"measuring": measuring_block(study, GRID)} if GRID.exists() else {}
+    readings = {"measuring": measuring_block(study, GRID)} if GRID.exists() else {}
     return {
         README: {"study": study_block(study, params)},
         Path("docs/baselines.md"): {"nets": nets_block(study), **leakage},
         Path("docs/scaling.md"): {"costs": costs_block(study), "cluster": cluster_block(study)},
-        Path("docs/readings.md"): measuring,
+        **({Path("docs/readings.md"): readings} if readings else {}),
     }
 
 
