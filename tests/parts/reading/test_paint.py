@@ -135,18 +135,33 @@ def test_vertex_colours_are_mixed_as_light(read):
     assert finish.albedo == pytest.approx((2 / 3,) * 3, abs=4e-3)  # 8 bits of sRGB
 
 
-def test_trimeshs_own_ply_and_glb_with_vertex_colours(read):
+@pytest.mark.parametrize(
+    ("form", "colour"), [("ply", "#c86432"), ("obj", "#c86432"), ("off", "unstated")]
+)
+def test_trimeshs_own_files_with_vertex_colours(read, form, colour):
     mesh = trimesh.Trimesh(CORNERS, FACES, process=False)
     mesh.visual.vertex_colors = np.tile((200, 100, 50, 255), (8, 1))
-    for name in ("a.ply", "a.off", "a.obj"):
-        solids = (
-            read(name, trimesh.exchange.export.export_mesh(mesh, None, name[2:]).encode())
-            if name != "a.ply"
-            else read(name, mesh.export(file_type="ply"))
-        )
-        assert [f.name for f in solids.finishes] == (
-            ["#c86432"] if name != "a.off" else ["unstated"]
-        )
+    content = mesh.export(file_type=form)
+    solids = read(f"a.{form}", content if form == "ply" else content.encode())
+    assert [finish.name for finish in solids.finishes] == [colour]
+
+
+def test_vertex_colours_of_gltf_are_linear_shares_and_multiply_the_factor(read):
+    """Red 1 as 255 of 255, halved by the factor, is 0.5 of the light: 188 in sRGB."""
+    tree, data = samples.gltf_tree()
+    data = data.ljust(-(-len(data) // 4) * 4, b"\0")
+    colours = bytes(8 * (255, 0, 0, 255))
+    tree["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": len(colours)})
+    tree["buffers"][0]["byteLength"] = len(data) + len(colours)
+    accessor = {"bufferView": 3, "componentType": 5121, "normalized": True, "type": "VEC4"}
+    tree["accessors"].append(accessor | {"count": 8})
+    for part in tree["meshes"][0]["primitives"]:
+        part["attributes"]["COLOR_0"] = 3
+    tree["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = [0.5, 1, 1, 1]
+    del tree["meshes"][0]["primitives"][0]["material"]
+    solids = read("painted.glb", samples.glb(tree, data + colours))
+    assert [finish.name for finish in solids.finishes] == ["#bc0000", "#ff0000"]
+    np.testing.assert_array_equal(solids.solids[0].mesh.finish, ~TOP)
 
 
 def test_gltf_factors_are_linear_and_multiply_the_picture(read):
