@@ -18,9 +18,9 @@ from jaxtyping import Float32, UInt, UInt8
 
 from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadPart
-from industnerf.geometry.raycast import Scene
 from industnerf.parts import checks
 from industnerf.parts.catalogue import SCHEMA, Entry, digest
+from industnerf.parts.cleaning.remains import seen_from_behind
 from industnerf.parts.measure import measure
 from industnerf.parts.sets import Drawable, drawable
 from industnerf.runner import Outcome, Runner
@@ -53,20 +53,13 @@ def bake(family: str, recipe: Drawable) -> Baked:
         parameters=recipe.parameters,
         finishes=drawn.finishes,
         measured=measure(mesh),
-        back_face_share=round(_behind(mesh), 6),
+        back_face_share=round(seen_from_behind(mesh), 6),
         reference=drawn.reference,
         reference_volume_mm3=round(drawn.reference_volume_mm3, 4),
         sha256=digest(stored, mesh.faces, mesh.finish),
     )
     _require_true(entry, recipe.volume_tolerance)
     return Baked(entry, stored, mesh.faces.astype(narrow), mesh.finish)
-
-
-def _behind(mesh: Mesh) -> float:
-    scene = Scene(mesh.vertices, mesh.faces)
-    return checks.back_face_share(
-        mesh.vertices, mesh.faces, lambda origins, towards: scene.cast(origins, towards).face
-    )
 
 
 def _require_true(entry: Entry, tolerance: float) -> None:

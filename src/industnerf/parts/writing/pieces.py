@@ -1,9 +1,7 @@
 """Which closed surfaces of a mesh bound one solid: an outer one, and the voids inside it."""
 
 import numpy as np
-from jaxtyping import Int, Int32
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from jaxtyping import Int32
 
 from industnerf.artifacts.part import Mesh
 from industnerf.parts import checks
@@ -25,13 +23,8 @@ def solids_of(mesh: Mesh) -> list[list[Int32[np.ndarray, "k"]]]:
 
 
 def _shells(faces: Int32[np.ndarray, "m 3"]) -> list[Int32[np.ndarray, "k"]]:
-    a, b, c = faces.T
-    start, end = np.concatenate([a, b]), np.concatenate([b, c])
-    n = int(faces.max()) + 1
-    links = coo_array((np.ones(len(start)), (start, end)), shape=(n, n))
-    piece: Int[np.ndarray, "n"] = connected_components(links, directed=False)[1]
-    of_face = piece[a]
-    return [np.flatnonzero(of_face == each).astype(np.int32) for each in np.unique(of_face)]
+    piece = checks.pieces(faces)
+    return [np.flatnonzero(piece == each).astype(np.int32) for each in np.unique(piece)]
 
 
 def _holds(mesh: Mesh, outer: Int32[np.ndarray, "k"], inner: Int32[np.ndarray, "j"]) -> bool:
