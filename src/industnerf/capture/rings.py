@@ -10,7 +10,8 @@ def rings(count: int, elevations: Elevations) -> Float[np.ndarray, "{count} 3"]:
     """`count` unit vectors, ring by ring.
 
     The rings share them as evenly as possible, the first having one more; each ring is evenly
-    spaced, and turned by its part of a step, so that no two rings have cameras at one azimuth.
+    spaced, and turned by its part of a step, so that no two rings of equally many cameras have
+    any at one azimuth.
     """
     azimuths = [
         (np.arange(n) + ring / len(elevations)) / max(n, 1)

@@ -74,7 +74,7 @@ def _content(document: TDocStd_Document, unit: str) -> Content:
     roots = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
     walk = _Walk()
-    bodies = [body for root in roots for body in walk.below(root, np.eye(4), "", None)]
+    bodies = [body for root in roots for body in walk.below(root, np.eye(4), None)]
     return Content(tuple(bodies), 1.0, unit, False, walk.remarks())
 
 
@@ -87,18 +87,18 @@ class _Walk:
     sheets: int = 0  # bodies that are no solids
 
     def below(
-        self, label: TDF_Label, matrix: np.ndarray, name: str, paint: np.ndarray | None
+        self, label: TDF_Label, matrix: np.ndarray, paint: np.ndarray | None
     ) -> Iterator[Body]:
-        """The bodies of `label`, placed.  The innermost colour counts, and the outermost name."""
+        """The bodies of `label`, placed.  The innermost colour counts."""
         own = colour_of(label)
         paint = paint if own is None else own
         referred, parts = TDF_Label(), Sequence_TDF_Label()
         if XCAFDoc_ShapeTool.GetReferredShape_s(label, referred):
             moved = matrix @ _matrix(XCAFDoc_ShapeTool.GetLocation_s(label))
-            yield from self.below(referred, moved, name or name_of(label), paint)
+            yield from self.below(referred, moved, paint)
         elif XCAFDoc_ShapeTool.GetComponents_s(label, parts):
             for part in parts:
-                yield from self.below(part, matrix, "", paint)
+                yield from self.below(part, matrix, paint)
         else:
             if label.Tag() not in self.made:
                 shape = XCAFDoc_ShapeTool.GetShape_s(label)
