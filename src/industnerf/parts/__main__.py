@@ -27,6 +27,28 @@ UNITS = get_args(Units)
 
 
 def main() -> int:
+    arguments = _parser().parse_args()
+    console = Console()
+    try:
+        if arguments.command == "list":
+            show(console, arguments.set)
+        elif arguments.command == "export":
+            export_parts(console, arguments)
+        elif arguments.command == "card":
+            card(console)
+        elif arguments.command == "check":
+            return check_files(console, arguments)
+        else:
+            from industnerf.parts.build import build
+
+            build(console, arguments.set, arguments.family)
+    except SuiteError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m industnerf.parts",
         description=__doc__,
@@ -49,25 +71,7 @@ def main() -> int:
     check_command.add_argument("--split-bodies", action="store_true", help="one row per solid")
     check_command.add_argument("--out", type=Path, default=Path("cad-check"), metavar="FOLDER")
     commands.add_parser("card", help="write docs/dataset.md and its contact sheets")
-    arguments = parser.parse_args()
-    console = Console()
-    try:
-        if arguments.command == "list":
-            show(console, arguments.set)
-        elif arguments.command == "export":
-            export_parts(console, arguments)
-        elif arguments.command == "card":
-            card(console)
-        elif arguments.command == "check":
-            return check_files(console, arguments)
-        else:
-            from industnerf.parts.build import build
-
-            build(console, arguments.set, arguments.family)
-    except SuiteError as error:
-        print(error, file=sys.stderr)
-        return 1
-    return 0
+    return parser
 
 
 def check_files(console: Console, arguments: argparse.Namespace) -> int:
@@ -92,7 +96,6 @@ def card(console: Console) -> None:
 
 
 def export_parts(console: Console, arguments: argparse.Namespace) -> None:
-
     if bool(arguments.part_ids) == arguments.all:
         raise BadParams("export: name the parts to export, or give --all")
     part_ids = None if arguments.all else arguments.part_ids
