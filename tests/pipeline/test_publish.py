@@ -18,6 +18,7 @@ DOCUMENTS = {
     "README.md": ["study"],
     "docs/baselines.md": ["nets"],
     "docs/scaling.md": ["costs", "cluster"],
+    "docs/readings.md": ["measuring"],
 }
 MARKS = "<!-- study -->\n<!-- end study -->\n"
 
