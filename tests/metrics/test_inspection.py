@@ -39,6 +39,17 @@ def test_shares_within_tolerances_are_of_the_cloud():
     assert not found["within_0.1mm"].smaller_is_better
 
 
+def test_shares_covered_are_of_the_surface():
+    far = on_top(10, 0.0) + np.array([12.0, 0.0, 0.0])
+    seen = np.concatenate([on_top(60, 0.0), on_top(30, -SIDE), far])
+    cloud = np.concatenate([on_top(60, 0.05), on_top(30, -SIDE - 0.3)])
+    found = asked(cloud, seen)
+    shares = [found[f"covered_{limit}mm"].value for limit in ("0.1", "0.5", "1")]
+    assert shares == [0.6, 0.9, 0.9]
+    assert [found[f"within_{limit}mm"].value for limit in ("0.5", "1")] == [1.0, 1.0]
+    assert not found["covered_0.1mm"].smaller_is_better
+
+
 def test_deviations_are_from_the_surface_not_from_its_samples():
     # the only sample is mm away; the surface is not
     found = asked(on_top(10, 0.05), np.array([[9.0, 9.0, SIDE / 2]]))

@@ -124,9 +124,8 @@ def test_scores_do_not_depend_on_where_the_part_is_or_how_large(part, tmp_path):
     points = samples(part.mesh, 3000, seed=3) * 1.05
     here, there = part.scores(points), Case(tmp_path / "b", moved).scores(points * scale + shift)
     # clouds are kept in float32: 5e4 mm is rounded by 0.004 mm, 1e-7 diagonals of 3.5e4 mm
-    in_mm = {"hausdorff95", "within_0.5mm", "within_1mm"}
     for kind, value in here.items():
-        if kind[0] not in in_mm:
+        if not kind[0].endswith("mm") and kind[0] != "hausdorff95":  # the others are in mm
             assert there[kind] == pytest.approx(value, rel=1e-4), kind
     worst = ("hausdorff95", "P1-dense")
     assert there[worst] == pytest.approx(scale * here[worst], rel=1e-4)
@@ -164,7 +163,7 @@ def test_of_several_answers_the_mean_counts(part):
     alone = [part.scores(points) for points in (good, poor)]
     save_others(part.folder / "cloud", [poor.astype(np.float32), good.astype(np.float32)])
     both = part.scores(good)
-    dense = ("chamfer", "fscore", "within_0.5mm", "within_1mm", "hausdorff95")
+    dense = ("chamfer", "fscore", "within_0.5mm", "within_1mm", "covered_1mm", "hausdorff95")
     for kind in [("emd", "P1-even"), *((metric, "P1-dense") for metric in dense)]:
         expected = (2 * alone[0][kind] + alone[1][kind]) / 3
         assert both[kind] == pytest.approx(expected, rel=1e-6), kind

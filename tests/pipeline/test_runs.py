@@ -51,7 +51,7 @@ STRATA = (
 )
 INSPECTION = (
     "method,emd_mm,emd_median_mm,hausdorff95_mm,hausdorff95_median_mm,"
-    "within_0.1mm,within_0.5mm,within_1mm,parts"
+    "within_0.1mm,within_0.5mm,within_1mm,covered_0.1mm,covered_0.5mm,covered_1mm,parts"
 )
 GOALS = "method,goal,wanted,value,met,beside,unit,tsdf,oracle"
 COST = "stage,method,part_id,seconds,peak_mb,device,aside_s"

@@ -24,7 +24,11 @@ def study():
     """Three test parts, the second ten times as large; what is within 1 mm is known of two."""
     found = study_of(PARTS, {"box": [0.2] * 4, "hull": [0.01, 0.02, 0.03, 9.0]}, dev="d")
     for part, share, worst in (("a", 1.0, 0.1), ("b", 0.5, 0.8), ("d", 0.0, 99.0)):
-        for metric, value, unit in (("within_1mm", share, "share"), ("hausdorff95", worst, "mm")):
+        for metric, value, unit in (
+            ("within_1mm", share, "share"),
+            ("covered_1mm", share / 2, "share"),
+            ("hausdorff95", worst, "mm"),
+        ):
             score = Score(metric, "P1-dense", value, 0.0, unit, "ok")
             found.scores.append(PartScore(part, "hull", score))
     return found
@@ -37,6 +41,7 @@ def test_a_distance_is_brought_to_mm_part_by_part(study):
     assert hull.emd_median_mm == pytest.approx(0.39)
     assert hull.hausdorff95_mm == pytest.approx(0.45)
     assert hull.within == {"1mm": pytest.approx(0.75)}
+    assert hull.covered == {"1mm": pytest.approx(0.375)}
     assert hull.parts == 3
 
 
@@ -44,9 +49,9 @@ def test_what_was_not_measured_is_left_empty(study):
     lines = inspection(study)
     assert lines[1].hausdorff95_mm is None
     rows = list(csv.DictReader(io.StringIO(inspection_csv(lines))))
-    assert rows[0]["within_1mm"] == "0.75"
-    assert rows[1]["within_1mm"] == rows[1]["hausdorff95_mm"] == ""
+    assert (rows[0]["within_1mm"], rows[0]["covered_1mm"]) == ("0.75", "0.375")
+    assert rows[1]["within_1mm"] == rows[1]["covered_1mm"] == rows[1]["hausdorff95_mm"] == ""
     head, _, first, second = inspection_md(lines).splitlines()
-    assert "| cloud within 1 mm |" in head
-    assert "| 75.0 % | 3 |" in first
-    assert second.endswith("|  |  |  | 3 |")
+    assert "| cloud within 1 mm | surface within 1 mm |" in head
+    assert "| 75.0 % | 37.5 % | 3 |" in first
+    assert second.endswith("|  |  |  |  | 3 |")

@@ -20,17 +20,20 @@ def inspected(
     """How far the points `shown` are from the true surface, and its samples from them: `missed`.
 
     Both in diagonals, about the frame's centre.  A point's deviation is its distance to the
-    surface itself; what is `within` a tolerance is a share of the points `shown`.  Hausdorff-95 is
-    the larger of the 95th percentiles of the deviations and of what is `missed`.
+    surface itself; what is `within` a tolerance is a share of the points `shown`, what is `covered`
+    one of the surface's samples, which a point is so near to.  Hausdorff-95 is the larger of the
+    95th percentiles of the deviations and of what is `missed`.
     """
     # late: a stage that only names the metric need not wait for Warp
     from industnerf.geometry.closest import distance_to_surface
 
     mesh, to_mm = frame.mesh, frame.diagonal_mm
     away = distance_to_surface(shown, frame.unit(mesh.vertices), mesh.faces) * to_mm
-    worst = max(float(np.quantile(side, SHARE)) for side in (away, missed * to_mm))
-    within = [
-        Value(f"within_{limit:g}mm", "P1-dense", float((away <= limit).mean()), "share", False)
+    missed_mm = missed * to_mm
+    worst = max(float(np.quantile(side, SHARE)) for side in (away, missed_mm))
+    shares = [
+        Value(f"{name}_{limit:g}mm", "P1-dense", float((side <= limit).mean()), "share", False)
+        for name, side in (("within", away), ("covered", missed_mm))
         for limit in tolerances_mm
     ]
-    return [*within, Value("hausdorff95", "P1-dense", worst, "mm")]
+    return [*shares, Value("hausdorff95", "P1-dense", worst, "mm")]

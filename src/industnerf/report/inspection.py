@@ -12,7 +12,8 @@ from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
 
-WITHIN = "within_"
+WITHIN = "within_"  # a tolerance: so many of the cloud's points
+COVERED = "covered_"  # within it: so much of the surface
 
 
 @dataclass(frozen=True)
@@ -24,36 +25,46 @@ class Inspected:
     emd_median_mm: float
     hausdorff95_mm: float | None
     hausdorff95_median_mm: float | None
-    within: dict[str, float | None]  # tolerance -> share of the cloud's points, not of the surface
+    within: dict[str, float | None]  # tolerance -> share of the cloud's points
+    covered: dict[str, float | None]  # tolerance -> share of the visible surface
     parts: int
 
 
 def inspection(study: Study) -> list[Inspected]:
     """A line a method, the smallest median EMD first."""
-    metrics = dict.fromkeys(row.score.metric for row in study.scores)
-    within = [metric for metric in metrics if metric.startswith(WITHIN)]
+    metrics = list(dict.fromkeys(row.score.metric for row in study.scores))
     lines = [
-        _line(study, method, scores, within)
+        _line(study, method, scores, metrics)
         for method in study.methods
         if (scores := scores_of(study, method, "test"))
     ]
     return sorted(lines, key=lambda line: line.emd_median_mm)
 
 
-def _line(study: Study, method: str, scores: list[PartScore], within: list[str]) -> Inspected:
+def _line(study: Study, method: str, scores: list[PartScore], metrics: list[str]) -> Inspected:
     even = only(scores, *EVEN)
     emds = [row.score.value * study.parts[row.part_id].diagonal_mm for row in even]
     worst = _values(scores, "hausdorff95")
-    shares = {metric.removeprefix(WITHIN): _values(scores, metric) for metric in within}
     return Inspected(
         method,
         fmean(emds),
         median(emds),
         fmean(worst) if worst else None,
         median(worst) if worst else None,
-        {limit: fmean(values) if values else None for limit, values in shares.items()},
+        _shares(scores, metrics, WITHIN),
+        _shares(scores, metrics, COVERED),
         len(emds),
     )
+
+
+def _shares(scores: list[PartScore], metrics: list[str], kind: str) -> dict[str, float | None]:
+    """By tolerance, the mean of the metrics whose names begin with `kind`."""
+    known = {
+        metric.removeprefix(kind): _values(scores, metric)
+        for metric in metrics
+        if metric.startswith(kind)
+    }
+    return {limit: fmean(values) if values else None for limit, values in known.items()}
 
 
 def _values(scores: list[PartScore], metric: str) -> list[float]:
@@ -63,26 +74,34 @@ def _values(scores: list[PartScore], metric: str) -> list[float]:
 def inspection_csv(lines: Sequence[Inspected]) -> str:
     """`inspection.csv`, one column a field of Inspected, and one a tolerance."""
     plain = ("method", "emd_mm", "emd_median_mm", "hausdorff95_mm", "hausdorff95_median_mm")
-    limits = lines[0].within if lines else {}
     return csv_text(
-        [*plain, *(WITHIN + limit for limit in limits), "parts"],
-        [
-            [*(getattr(line, name) for name in plain), *line.within.values(), line.parts]
-            for line in lines
-        ],
+        [*plain, *_of_limits(lines, WITHIN + "{}", COVERED + "{}"), "parts"],
+        [[*(getattr(line, name) for name in plain), *_of(line), line.parts] for line in lines],
     )
+
+
+def _of_limits(lines: Sequence[Inspected], within: str, covered: str) -> list[str]:
+    """One text a share of `_of`, made of its tolerance."""
+    if not lines:
+        return []
+    first = lines[0]
+    return [*map(within.format, first.within), *map(covered.format, first.covered)]
+
+
+def _of(line: Inspected) -> list[float | None]:
+    return [*line.within.values(), *line.covered.values()]
 
 
 def columns(lines: Sequence[Inspected]) -> list[str]:
     """Heads of what `cells` gives."""
-    limits = lines[0].within if lines else {}
+    shares = _of_limits(lines, "cloud within {}", "surface within {}")
     return [
         "method",
         "EMD, mm",
         "EMD, median",
         "Hausdorff-95, mm",
         "Hausdorff-95, median",
-        *(f"cloud within {limit.replace('mm', ' mm')}" for limit in limits),
+        *(share.replace("mm", " mm") for share in shares),
         "parts",
     ]
 
@@ -95,7 +114,7 @@ def cells(line: Inspected) -> list[str]:
         brief(line.emd_median_mm),
         brief(line.hausdorff95_mm),
         brief(line.hausdorff95_median_mm),
-        *("" if share is None else f"{100 * share:.1f} %" for share in line.within.values()),
+        *("" if share is None else f"{100 * share:.1f} %" for share in _of(line)),
         str(line.parts),
     ]
 

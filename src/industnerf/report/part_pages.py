@@ -26,9 +26,12 @@ NAMES = {  # as people say them; what is not here keeps the name it has in score
     ("emd", "P1-full"): "EMD (full)",
     ("chamfer", "P1-dense"): "Chamfer",
     ("fscore", "P1-dense"): "F-score",
-    ("within_0.1mm", "P1-dense"): "within 0.1 mm",
-    ("within_0.5mm", "P1-dense"): "within 0.5 mm",
-    ("within_1mm", "P1-dense"): "within 1 mm",
+    ("within_0.1mm", "P1-dense"): "cloud within 0.1 mm",
+    ("within_0.5mm", "P1-dense"): "cloud within 0.5 mm",
+    ("within_1mm", "P1-dense"): "cloud within 1 mm",
+    ("covered_0.1mm", "P1-dense"): "surface within 0.1 mm",
+    ("covered_0.5mm", "P1-dense"): "surface within 0.5 mm",
+    ("covered_1mm", "P1-dense"): "surface within 1 mm",
     ("hausdorff95", "P1-dense"): "Hausdorff-95",
 } | {(loss.metric, loss.protocol): loss.name for loss in LOSSES if loss.metric != "emd"}
 BEYOND = ("P1-union", "P1-frame", "P1-near")  # protocols of renderings and of confidence
