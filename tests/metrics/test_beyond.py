@@ -14,7 +14,7 @@ from industnerf.errors import MetricError
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.shapes import ball_surface
 from industnerf.geometry.sphere import fibonacci_sphere
-from industnerf.metrics.beyond import NEAR, files_beyond, scores_beyond
+from industnerf.metrics.beyond import NEAR, REMOVED, files_beyond, scores_beyond
 from industnerf.metrics.visible import Frame
 from tests.solids import ball
 
@@ -142,6 +142,9 @@ def test_candidates_are_asked_near_the_surface_alone(views, tmp_path, sure, rank
     assert values["confidence_spearman", "P1-near"] == pytest.approx(rank, abs=0.01)
     assert values["confidence_ause", "P1-near"] == pytest.approx(area, abs=0.01)
     assert values["confidence_ause_chance", "P1-near"] == pytest.approx(0.5, abs=0.01)
+    for percent in (10, 50, 90):
+        left = values[f"error_left_{percent}", "P1-near"]
+        assert left == pytest.approx(1 + rank * percent / 100, abs=0.02)
 
 
 def test_hidden_surface_draws_no_candidates_but_is_no_error(views, tmp_path):
@@ -151,9 +154,9 @@ def test_hidden_surface_draws_no_candidates_but_is_no_error(views, tmp_path):
     cloud = tmp_path / "cloud"
     cloud.mkdir()
     Candidates(points.astype(np.float32), np.ones(5000, np.float32)).save(cloud)
-    assert set(of(views, cloud, known)) == {
-        (f"confidence_{name}", "P1-near") for name in ("spearman", "ause", "ause_chance")
-    }
+    kinds = {(f"confidence_{name}", "P1-near") for name in ("spearman", "ause", "ause_chance")}
+    kinds |= {(f"error_left_{percent}", "P1-near") for percent in REMOVED}
+    assert set(of(views, cloud, known)) == kinds
     below = points[points[:, 2] < -2 * NEAR * FRAME.diagonal_mm]
     Candidates(below.astype(np.float32), np.ones(len(below), np.float32)).save(cloud)
     assert of(views, cloud, known) == {}

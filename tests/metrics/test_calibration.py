@@ -8,7 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
-from industnerf.metrics.calibration import ause, ause_of_chance, sparsification, spearman
+from industnerf.metrics.calibration import (
+    ause,
+    ause_of_chance,
+    errors_left,
+    sparsification,
+    spearman,
+)
 
 SEEDS = st.integers(0, 1000)
 MANY = 2000
@@ -43,10 +49,16 @@ def test_even_errors_have_the_curves_of_a_line():
     share = np.arange(MANY) / MANY
     np.testing.assert_allclose(sparsification(ERROR, -ERROR), 1 - share, rtol=0, atol=1e-12)
     np.testing.assert_allclose(sparsification(ERROR, ERROR), 1 + share, rtol=0, atol=1e-12)
+    few = np.array([0.0, 0.1, 0.9])
+    np.testing.assert_allclose(errors_left(ERROR, -ERROR, few), 1 - few, rtol=0, atol=1e-12)
     # a sum of steps against an integral: both lines are off by half a step
     assert ause(ERROR, -ERROR) == 0
     assert ause_of_chance(ERROR) == pytest.approx(1 / 2, abs=1 / MANY)
     assert ause(ERROR, ERROR) == pytest.approx(1, abs=1 / MANY)
+
+
+def test_where_there_is_no_error_none_is_left():
+    np.testing.assert_array_equal(errors_left(np.zeros(5), np.arange(5.0), np.array([0.1, 0.5])), 0)
 
 
 @given(SEEDS)

@@ -96,6 +96,7 @@ def scores(name: str) -> list[PartScore]:
         "confidence_spearman": (-0.4, "1", "P1-near"),
         "confidence_ause": (0.1, "1", "P1-near"),
         "confidence_ause_chance": (0.4, "1", "P1-near"),
+        "error_left_10": (0.9, "1", "P1-near"),
     }
     for metric, (value, unit, protocol) in more.items():
         found.append(PartScore(name, "hull", Score(metric, protocol, value, 0.0, unit, "ok")))

@@ -68,6 +68,12 @@ def test_what_a_method_remarked_stands_with_the_part_and_in_a_list(study):
     assert "What methods remarked" not in bare(study)
 
 
+def test_curves_stand_where_there_are_some(study):
+    shown = Exhibits(b"", [], Snapshots([], []), b"", curves=b"some PNG")
+    assert page(Results.of(study, SETTINGS), shown).count("alt='sparsification curves'") == 1
+    assert "sparsification curves'" not in bare(study)
+
+
 def test_a_part_that_could_not_be_scored_is_said(study):
     scored = [row for row in study.scores if row.part_id != "near-ball"]
     shown = bare(replace(study, scores=scored, failures={"truth": {"near-ball": "too thin"}}))
@@ -103,8 +109,9 @@ def test_emd_stands_in_mm_beside_diagonals(report_page):
 
 def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
     section = report_page.split("id='part=near-ball'")[1].split("</section>")[0]
-    for text in ("EMD (even)", "mm", "within 0.5 mm, share", "Hausdorff-95, mm"):
+    for text in ("EMD (even)", "mm", "cloud within 0.5 mm, share", "Hausdorff-95, mm"):
         assert f"<button>{text}</button>" in section
+    assert "error_left" not in section  # points of a curve, which stands further up
     assert "<tr class=failed><td class=text>box<td>0.2000 (failed)<td>6.93" in section
     assert "no silhouette &lt;seen&gt;" in section
 

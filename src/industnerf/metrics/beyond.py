@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.candidates import FILE, Candidates
@@ -15,11 +16,12 @@ from industnerf.artifacts.scores import Score
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import Views, load_views
 from industnerf.errors import MetricError
-from industnerf.metrics.calibration import ause, ause_of_chance, spearman
+from industnerf.metrics.calibration import ause, ause_of_chance, errors_left, spearman
 from industnerf.metrics.images import Picture, mean_over_views, psnr
 from industnerf.metrics.visible import Frame
 
 NEAR = 0.05  # candidates this close to what the reference rig sees are asked, in diagonals
+REMOVED = range(10, 100, 10)  # percent of the candidates: where the sparsification curve is kept
 # unit, and the value that nothing beats: it stands where other metrics have their floor
 KINDS = {
     "rgb_mse": ("white^2", 0.0),
@@ -46,16 +48,19 @@ def files_beyond(views: Path, cloud: Path) -> tuple[Path, ...]:
 
 def scores_beyond(frame: Frame, known: Truth, views: Path, cloud: Path) -> list[Score]:
     """The scores of the renderings and of the candidates in the folder `cloud`, if it has them."""
-    found: dict[tuple[str, str], float] = {}
     renderings, candidates = Renderings.load(cloud), Candidates.load(cloud)
+    scores = []
     if renderings is not None:
-        found |= mean_over_views(_pairs(load_views(views), renderings, frame.diagonal_mm))
+        pictured = mean_over_views(_pairs(load_views(views), renderings, frame.diagonal_mm))
+        scores += [_score(*kind, value) for kind, value in pictured.items()]
     if candidates is not None:
-        found |= _calibration(frame, known, candidates)
-    return [
-        Score(metric, protocol, value, KINDS[metric][1], KINDS[metric][0], "ok")
-        for (metric, protocol), value in found.items()
-    ]
+        scores += _calibration(frame, known, candidates)
+    return scores
+
+
+def _score(metric: str, protocol: str, value: float) -> Score:
+    unit, best = KINDS[metric]
+    return Score(metric, protocol, value, best, unit, "ok")
 
 
 def _pairs(
@@ -77,9 +82,7 @@ def _pairs(
         )
 
 
-def _calibration(
-    frame: Frame, known: Truth, candidates: Candidates
-) -> dict[tuple[str, str], float]:
+def _calibration(frame: Frame, known: Truth, candidates: Candidates) -> list[Score]:
     """Confidence against the distance to the true surface, of the candidates near its visible part.
 
     Empty if fewer than two are near.
@@ -88,12 +91,23 @@ def _calibration(
     to_visible, _ = cKDTree(truth[known.visible]).query(points, distance_upper_bound=NEAR)
     near = np.isfinite(to_visible)
     if near.sum() < 2:
-        return {}
+        return []
     # hidden surface is surface: who puts a point there is not wrong
     error = cKDTree(truth).query(points[near], distance_upper_bound=NEAR)[0]
     confidence = candidates.confidence[near].astype(np.float64)
-    return {
-        ("confidence_spearman", "P1-near"): spearman(confidence, error),
-        ("confidence_ause", "P1-near"): ause(error, confidence),
-        ("confidence_ause_chance", "P1-near"): ause_of_chance(error),
-    }
+    return [
+        _score("confidence_spearman", "P1-near", spearman(confidence, error)),
+        _score("confidence_ause", "P1-near", ause(error, confidence)),
+        _score("confidence_ause_chance", "P1-near", ause_of_chance(error)),
+        *_sparsified(error, confidence),
+    ]
+
+
+def _sparsified(
+    error: Float[np.ndarray, "n"], confidence: Float[np.ndarray, "n"]
+) -> Iterator[Score]:
+    """The curve by confidence; in the place of a floor, that by the true error."""
+    shares = np.array(REMOVED) / 100
+    curves = (errors_left(error, order, shares) for order in (confidence, -error))
+    for percent, left, best in zip(REMOVED, *curves, strict=True):
+        yield Score(f"error_left_{percent}", "P1-near", float(left), float(best), "1", "ok")

@@ -30,6 +30,15 @@ def sparsification(
     return left / error.mean()
 
 
+def errors_left(
+    error: Float[np.ndarray, "n"], order: Float[np.ndarray, "n"], removed: Float[np.ndarray, "s"]
+) -> Float[np.ndarray, "s"]:
+    """The sparsification curve after the shares `removed`, each below 1; 0 if there is no error."""
+    if not error.any():
+        return np.zeros_like(removed)
+    return sparsification(error, order)[(removed * len(error)).astype(int)]
+
+
 def ause(error: Float[np.ndarray, "n"], confidence: Float[np.ndarray, "n"]) -> float:
     """Area between the sparsification curves by confidence and by the true error.
 

@@ -6,6 +6,7 @@ inspection.csv .md         the same clouds in millimetres
 comparisons.csv .md        what is better than what, beyond chance
 strata.csv .md             which kinds of parts suit which method
 contact_sheet.png
+sparsification.png         if a method returns candidates
 summary.json               the means, for MLflow
 cost.csv cost.md table1.md goals.csv goals.md pareto.png report.html
                            with timings, so they differ from run to run
@@ -31,6 +32,7 @@ from industnerf.report.pareto import pareto
 from industnerf.report.provenance import stamp
 from industnerf.report.results import Results
 from industnerf.report.sheet import contact_sheet
+from industnerf.report.sparsification import sparsification
 from industnerf.report.spending import spending_md
 from industnerf.report.strata import strata_csv, strata_md
 from industnerf.report.subsets import exhibited
@@ -54,10 +56,13 @@ def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) ->
     write_tables(results, out)
     chosen = exhibited(study, settings.sheet_parts)
     sheet, front = contact_sheet(study, chosen), pareto(results.rows, results.extras)
-    shown = exhibits(study, chosen, sheet, front)
+    curves = sparsification(study)
+    shown = exhibits(study, chosen, sheet, front, curves)
     write_text(out / "report.html", page(results, shown, grid_html(grid), stamp()))
     (out / "pareto.png").write_bytes(front)
     (out / "contact_sheet.png").write_bytes(sheet)
+    if curves:
+        (out / "sparsification.png").write_bytes(curves)
     write_json(out / "summary.json", _summary(results, out))
     _show(results, out)
 

@@ -23,13 +23,16 @@ class Exhibits:
     snapshots: Snapshots
     front: bytes  # PNG: EMD against seconds
     album: Album = field(default_factory=dict)
+    curves: bytes | None = None  # PNG: sparsification by confidence, if a method has any
 
 
-def exhibits(study: Study, parts: list[Part], sheet: bytes, front: bytes) -> Exhibits:
-    """Exhibits of `parts`; `sheet` is their contact sheet, `front` EMD against seconds, both PNG.
+def exhibits(
+    study: Study, parts: list[Part], sheet: bytes, front: bytes, curves: bytes | None
+) -> Exhibits:
+    """Exhibits of `parts`; `sheet` is their contact sheet, `front` EMD against seconds, all PNG.
 
     Raises BadArtifact if a file is torn.
     """
     small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX)
     scenes = [scene(study, part) for part in parts]
-    return Exhibits(small, scenes, snapshots(study, parts), front, album(study))
+    return Exhibits(small, scenes, snapshots(study, parts), front, album(study), curves)

@@ -28,8 +28,11 @@ def distribution(study: Study, scores: Scores) -> str:
     return drawn and drawn + note(texts.DISTRIBUTION)
 
 
-def calibration(study: Study, scores: Scores) -> str:
-    """Rank correlation and AUSE of every part that has them; empty if none does."""
+def calibration(study: Study, scores: Scores, curves: bytes | None) -> str:
+    """Rank correlation and AUSE of every part that has them; empty if none does.
+
+    `curves` is a PNG of the curves that AUSE is made of.
+    """
     correlations, areas = {}, {}
     for method in study.methods:
         correlations[method], areas[method] = [], []
@@ -42,7 +45,10 @@ def calibration(study: Study, scores: Scores) -> str:
                 areas[method].append(Dot(part, area.value / chance.value))
     drawn = strips(correlations, "rank correlation of confidence and error", best=-1.0)
     drawn += strips(areas, "AUSE / AUSE of a random order", best=0.0)
-    return drawn and drawn + note(texts.CALIBRATION)
+    drawn = drawn and drawn + note(texts.CALIBRATION)
+    if curves:
+        drawn += picture("png", curves, "sparsification curves", "front") + note(texts.CURVES)
+    return drawn
 
 
 def renderings(taken: Snapshots) -> str:

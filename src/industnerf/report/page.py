@@ -66,7 +66,7 @@ def _sections(
     yield "More than chance?", comparisons_html(results.compared, interval)
     yield "By kind of part", strata_html(results.kinds)
     yield "Every part against its floor", distribution(study, scores)
-    yield "Is the confidence right?", calibration(study, scores)
+    yield "Is the confidence right?", calibration(study, scores, exhibits.curves)
     yield "Every protocol that the paper may have meant", protocols
     yield "What it costs", _costs(results, exhibits)
     yield "What was to be reached", goals_html(results.reached)

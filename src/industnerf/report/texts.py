@@ -42,6 +42,11 @@ CALIBRATION = (
     "surface, -1 is best and 0 is chance. Below: the area between the sparsification curves (AUSE) "
     "as a multiple of what a random order gives, 0 is best and 1 is chance."
 )
+CURVES = (
+    "The curves themselves, each the mean over the reported parts. The candidates near the surface "
+    "are removed, the least sure first: if confidence says what is wrong, the error of those left "
+    "falls. The area between a method's curve and its dashed one is the AUSE."
+)
 RENDERINGS = (
     "Photographs that no method was shown, and beside each what the method renders from there."
 )

@@ -1,0 +1,42 @@
+"""Sparsification curves over parts, and what is drawn of them."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.metrics.beyond import REMOVED
+from industnerf.report.sparsification import curves, sparsification
+from tests.samples import unit_part
+from tests.studies import study_of
+
+PARTS = [unit_part(name, name) for name in "abc"]
+
+
+@pytest.fixture
+def study():
+    """Of two test parts and a dev part the hull has confidences; the box has none."""
+    found = study_of(PARTS, {"hull": [0.1] * 3, "box": [0.2] * 3}, dev="c")
+    for part, slope in (("a", 0.2), ("b", 0.4), ("c", 0.9)):
+        for percent in REMOVED:
+            left, best = 1 - slope * percent / 100, 1 - percent / 100
+            score = Score(f"error_left_{percent}", "P1-near", left, best, "1", "ok")
+            found.scores.append(PartScore(part, "hull", score))
+    return found
+
+
+def test_a_curve_is_the_mean_over_the_test_parts(study):
+    found = curves(study)
+    assert set(found) == {"hull"}
+    removed = np.arange(0, 100, 10) / 100
+    np.testing.assert_allclose(found["hull"].by_confidence, 1 - 0.3 * removed, atol=1e-12)
+    np.testing.assert_allclose(found["hull"].by_error, 1 - removed, atol=1e-12)
+    assert found["hull"].parts == 2
+
+
+def test_it_is_drawn_only_where_there_is_a_curve(study):
+    assert Image.open(io.BytesIO(sparsification(study))).width > 500
+    study.scores.clear()
+    assert sparsification(study) is None
