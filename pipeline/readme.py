@@ -1,6 +1,6 @@
 """Publish the demo in results/demo, and bring its table and picture into the README: `make readme`.
 
-The table in the README is that of results/demo, which the test suite makes anew of its scores.
+The README has columns of its Table 1, which the test suite makes anew of its scores.
 """
 
 from pathlib import Path
@@ -9,6 +9,7 @@ from PIL import Image
 
 from industnerf.cli import exit_with_message
 from industnerf.report.blocks import replace_block
+from industnerf.report.readme import demo_block
 from pipeline.publish import bring
 
 WIDTH = 2200  # px of the picture
@@ -17,8 +18,7 @@ README, RUN, PUBLISHED = Path("README.md"), Path("runs/demo"), Path("results/dem
 
 def main() -> None:
     bring(RUN, PUBLISHED, "make demo")
-    table = (PUBLISHED / "table1.md").read_text()
-    README.write_text(replace_block(README.read_text(), "demo", table))
+    README.write_text(replace_block(README.read_text(), "demo", demo_block(PUBLISHED)))
     with Image.open(RUN / "reports/contact_sheet.png") as sheet:
         sheet.thumbnail((WIDTH, WIDTH))
         sheet.save("docs/demo.png", optimize=True)

@@ -18,17 +18,30 @@ def study_block(folder: Path, params: Path) -> str:
 
     `params` is params.yaml as it is now: what has changed in it since is named.
     """
-    scores = [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
-    made = json.loads((folder / "made.json").read_text())
-    parts, families = ({row[name] for row in scores} for name in ("part_id", "family"))
-    where = f"results/{folder.name}"
     return (
-        f"{len(parts)} test parts of {len(families)} families, {made_where(folder)}; every number "
-        f"is in [{where}]({where}).\n\n"
-        f"{_table1(folder, _seconds(folder, parts), made['interval'])}"
+        f"{_of_what(folder)}{_table1(folder)}"
         f"{_table2(csv_rows(folder / 'table2.csv'))}"
         f"{_since(folder / 'params.yaml', params)}"
     )
+
+
+def demo_block(folder: Path) -> str:
+    """Table 1 of the demo published in `folder`, and where it comes from."""
+    return f"{_of_what(folder)}{_table1(folder)}"
+
+
+def _of_what(folder: Path) -> str:
+    scores = _scores(folder)
+    parts, families = (len({row[name] for row in scores}) for name in ("part_id", "family"))
+    where = f"results/{folder.name}"
+    return (
+        f"{parts} test parts of {families} families, {made_where(folder)}; every number "
+        f"is in [{where}]({where}).\n\n"
+    )
+
+
+def _scores(folder: Path) -> list[Cells]:
+    return [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
 
 
 def _since(then: Path, now: Path) -> str:
@@ -53,7 +66,9 @@ def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:
     return {method: fmean(seconds) for method, seconds in found.items()}
 
 
-def _table1(folder: Path, seconds: dict[str, float], interval: float) -> str:
+def _table1(folder: Path) -> str:
+    interval = json.loads((folder / "made.json").read_text())["interval"]
+    seconds = _seconds(folder, {row["part_id"] for row in _scores(folder)})
     taken = ["inputs", "EMD (even)", f"{100 * interval:g} %", "EMD, mm", "x floor", "failed"]
     texts = table1_texts(folder)
     lines = [
