@@ -124,7 +124,21 @@ def test_a_job_that_dies_is_cancelled_or_has_a_failing_piece_costs_no_other(
     assert list((place / "logs").glob("run-*/*_log.err"))
 
 
-def test_a_preempted_job_goes_on_where_it_was(cluster, place, in_background, monkeypatch):
+def told(cluster, job):
+    """What SLURM sends before a job's time is over."""
+    cluster.run("scancel", "--signal=USR2", job)
+
+
+def pushed_out(cluster, job):
+    """A job of a partition that goes before wants the whole node."""
+    urgent = ("-p", "urgent", "--exclusive", "--output=/dev/null", "--wrap", "sleep 2")
+    assert "Submitted" in cluster.run("sbatch", *urgent)
+
+
+@pytest.mark.parametrize("interrupt", [told, pushed_out])
+def test_a_preempted_job_goes_on_where_it_was(
+    cluster, place, in_background, monkeypatch, interrupt
+):
     monkeypatch.setenv("INDUSTNERF_SLURM_CHUNK", "2")
     count = partial(works.count, log=place / "log")
     go_on = partial(works.go_on, mark=place / "mark")
@@ -135,7 +149,7 @@ def test_a_preempted_job_goes_on_where_it_was(cluster, place, in_background, mon
         Task("aside too", count, 3, ()),
     ]
     running = in_background(run_stage, "s", tasks, place / "out", "strict")
-    cluster.run("scancel", "--signal=USR2", appears(place / "mark"))
+    interrupt(cluster, appears(place / "mark"))
     running.result(100)
     assert (place / "out" / "interrupted" / "result").read_text() == "half, 1"
     assert (place / "log").read_text() == "called\n" * 3
