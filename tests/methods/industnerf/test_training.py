@@ -11,10 +11,10 @@ from industnerf.methods.industnerf import training as module
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
+from industnerf.methods.industnerf.optimiser import DECAY
 from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.run import run
-from industnerf.methods.industnerf.training import DECAY, Training
-from industnerf.rendering.render import Seen
+from industnerf.methods.industnerf.training import Training
 from industnerf.schema import IndustnerfSettings, SoftnessSettings
 from tests.methods.industnerf.scenes import (
     BOTH,
@@ -347,17 +347,6 @@ def test_a_single_view_that_is_left_out_is_said_to_be_too_few():
     ways = settings(readings={"signal": "left_out"})
     with pytest.raises(ReconstructionFailed, match="are there views enough"):
         run(posed(ball(18.0), 1, 32), ways, 0)
-
-
-def test_what_is_seen_is_held_against_the_readings_of_depth():
-    """Four pixels: seen where the reading is, 0.3 behind it, half of it missed, and no reading."""
-    training = a_training(settings_of("free", depth=2.0))
-    through, depth = torch.tensor([0.0, 0.0, 0.5, 1.0]), torch.tensor([3.0, 3.3, 3.1, 0.0])
-    seen = Seen(torch.zeros(4, 3), through, depth, depth)
-    expected = 2.0 * (0.0 + 0.3 + (0.5 * 0.1 + 0.5) + 0.0) / 4
-    off = training._off_depth(seen, torch.tensor([3.0, 3.0, 3.0, 0.0]))
-    assert off.item() == pytest.approx(expected, rel=1e-5)
-    assert training._off_depth(seen, None) == 0
 
 
 def a_relief(raw: torch.Tensor) -> tuple[Training, Silhouettes]:

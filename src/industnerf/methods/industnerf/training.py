@@ -10,19 +10,21 @@ from torch import Tensor
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import WARM_UP, Layer, near_any, spacing_of
+from industnerf.methods.industnerf.levels import Layer, near_any, spacing_of
+from industnerf.methods.industnerf.losses import error, off_depth, preference
+from industnerf.methods.industnerf.optimiser import FieldAdam
 from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.pixels import Pixels, footprint, noisier
 from industnerf.methods.industnerf.relief import Relief, beside_on_grid
 from industnerf.methods.industnerf.roles import view_roles
 from industnerf.methods.industnerf.scene import Scene
+from industnerf.methods.industnerf.schedule import level_of, progress, softness
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
 from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
-from industnerf.rendering.render import Renderer, Seen
-from industnerf.schema import IndustnerfSettings, LevelSettings, WarmUpSettings
+from industnerf.rendering.render import Renderer
+from industnerf.schema import IndustnerfSettings
 
-DECAY = 0.1  # of every learning rate from the first step to the last
 SWEEP = 20  # steps from one look for empty points, and from one look of all views, to the next
 OUTLINE = 1.0  # spacings beyond the hull: no pixel that is farther can tell anything new
 CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
@@ -56,22 +58,17 @@ class Training:
         raw = self.relief.within(raw) if self.relief else raw
         self.field.place(layer.points, raw, rgb, layer.trust, spacing=layer.spacing)
         self._harden()
-        self._adam = torch.optim.Adam(field.groups(), betas=(0.9, 0.99), eps=1e-8)
-        self._rates = [group["lr"] for group in self._adam.param_groups]
+        self._adam = FieldAdam(field)
 
     @property
     def steps(self) -> int:
         """How many this level takes."""
-        return self._level.steps
+        return level_of(self.ways, self.level).steps
 
     @property
     def image_px(self) -> int:
         """The longer side of the images that this level looks at."""
-        return self._level.image_px
-
-    @property
-    def _level(self) -> LevelSettings | WarmUpSettings:
-        return self.ways.warm_up if self.level == WARM_UP else self.ways.levels[self.level]
+        return level_of(self.ways, self.level).image_px
 
     def _index(self, points: Float32[Tensor, "m 3"]) -> None:
         """Sort the points."""
@@ -130,15 +127,11 @@ class Training:
         return self._fine
 
     def softness(self) -> float:
-        """Of the surface, in first spacings: falls geometrically from first to last step."""
-        ways = self.ways.softness
-        return ways.first * (ways.last / ways.first) ** self._share()
+        """Of the surface after the steps taken, in first spacings."""
+        return softness(self.ways, self._share())
 
     def _share(self) -> float:
-        """Of the steps of all levels, those that are taken."""
-        levels = [self.ways.warm_up, *self.ways.levels]
-        before = sum(level.steps for level in levels[: self.level + 1])
-        return (before + self.taken) / sum(level.steps for level in levels)
+        return progress(self.ways, self.level, self.taken)
 
     def _sweep(self) -> None:
         """Skip space that is empty; points that have nothing near them leave the set.
@@ -174,22 +167,12 @@ class Training:
         self._harden()
         kept = needed.nonzero()[:, 0][self.points.order]
         self._trust = None if self._trust is None else self._trust[:, kept]
-        before = self.field.own()
-        self.field.keep(kept)
-        for old, new in zip(before, self.field.own(), strict=True):
-            moments = self._adam.state.pop(old)
-            self._adam.state[new] = {
-                name: value[kept] if value.shape == old.shape else value
-                for name, value in moments.items()
-            }
-        learned = self.field.groups()
-        for group, named in zip(self._adam.param_groups, learned, strict=True):
-            group["params"] = named["params"]
+        self._adam.keep(kept)
         return kept
 
     def step(self) -> float:
         """One step of Adam; returns the mean squared error of the pixels it looked at."""
-        self._set_rates()
+        self._adam.set_rates(self._share(), self._pace() if self.relief else None)
         self._harden()
         if self._encodes():
             self.field.sources.refresh(self._some_views(), self._generator)
@@ -197,10 +180,11 @@ class Training:
         rays, target, background = self.pixels.rays(drawn, offsets)
         seen = self.renderer.look(rays, *self.field())
         target = noisier(target, self.ways.noise, self._generator)
-        loss = ((seen.over(background) - target) ** 2).mean()
+        loss = error(seen, background, target)
         self._adam.zero_grad()
+        taste = preference(seen, self.ways.emptiness, self.ways.veil)
         read = self.pixels.distances(drawn, rays)
-        (loss + self._preference(seen) + self._off_depth(seen, read)).backward()
+        (loss + taste + off_depth(seen, read, self.ways.depth)).backward()
         self._adam.step()
         self.field.settle()
         if self.relief:
@@ -212,37 +196,9 @@ class Training:
             self.field.encode_anew()
         return loss.item()
 
-    def _set_rates(self) -> None:
-        share = self._share()
-        for group, rate in zip(self._adam.param_groups, self._rates, strict=True):
-            group["lr"] = rate * DECAY**share
-            if self.relief and group["params"][0] is self.field.raw:
-                group["lr"] = self._pace()
-
     def _pace(self) -> float:
         """Of distances, in this step."""
         return self.relief.rate(self.softness())
-
-    def _preference(self, seen: Seen) -> Float32[Tensor, ""]:
-        """Of fields that re-render alike, rather the emptier one, and the one without veils.
-
-        Matter of the background's colour anywhere outside the part is as good as none; a thin
-        veil of black before a white background is as good as grey.
-        """
-        matter = self.ways.emptiness * (1 - seen.through).mean()
-        return matter + self.ways.veil * (seen.through * (1 - seen.through)).mean()
-
-    def _off_depth(
-        self, seen: Seen, read: Float32[Tensor, "r"] | None
-    ) -> Float32[Tensor, ""] | float:
-        """How far what is seen is from the readings of depth, if the method was given any.
-
-        Light that passes where there is a surface counts as a radius of the region of interest.
-        """
-        if read is None:
-            return 0.0
-        off = (1 - seen.through) * (seen.depth - read).abs() + seen.through
-        return self.ways.depth * torch.where(read > 0, off, 0.0).mean()
 
     def _encodes(self) -> bool:
         sources = self.field.sources
