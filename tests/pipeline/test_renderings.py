@@ -60,7 +60,8 @@ def test_what_comes_with_the_points_changes_no_score_of_the_points(stages, finis
     usual = load_scores(finished_run.folder / "data" / "scores" / NAME / WORKS)
     ours = load_scores(stages / "scores" / NAME / WORKS)
     assert ours[: len(usual)] == usual
-    assert len(ours) == len(usual) + 10 + 3
+    # of pictures; three of confidence, and nine points of its curve
+    assert len(ours) == len(usual) + 10 + 3 + 9
 
 
 def test_rays_cast_at_the_truth_are_the_truth_but_for_its_colours(stages, finished_run):

@@ -7,11 +7,11 @@ import pytest
 from PIL import Image
 
 from industnerf.artifacts.scores import PartScore, Score
-from industnerf.metrics.beyond import REMOVED
 from industnerf.report.sparsification import curves, sparsification
 from tests.samples import unit_part
 from tests.studies import study_of
 
+REMOVED = range(10, 100, 10)
 PARTS = [unit_part(name, name) for name in "abc"]
 
 
@@ -30,7 +30,8 @@ def study():
 def test_a_curve_is_the_mean_over_the_test_parts(study):
     found = curves(study)
     assert set(found) == {"hull"}
-    removed = np.arange(0, 100, 10) / 100
+    removed = found["hull"].removed / 100
+    np.testing.assert_allclose(removed, np.arange(10) / 10, atol=1e-12)
     np.testing.assert_allclose(found["hull"].by_confidence, 1 - 0.3 * removed, atol=1e-12)
     np.testing.assert_allclose(found["hull"].by_error, 1 - removed, atol=1e-12)
     assert found["hull"].parts == 2

@@ -18,6 +18,7 @@ from industnerf.report.markup import (
     table,
 )
 from industnerf.report.snapshots import Album
+from industnerf.report.sparsification import LEFT
 from industnerf.report.table2 import LOSSES
 
 NAMES = {  # as people say them; what is not here keeps the name it has in scores.csv
@@ -35,7 +36,6 @@ NAMES = {  # as people say them; what is not here keeps the name it has in score
     ("hausdorff95", "P1-dense"): "Hausdorff-95",
 } | {(loss.metric, loss.protocol): loss.name for loss in LOSSES if loss.metric != "emd"}
 BEYOND = ("P1-union", "P1-frame", "P1-near")  # protocols of renderings and of confidence
-CURVE = "error_left_"  # points of a curve, whose area stands there
 BARE = ("1", "diagonal")  # units that go without saying
 FOUR_DIGITS = ("1", "diagonal", "share")  # the others range over many magnitudes
 
@@ -76,10 +76,10 @@ def _pictures(seen: list[tuple[str, bytes]]) -> str:
 def _section(study: Study, scores: Scores, part: Part) -> str:
     kinds = dict(sorted(scores.kinds().items(), key=lambda kind: kind[0][0] != "emd"))
     surface = {kind: unit for kind, unit in kinds.items() if kind[1] not in BEYOND}
-    beyond = {
+    beyond = {  # but for the points of a curve, whose area stands there
         kind: unit
         for kind, unit in kinds.items()
-        if kind[1] in BEYOND and not kind[0].startswith(CURVE)
+        if kind[1] in BEYOND and not kind[0].startswith(LEFT)
     }
     return (
         f"{_facts(study, part)}{_scores(study, scores, part, surface)}"
