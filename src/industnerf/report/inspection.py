@@ -12,8 +12,7 @@ from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
 
-WITHIN = "within_"  # a tolerance: so many of the cloud's points
-COVERED = "covered_"  # within it: so much of the surface
+WITHIN, COVERED = "within_", "covered_"  # names of metrics begin so, and end with a tolerance
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
-"""What a step asks of the rays that it looked at, beside the error of their colours.
+"""What a step asks of the rays that it looked at: the error of their pixels, which is the paper's.
 
-All are additions to the paper, and 0 where their weight is.
+The others are additions, and 0 where their weight is.
 """
 
 import torch
@@ -13,7 +13,7 @@ from industnerf.rendering.render import Seen
 def error(
     seen: Seen, background: Float32[Tensor, "r 3"], target: Float32[Tensor, "r 3"]
 ) -> Float32[Tensor, ""]:
-    """Mean squared error of the re-rendered pixels before their background: the only signal."""
+    """Mean squared error of the re-rendered pixels before their background, R10."""
     return ((seen.over(background) - target) ** 2).mean()
 
 
