@@ -117,6 +117,14 @@ class ReliefSettings:
 
 
 @dataclass(frozen=True)
+class RecolourSettings:
+    """Colours alone, once the surface is found: an addition to the paper."""
+
+    steps: CountOr0
+    rate: Positive
+
+
+@dataclass(frozen=True)
 class FusionSettings:
     """Of the depths that all views see: reading `fused` of R11."""
 
@@ -140,6 +148,7 @@ class IndustnerfSettings:
     residual: ResidualSettings
     softness: SoftnessSettings
     relief: ReliefSettings
+    recolour: RecolourSettings
     initial: float
     ceiling: float
     rays: Count
@@ -169,11 +178,19 @@ class IndustnerfSettings:
         fits = not self.relief.use or self._has_grid_of_distances()
         wanted = "readings.activation distance, carve and residual.use true, network.use false"
         require(fits, "relief.use", True, f"false without {wanted}, refine divided")
+        alone = not self.recolour.steps or self._points_alone()
+        wanted = "0 without residual.use true and network.use false"
+        require(alone, "recolour.steps", self.recolour.steps, wanted)
         bounded = self.readings.activation == "distance" or self.initial < self.ceiling
         require(bounded, "initial", self.initial, "below ceiling")
 
+    def _points_alone(self) -> bool:
+        """Whether the field is what each point learns by itself."""
+        return self.residual.use and not self.network.use
+
     def _has_grid_of_distances(self) -> bool:
         """Whether each point has a distance of its own, and stays in its place in a grid."""
-        own = self.residual.use and not self.network.use
         stays = self.refine == "divided" or len(self.levels) == 1
-        return self.readings.activation == "distance" and self.carve and own and stays
+        return (
+            self.readings.activation == "distance" and self.carve and self._points_alone() and stays
+        )

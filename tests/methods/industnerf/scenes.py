@@ -137,6 +137,7 @@ def settings(
     residual: dict[str, Any] | None = None,
     levels: list[dict[str, int]] | None = None,
     warm_up: dict[str, int] | None = None,
+    recolour: dict[str, float] | None = None,
     **others: Any,
 ) -> IndustnerfSettings:
     """Those of params.yaml, with so few points, steps and rays that tests are quick.
@@ -156,6 +157,7 @@ def settings(
         residual=replace(whole.residual, **(residual or {})),
         levels=[replace(whole.levels[0], **level | extra) for extra in levels or [{}]],
         warm_up=replace(whole.warm_up, **{"steps": 0} | (warm_up or {})),
+        recolour=replace(whole.recolour, **{"steps": 0} | (recolour or {})),
         **{"grid_res": 12, "rays": 256} | others,
     )
 

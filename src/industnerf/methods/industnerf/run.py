@@ -22,6 +22,7 @@ from industnerf.methods.industnerf.finer import as_fine_as_fits, margin
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.pair import Pair
 from industnerf.methods.industnerf.photohull import PhotoHull
+from industnerf.methods.industnerf.recolour import recolour
 from industnerf.methods.industnerf.refine import refined
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
@@ -168,16 +169,29 @@ class Work:
         self._first_steps.setdefault(name, len(self._losses))
         self._watch.begin(name, self.training.steps - self.training.taken)
         while self.training.taken < self.training.steps:
-            self._losses.append(self.training.step())
-            self._watch.step(self._losses[-1])
-            if self._watch.wants_preview():
-                self._watch.preview(*self._preview())
+            self._took(self.training.step())
             if self._watch.wants_checkpoint():
                 self._watch.checkpoint(self.state())
+
+    def _recolour(self) -> None:
+        """Short enough to be taken anew by who goes on from a checkpoint."""
+        self._first_steps["colours"] = len(self._losses)
+        self._watch.begin("colours", self._settings.recolour.steps)
+        for loss in recolour(self.training):
+            self._took(loss)
+
+    def _took(self, loss: float) -> None:
+        """A step is done."""
+        self._losses.append(loss)
+        self._watch.step(loss)
+        if self._watch.wants_preview():
+            self._watch.preview(*self._preview())
 
     def listen(self) -> None:
         """Hear what the views say of the level's points; go on to the next level, or finish."""
         self.finished = self._level == len(self._settings.levels) - 1
+        if self.finished and self._settings.recolour.steps:
+            self._recolour()
         if self.finished or not self.training.relief:  # which is refined without a word of theirs
             self.told = self.training.testimony()
         if not self.finished:

@@ -1,5 +1,6 @@
 """Learning the field of one level: re-rendering the source views is the only signal, R10."""
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -22,12 +23,22 @@ from industnerf.methods.industnerf.schedule import level_of, progress, softness
 from industnerf.methods.industnerf.witnesses import Testimony, testimony
 from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
-from industnerf.rendering.render import Renderer
+from industnerf.rendering.render import Renderer, Seen
 from industnerf.schema import IndustnerfSettings
 
 SWEEP = 20  # steps from one look for empty points, and from one look of all views, to the next
 OUTLINE = 1.0  # spacings beyond the hull: no pixel that is farther can tell anything new
 CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What was seen along some rays, and what should have been."""
+
+    seen: Seen
+    background: Float32[Tensor, "r 3"]
+    target: Float32[Tensor, "r 3"]
+    read: Float32[Tensor, "r"] | None  # depth along the ray, where a sensor reads one
 
 
 class Training:
@@ -133,7 +144,7 @@ class Training:
     def _share(self) -> float:
         return progress(self.ways, self.level, self.taken)
 
-    def _sweep(self) -> None:
+    def sweep(self) -> None:
         """Skip space that is empty; points that have nothing near them leave the set.
 
         No pixel changes by it: a point is left out only where it and all points that are ever
@@ -176,15 +187,12 @@ class Training:
         self._harden()
         if self._encodes():
             self.field.sources.refresh(self._some_views(), self._generator)
-        drawn, offsets = self.pixels.draw(self.ways.rays, self._generator)
-        rays, target, background = self.pixels.rays(drawn, offsets)
-        seen = self.renderer.look(rays, *self.field())
-        target = noisier(target, self.ways.noise, self._generator)
-        loss = error(seen, background, target)
+        glance = self.glance(*self.field())
+        seen = glance.seen
+        loss = error(seen, glance.background, glance.target)
         self._adam.zero_grad()
         taste = preference(seen, self.ways.emptiness, self.ways.veil)
-        read = self.pixels.distances(drawn, rays)
-        (loss + taste + off_depth(seen, read, self.ways.depth)).backward()
+        (loss + taste + off_depth(seen, glance.read, self.ways.depth)).backward()
         self._adam.step()
         self.field.settle()
         if self.relief:
@@ -192,9 +200,17 @@ class Training:
             self.relief.settle(self.field.raw, self.taken + 1, self.steps)
         self.taken += 1
         if self.taken % SWEEP == 0:
-            self._sweep()
+            self.sweep()
             self.field.encode_anew()
         return loss.item()
+
+    def glance(self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]) -> Glance:
+        """Look along the rays of `rays` random pixels at points that hold these."""
+        drawn, offsets = self.pixels.draw(self.ways.rays, self._generator)
+        rays, target, background = self.pixels.rays(drawn, offsets)
+        seen = self.renderer.look(rays, values, rgb)
+        target = noisier(target, self.ways.noise, self._generator)
+        return Glance(seen, background, target, self.pixels.distances(drawn, rays))
 
     def _pace(self) -> float:
         """Of distances, in this step."""

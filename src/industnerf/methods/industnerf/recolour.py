@@ -1,0 +1,33 @@
+"""Colours alone, once the surface is found: an addition to the paper, for `industnerf_plus`.
+
+The points of the last level took their colours over from a grid twice as coarse.  Densities stay
+as they are, and the surface as soft as at the last step, so that where it is does not change: what
+is left is a linear problem, of the same photometric loss, R10.
+"""
+
+from collections.abc import Iterator
+
+import torch
+
+from industnerf.methods.industnerf.losses import error
+from industnerf.methods.industnerf.optimiser import DECAY
+from industnerf.methods.industnerf.training import Training
+
+BETAS = (0.0, 0.99)  # of Adam; no momentum: few of the rays of a step pass a given point
+
+
+def recolour(training: Training) -> Iterator[float]:
+    """Take the steps of `training.ways.recolour`; yields the mean squared error at each."""
+    ways, field = training.ways.recolour, training.field
+    adam = torch.optim.Adam([field.rgb], betas=BETAS)
+    training.sweep()
+    for taken in range(ways.steps):
+        adam.param_groups[0]["lr"] = ways.rate * DECAY ** (taken / ways.steps)
+        values, rgb = field()
+        glance = training.glance(values.detach(), rgb)
+        loss = error(glance.seen, glance.background, glance.target)
+        adam.zero_grad()
+        loss.backward()
+        adam.step()
+        field.settle()
+        yield loss.item()
