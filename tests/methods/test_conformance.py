@@ -98,7 +98,7 @@ def merged(*files: str) -> Params:
     return build(Params, OmegaConf.to_container(OmegaConf.merge(*map(OmegaConf.load, files))))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def cloud(learned: Callable[[str], State | None], params: Params) -> Callable[..., np.ndarray]:
     """`cloud(name, given, seed)`: what the method makes of `given`, checked."""
 
@@ -109,17 +109,23 @@ def cloud(learned: Callable[[str], State | None], params: Params) -> Callable[..
     return cloud
 
 
+@pytest.fixture(scope="module")
+def usual(photographed: Path, cloud: Callable[..., np.ndarray]) -> Callable[[str], np.ndarray]:
+    """What a method makes of the photographed part with the first seed: made once."""
+    return cache(lambda name: cloud(name, given_to(name, photographed)))
+
+
 @every_method
-def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, cloud):
+def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, cloud, usual):
     given = given_to(name, photographed)
-    first, again, other = (cloud(name, given, seed) for seed in (1, 1, 2))
+    first, again, other = usual(name), cloud(name, given, 1), cloud(name, given, 2)
     assert first.tobytes() == again.tobytes()
     assert (first.tobytes() != other.tobytes()) == load_method(name).random
 
 
 @every_method
-def test_points_are_where_the_part_is_in_mm(name, photographed, cloud):
-    points = cloud(name, given_to(name, photographed))
+def test_points_are_where_the_part_is_in_mm(name, usual):
+    points = usual(name)
     # The part's box is 4 mm longer on one side, and the mean extent is 43 mm.  Even a ball of
     # that diameter covers each side to a factor of 2, in another unit or frame nothing fits.
     # One point in a hundred may be astray: nets of so few steps are at times caught on a swing.
@@ -131,12 +137,12 @@ def test_points_are_where_the_part_is_in_mm(name, photographed, cloud):
 
 @every_method
 def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
-    name, photographed, cloud, tmp_path
+    name, photographed, cloud, usual, tmp_path
 ):
     # a power of two: depths in float32 scale without rounding, as the images do
     scale, shift = 4.0, np.array([70.0, -1000.0, 40.0])
     move(photographed, tmp_path, scale, shift)
-    here = cloud(name, given_to(name, photographed))
+    here = usual(name)
     there = cloud(name, given_to(name, tmp_path))
     # The images are the same, so is all that a method computes in a frame of its own; what
     # differs is the last digit of float32 there, 1e-7 of the size, here with a reserve of 100.
@@ -181,7 +187,7 @@ def garble(path: Path) -> None:
 
 @pytest.mark.parametrize("spoil", [Path.unlink, garble])
 @every_method
-def test_only_declared_files_are_read(name, spoil, photographed, cloud, tmp_path):
+def test_only_declared_files_are_read(name, spoil, photographed, cloud, usual, tmp_path):
     """Others may be missing, or hold anything."""
     shutil.copytree(photographed, tmp_path, dirs_exist_ok=True)
     declared = files_of(load_method(name), tmp_path / "part", tmp_path / "views")
@@ -189,7 +195,7 @@ def test_only_declared_files_are_read(name, spoil, photographed, cloud, tmp_path
         if path not in declared and path.parent not in declared:
             spoil(path)
     alone = cloud(name, given_to(name, tmp_path))
-    assert alone.tobytes() == cloud(name, given_to(name, photographed)).tobytes()
+    assert alone.tobytes() == usual(name).tobytes()
 
 
 @every_method
