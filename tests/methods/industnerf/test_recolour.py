@@ -57,6 +57,11 @@ def test_the_surface_stays_where_it_is():
     assert not torch.equal(work.training.field.rgb, colours)
 
 
+def test_the_cloud_is_what_it_is_without(without, told):
+    for values in ("points", "colours", "confidence", "view", "candidates", "certainty"):
+        np.testing.assert_array_equal(getattr(told[0], values), getattr(without, values))
+
+
 def test_its_steps_are_told_and_counted(told):
     outcome, watch = told
     assert watch.begun == [("level 0", 40), ("level 1", 0), ("colours", 30)]

@@ -182,7 +182,7 @@ def test_a_sweep_changes_no_pixel(weights, left):
     before, count = pixels_of(training, rays), len(training.points)
     assert (before - rays[2]).abs().max() > 0.5
     training._adam.param_groups[0]["params"] = list(training.field.network.parameters())
-    training.sweep()
+    training._sweep()
     assert len(training.points) < left * count
     # neighbours of another order are summed in float32
     torch.testing.assert_close(pixels_of(training, rays), before, rtol=0, atol=1e-5)
@@ -194,7 +194,7 @@ def test_sweeping_free_points_skips_space_and_forgets_none():
         training.field.raw[training.points.positions[:, 0] > -0.2] = -8.0
     rays = some_rays(training, 2000)
     before, count = pixels_of(training, rays), len(training.points)
-    training.sweep()
+    training._sweep()
     assert len(training.points) == count
     assert torch.equal(pixels_of(training, rays), before)
     training.points.fill(torch.zeros(count, dtype=torch.bool))  # the test can tell
@@ -219,7 +219,7 @@ def test_what_points_learned_and_their_moments_follow_them():
 
     before, count = rows(), len(training.points)
     assert len(before[:, 0].unique()) == count  # x alone tells points apart
-    training.sweep()
+    training._sweep()
     after = rows()
     assert len(after) < 0.8 * count
     expected = before[torch.isin(before[:, 0], after[:, 0])]
@@ -303,7 +303,7 @@ def test_points_that_were_skipped_stay_skipped():
     empty = whole.points.positions[:, 0] > 0
     with torch.no_grad():
         whole.field.raw[empty] = -8.0
-    whole.sweep()
+    whole._sweep()
     with torch.no_grad():
         whole.field.raw[empty] = 1.0
     other = a_training(ways, points=whole.points.positions)

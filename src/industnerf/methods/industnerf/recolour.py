@@ -1,8 +1,9 @@
 """Colours alone, once the surface is found: an addition to the paper, for `industnerf_plus`.
 
 The points of the last level took their colours over from a grid twice as coarse.  Densities stay
-as they are, and the surface as soft as at the last step, so that where it is does not change: what
-is left is a linear problem, of the same photometric loss, R10.
+as they are, and the surface as soft as at the last step and as pictures show it: what is left is a
+linear problem, of the same photometric loss, R10.  The cloud is not touched: the views have had
+their say on it before.
 """
 
 from collections.abc import Iterator
@@ -20,7 +21,6 @@ def recolour(training: Training) -> Iterator[float]:
     """Take the steps of `training.ways.recolour`; yields the mean squared error at each."""
     ways, field = training.ways.recolour, training.field
     adam = torch.optim.Adam([field.rgb], betas=BETAS)
-    training.sweep()
     for taken in range(ways.steps):
         adam.param_groups[0]["lr"] = ways.rate * DECAY ** (taken / ways.steps)
         values, rgb = field()

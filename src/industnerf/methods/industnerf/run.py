@@ -190,10 +190,10 @@ class Work:
     def listen(self) -> None:
         """Hear what the views say of the level's points; go on to the next level, or finish."""
         self.finished = self._level == len(self._settings.levels) - 1
-        if self.finished and self._settings.recolour.steps:
-            self._recolour()
         if self.finished or not self.training.relief:  # which is refined without a word of theirs
             self.told = self.training.testimony()
+        if self.finished and self._settings.recolour.steps:
+            self._recolour()
         if not self.finished:
             layer = refined(self.training, self.told, self._generator)
             self._prune()

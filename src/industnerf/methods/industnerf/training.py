@@ -144,7 +144,7 @@ class Training:
     def _share(self) -> float:
         return progress(self.ways, self.level, self.taken)
 
-    def sweep(self) -> None:
+    def _sweep(self) -> None:
         """Skip space that is empty; points that have nothing near them leave the set.
 
         No pixel changes by it: a point is left out only where it and all points that are ever
@@ -200,7 +200,7 @@ class Training:
             self.relief.settle(self.field.raw, self.taken + 1, self.steps)
         self.taken += 1
         if self.taken % SWEEP == 0:
-            self.sweep()
+            self._sweep()
             self.field.encode_anew()
         return loss.item()
 
