@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
@@ -59,6 +60,17 @@ def test_a_torn_rwlock_stops_dvc_and_is_mended(copy: WorkingCopy):
     assert "corrupted" in copy.run("dvc repro -f")[1]
     copy.mend("locks")
     assert copy.run("dvc repro -f")[0] == 0
+
+
+def test_a_rwlock_that_dvc_is_writing_is_not_torn(copy: WorkingCopy):
+    """It empties the file first."""
+    rwlock = copy.folder / ".dvc/tmp/rwlock"
+    rwlock.write_text("")
+    writer = threading.Timer(0.3, rwlock.write_text, ['{"write": {}, "read": {}}'])
+    writer.start()
+    found = copy.find("locks")
+    writer.join()
+    assert found == []
 
 
 def test_a_number_that_another_process_has_by_now_blocks_dvc(

@@ -23,6 +23,7 @@ SETTINGS = {
         'levels=[{"steps": 100, "image_px": 48, "points": 2000}]',
         "rays=512",
         "spacing=0.05",
+        "recolour.steps=20",
     ),
     "industnerf": (
         "grid_res=12",
@@ -62,7 +63,7 @@ def test_the_cloud_lies_near_the_ball(ball_photographs, tmp_path, monkeypatch, c
     # cells of 3 mm and pixels of 2.7 mm; points all over the ball that is in frame are 8 mm off
     assert np.abs(off).mean() < 2
     assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
-    assert "100 steps" in capsys.readouterr().out
+    assert "120 steps" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("method", SETTINGS)

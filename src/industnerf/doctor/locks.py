@@ -5,11 +5,14 @@ with process numbers: torn, or with a number that another process has by now, it
 """
 
 import json
+import time
 from pathlib import Path
 
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
 from industnerf.doctor.processes import command, holder, is_alive, state
+
+LOOKS, LOOK_S = 10, 0.1  # DVC empties the file before it writes it anew
 
 
 def find(places: Places) -> list[Finding]:
@@ -32,12 +35,21 @@ def _rwlock(places: Places, path: Path) -> list[Finding]:
     if not path.exists():
         return []
     remove = f"rm {places.words(path)}"
-    try:
-        entries = _entries(json.loads(path.read_text()))
-    except (ValueError, TypeError, AttributeError, KeyError):
+    entries = _read(path)
+    if entries is None:
         size = path.stat().st_size
         return [Finding(path, f"torn ({size} bytes, not DVC's JSON): DVC stops at it", remove)]
     return [_entry(path, pid, by, remove) for pid, by in sorted(entries)]
+
+
+def _read(path: Path) -> set[tuple[int, str]] | None:
+    """Who is written down; None if the file is torn, and not because DVC is just writing it."""
+    for _ in range(LOOKS):
+        try:
+            return _entries(json.loads(path.read_text()))
+        except (ValueError, TypeError, AttributeError, KeyError):
+            time.sleep(LOOK_S)
+    return None
 
 
 def _entries(content: dict) -> set[tuple[int, str]]:
