@@ -12,8 +12,8 @@ ALL = {"relief.use": True, "levels[0].steps": 9, "levels[1].steps": 0, "levels[1
 FAMILIES = {"a": "of-a", "b": "of-b"}
 
 
-def outcome(settings, a, b, failed=0):
-    return Outcome(settings, {"a": a, "b": b}, FAMILIES, failed)
+def outcome(settings, a, b, failed=0, rgb_mse=()):
+    return Outcome(settings, {"a": a, "b": b}, FAMILIES, failed, dict(rgb_mse))
 
 
 def rows(*found):
@@ -24,14 +24,14 @@ def rows(*found):
 def test_the_worst_change_stands_first_after_none():
     found = rows(
         outcome(ALL | {"relief.use": False}, 0.01, 0.04),
-        outcome(ALL, 0.02, 0.04),
-        outcome(ALL | {"levels[0].steps": 4}, 0.03, 0.07, failed=1),
+        outcome(ALL, 0.02, 0.04, rgb_mse={"a": 0.001, "b": 0.002}),
+        outcome(ALL | {"levels[0].steps": 4}, 0.03, 0.07, failed=1, rgb_mse={"a": 0.004}),
     )
-    assert found[0] == ["nothing", "0.0300", "", "", "", "0"]
+    assert found[0] == ["nothing", "0.0300", "", "", "", "0", "0.00150", ""]
     # +0.01 and +0.03; of two families a bootstrap draws 0.01, 0.02 and 0.03, the ends often enough
     worst = ["`levels[0].steps: 4`", "0.0500", "+0.0200", "+0.0100 to +0.0300", "2 of 2", "1"]
-    assert found[1] == worst
-    assert found[2][2:] == ["-0.0050", "-0.0100 to +0.0000", "0 of 2", "0"]
+    assert found[1] == [*worst, "0.00400", "1 of 1"]  # a failed part has no pictures
+    assert found[2][2:] == ["-0.0050", "-0.0100 to +0.0000", "0 of 2", "0", "", ""]
 
 
 def test_what_is_gone_is_named_once():

@@ -9,7 +9,9 @@ from industnerf.report.effects import Outcome, difference
 from industnerf.schema import ReportParams
 
 METHODS = ("industnerf_plus",)
-HEAD = "| changed | EMD even | more than with all | 95 % | worse on | failed |\n"
+HEAD = (
+    "| changed | EMD even | more than with all | 95 % | worse on | failed | RGB MSE | worse on |\n"
+)
 
 
 def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> str:
@@ -24,7 +26,8 @@ def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> st
         raise BadArtifact(
             "no finished point has the settings of params.yaml; were they changed after the sweep?"
         )
-    rows = [["nothing", f"{fmean(base.emd.values()):.4f}", "", "", "", str(base.failed)]]
+    nothing = ["nothing", _mean(base.emd, 4), "", "", "", str(base.failed), _mean(base.rgb_mse, 5)]
+    rows = [[*nothing, ""]]
     worst = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
     rows += [_row(name, one, base, ways) for name, one in worst]
     lines = "".join(f"| {' | '.join(row)} |\n" for row in rows)
@@ -39,7 +42,21 @@ def changed(settings: dict[str, Any], usual: dict[str, Any]) -> str:
 
 
 def _row(name: str, one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:
-    parts = one.emd.keys() & base.emd.keys()
-    worse = sum(one.emd[part] > base.emd[part] for part in parts)
-    mean = f"{fmean(one.emd.values()):.4f}"
-    return [name, mean, *difference(one, base, ways), f"{worse} of {len(parts)}", str(one.failed)]
+    return [
+        name,
+        _mean(one.emd, 4),
+        *difference(one, base, ways),
+        _worse(one.emd, base.emd),
+        str(one.failed),
+        _mean(one.rgb_mse, 5),
+        _worse(one.rgb_mse, base.rgb_mse),
+    ]
+
+
+def _mean(values: dict[str, float], digits: int) -> str:
+    return f"{fmean(values.values()):.{digits}f}" if values else ""
+
+
+def _worse(values: dict[str, float], base: dict[str, float]) -> str:
+    parts = values.keys() & base.keys()
+    return f"{sum(values[part] > base[part] for part in parts)} of {len(parts)}" if parts else ""

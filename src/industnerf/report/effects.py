@@ -1,7 +1,7 @@
 """What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from statistics import fmean
 from typing import Any, get_args, get_type_hints
@@ -18,6 +18,7 @@ from industnerf.schema.readings import Readings
 METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
 HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
 UNKNOWN = "not yet measured"
+RGB = ("rgb_mse", "P1-union")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Outcome:
     emd: dict[str, float]  # part id -> EMD (even)
     families: dict[str, str]
     failed: int
+    rgb_mse: dict[str, float] = field(default_factory=dict)  # part id -> RGB MSE
 
 
 def outcomes(sweep: Path, methods: Sequence[str] = METHODS) -> list[Outcome]:
@@ -46,16 +48,17 @@ def _outcome(point: Path, methods: Sequence[str]) -> Outcome:
     method = next((name for name in methods if name in params["methods"]), None)
     if method is None:
         raise BadArtifact(f"{point} ran none of {', '.join(methods)}")
-    rows = [
-        row
-        for row in csv_rows(point / "reports" / "scores.csv")
-        if (row["method"], row["metric"], row["protocol"]) == (method, *EVEN)
+    of_method = [
+        row for row in csv_rows(point / "reports" / "scores.csv") if row["method"] == method
     ]
+    rows = [row for row in of_method if (row["metric"], row["protocol"]) == EVEN]
+    seen = [row for row in of_method if (row["metric"], row["protocol"]) == RGB]
     return Outcome(
         leaves(params["method"][method]),
         {row["part_id"]: float(row["value"]) for row in rows},
         {row["part_id"]: row["family"] for row in rows},
         sum(row["status"] != "ok" for row in rows),
+        {row["part_id"]: float(row["value"]) for row in seen},
     )
 
 
@@ -69,9 +72,9 @@ def table(found: list[Outcome], default: Readings, ids: dict[str, str], ways: Re
     alone = {_only_change(one.settings, usual): one for one in found}
     base = alone.get(("", ""))
     rows = [
-        _row(ids[field.name], value, value == usual[field.name], alone, base, field.name, ways)
-        for field in fields(Readings)
-        for value in _ordered(field.name, usual[field.name])
+        _row(ids[name], value, value == usual[name], alone, base, name, ways)
+        for name in (each.name for each in fields(Readings))
+        for value in _ordered(name, usual[name])
     ]
     return HEAD + "| --- | --- | --- | --- | --- | --- | --- |\n" + "".join(rows)
 
