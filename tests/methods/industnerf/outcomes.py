@@ -12,9 +12,9 @@ from tests.methods.industnerf.scenes import CENTRE, Solid, ball, box, texture
 SOLIDS = {"ball": ball(18.0), "box": box((16.0, 11.0, 8.0))}
 
 
-def surface_of(solid: Solid) -> np.ndarray:
+def surface_of(solid: Solid, count: int = 2000) -> np.ndarray:
     """Points all over it."""
-    directions = np.random.default_rng(0).normal(size=(2000, 3))
+    directions = np.random.default_rng(0).normal(size=(count, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return directions * (100 - solid.meets(100 * directions, -directions))[:, None]
 
