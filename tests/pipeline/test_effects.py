@@ -47,7 +47,9 @@ def workplace(tmp_path, monkeypatch):
         params |= {"preset": preset, "methods": ["industnerf", "industnerf_plus"]}
         (folder / "0/params.yaml").write_text(yaml.safe_dump(params))
         head = "part_id,family,method,metric,protocol,value,status\n"
-        lines = [f"a,of-a,{name},emd,P1-even,0.0123,ok\n" for name in params["methods"]]
+        scores = ("emd,P1-even,0.0123", "rgb_mse,P1-frame,0.007", "rgb_mse,P1-union,0.0045")
+        names = params["methods"]
+        lines = [f"a,of-a,{name},{score},ok\n" for name in names for score in scores]
         (folder / "0/reports/scores.csv").write_text(head + "".join(lines))
         (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
         (folder / "made.json").write_text(json.dumps({"date": "2026-01-31", "commit": "abc"}))
@@ -62,7 +64,7 @@ def workplace(tmp_path, monkeypatch):
     ("preset", "document", "row"),
     [
         ("readings", "readings", "| R1 | `intended` | 0.0123 |"),
-        ("ablation", "method", "| nothing | 0.0123 |"),
+        ("ablation", "method", "| nothing | 0.0123 |  |  |  | 0 | 0.00450 |  |"),
     ],
 )
 def test_a_sweep_goes_into_the_document_that_asks_about_it(workplace, preset, document, row):

@@ -177,9 +177,9 @@ def test_a_tree_that_was_not_clean_is_said_to_be(published):
 def test_settings_that_changed_since_are_named(published):
     assert "Since then" not in shown(published)
     today = published.parents[1] / "params.yaml"
-    today.write_text("seed: 1\nviews: {count: 40, held_out: 8, fov_deg: 30.0}\n")
-    last = shown(published).splitlines()[-1]
-    assert last.endswith("a run of today would differ, in `seed`, `views.held_out`.")
+    today.write_text("seed: 1\nviews: {count: 40, sun: {a: {b: 1, c: 2}}}\n")
+    changed = "has changed in `seed` and has gained `views.sun.a` and has lost `views.fov_deg`"
+    assert shown(published).splitlines()[-1] == f"Since then params.yaml {changed}."
 
 
 def test_a_net_that_is_undertrained_is_marked(published):

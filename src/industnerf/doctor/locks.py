@@ -32,8 +32,6 @@ def _held(path: Path, pid: int) -> Finding:
 
 
 def _rwlock(places: Places, path: Path) -> list[Finding]:
-    if not path.exists():
-        return []
     remove = f"rm {places.words(path)}"
     entries = _read(path)
     if entries is None:
@@ -47,6 +45,8 @@ def _read(path: Path) -> set[tuple[int, str]] | None:
     for _ in range(LOOKS):
         try:
             return _entries(json.loads(path.read_text()))
+        except FileNotFoundError:
+            return set()
         except (ValueError, TypeError, AttributeError, KeyError):
             time.sleep(LOOK_S)
     return None

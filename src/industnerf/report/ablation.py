@@ -10,7 +10,8 @@ from industnerf.schema import ReportParams
 
 METHODS = ("industnerf_plus",)
 HEAD = (
-    "| changed | EMD even | more than with all | 95 % | worse on | failed | RGB MSE | worse on |\n"
+    "| changed | EMD even | more than with all | 95 % | worse on | failed "
+    "| RGB MSE | RGB worse on |\n"
 )
 
 

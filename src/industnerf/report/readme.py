@@ -2,6 +2,7 @@
 
 import json
 from collections import defaultdict
+from collections.abc import Set
 from pathlib import Path
 from statistics import fmean
 
@@ -47,14 +48,20 @@ def _scores(folder: Path) -> list[Cells]:
 def _since(then: Path, now: Path) -> str:
     """A sentence on what of params.yaml is no longer as the study had it, or nothing."""
     old, new = (flat(read_yaml(path)) for path in (then, now))
-    changed = {key for key in old.keys() | new.keys() if old.get(key, ...) != new.get(key, ...)}
-    if not changed:
-        return ""
-    sections = sorted({".".join(key.split(".")[:2]) for key in changed})
-    return (
-        "\nSince then params.yaml has changed, and a run of today would differ, in "
-        f"{', '.join(f'`{section}`' for section in sections)}.\n"
-    )
+    changed = {key for key in old.keys() & new.keys() if old[key] != new[key]}
+    found = {
+        "has changed in": changed,
+        "has gained": new.keys() - old,
+        "has lost": old.keys() - new,
+    }
+    said = [f"{words} {_named(keys)}" for words, keys in found.items() if keys]
+    return f"\nSince then params.yaml {' and '.join(said)}.\n" if said else ""
+
+
+def _named(keys: Set[str]) -> str:
+    """At most three keys deep: what is nested deeper is named by where it is."""
+    sections = sorted({".".join(key.split(".")[:3]) for key in keys})
+    return ", ".join(f"`{section}`" for section in sections)
 
 
 def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:

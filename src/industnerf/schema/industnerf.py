@@ -109,7 +109,7 @@ class ReliefSettings:
     back: Share
     back_in_doubt: Share
     slack: Annotated[float, at_least(1)]
-    fill_every: Count
+    fill_every: CountOr0
     fill_from: Annotated[float, within("[0, 1]")]
 
     def __post_init__(self) -> None:

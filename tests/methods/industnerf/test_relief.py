@@ -99,6 +99,14 @@ def test_pits_of_the_last_step_are_filled_whatever_its_number():
     assert torch.equal(distance, hull)
 
 
+def test_pits_are_kept_where_none_are_to_be_filled():
+    distance = torch.full((SIDE**3,), -2.0)
+    distance[number(3, 3, 3)] = 1.0
+    pits = distance.clone()
+    Relief(torch.full((SIDE**3,), -2.0), BESIDE, replace(WAYS, fill_every=0)).settle(distance, 7, 7)
+    assert torch.equal(distance, pits)
+
+
 def test_steps_are_as_long_as_the_surface_is_soft():
     relief = Relief(torch.zeros(SIDE**3), BESIDE, WAYS)
     assert [relief.rate(beta) for beta in (2.0, 0.5)] == pytest.approx([0.2, 0.05])

@@ -57,9 +57,15 @@ class Relief:
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:
         """Back inside the hull; now and then, and at the end, without pits."""
         distance.copy_(torch.maximum(distance, self._least)).clamp_(-FARTHEST, FARTHEST)
-        due = taken % self._ways.fill_every == 0 and taken >= self._ways.fill_from * steps
-        if due or taken == steps:
+        if self._is_due(taken, steps):
             distance.copy_(without_pits(distance, self.hull, self._beside))
+
+    def _is_due(self, taken: int, steps: int) -> bool:
+        """Whether pits are filled after so many of the `steps`."""
+        every = self._ways.fill_every
+        if not every:
+            return False
+        return taken == steps or (taken % every == 0 and taken >= self._ways.fill_from * steps)
 
 
 def without_pits(

@@ -76,7 +76,7 @@ class Outcome:
     candidates: Float32[np.ndarray, "m 3"]  # every point with a density
     certainty: Float32[np.ndarray, "m"]  # their confidence
     losses: list[float]  # of every step
-    first_steps: dict[str, int]  # of every level
+    first_steps: dict[str, int]  # of every level, and of the colours alone
     background: Background  # behind the part, view by view
     pictures: Callable[[Cameras, Background], Renderings]  # the field from other cameras
     remarks: tuple[str, ...] = ()  # on the images
@@ -188,7 +188,10 @@ class Work:
             self._watch.preview(*self._preview())
 
     def listen(self) -> None:
-        """Hear what the views say of the level's points; go on to the next level, or finish."""
+        """Hear what the views say of the level's points; go on to the next level, or finish.
+
+        To finish is to learn the colours once more, where `recolour` asks for it.
+        """
         self.finished = self._level == len(self._settings.levels) - 1
         if self.finished or not self.training.relief:  # which is refined without a word of theirs
             self.told = self.training.testimony()
