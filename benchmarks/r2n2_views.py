@@ -50,8 +50,12 @@ def main() -> None:
     emds = {count: {p: x for one in found for p, x in one[count].items()} for count in VIEWS}
     families = {part.part_id: part.family for part in load_parts(data / "parts")}
     rows = [
-        [str(count), f"{fmean(emds[count].values()):.4f}", *gain(emds[1], emds[count], families)]
-        for count in VIEWS
+        [
+            str(count),
+            f"{fmean(of.values()):.4f}",
+            *(gain(emds[1], of, families) if count > 1 else [""] * 3),
+        ]
+        for count, of in emds.items()
     ]
     print(markdown(["views", "EMD even", "more than with one", "95 %", "better on"], rows))
 
