@@ -210,7 +210,8 @@ def stretched(job: Job, factor: float) -> Job:
     ways = job.settings
     levels = [replace(x, steps=math.ceil(factor * x.steps)) for x in ways.levels]
     warm_up = replace(ways.warm_up, steps=round(factor * ways.warm_up.steps))
-    return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels))
+    recolour = replace(ways.recolour, steps=round(factor * ways.recolour.steps))
+    return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels, recolour=recolour))
 
 
 def cost(what: str, job: Job, first: int | None) -> Iterator[tuple[str, ...]]:
