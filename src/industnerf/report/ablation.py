@@ -20,6 +20,8 @@ def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> st
 
     `usual` are the settings with all of them, by dotted key.  Raises BadArtifact if no point has
     just these: there is nothing to compare with.
+
+    RGB MSE is of the parts that did not fail: of the others there are no pictures.
     """
     by_change = {changed(one.settings, usual): one for one in found}
     base = by_change.pop("", None)

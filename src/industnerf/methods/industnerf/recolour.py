@@ -1,9 +1,9 @@
 """Colours alone, once the surface is found: an addition to the paper, for `industnerf_plus`.
 
 The points of the last level took their colours over from a grid twice as coarse.  Densities stay
-as they are, and the surface as soft as at the last step and as pictures show it, looked for where
-the hard one is not empty: what is left is a linear problem, of the same photometric loss, R10.  The
-cloud of R11 `surface` is not touched, for the views have had their say on it before.
+as they are, and the surface as soft as at the last step, as pictures show it; space that is empty
+for the hard surface is skipped.  What is left is a linear problem, of the same photometric loss,
+R10.  The cloud of R11 `surface` is not touched, for the views have had their say on it before.
 """
 
 from collections.abc import Iterator
