@@ -12,7 +12,7 @@ import torch
 from industnerf.errors import ReconstructionFailed
 from industnerf.rendering.distance import density
 from industnerf.rendering.points import Points
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays, Renderer, Seen
 from industnerf.rendering.twin import confidence_twin, render_twin
 from tests.rendering.compiled import back, compiled, in_order
 from tests.rendering.scenes import SCENES, Scene
@@ -100,6 +100,33 @@ def test_half_of_the_light_is_left_at_the_median():
     )
     seen = renderer.look(rays, torch.full((len(points),), 2.0), torch.ones(len(points), 3))
     assert seen.median.item() - 1 == pytest.approx(0.5 * math.log(2), abs=1e-3)
+
+
+@pytest.mark.parametrize("harder", [0.1, 0.6, 3.0])
+def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
+    """Bit for bit; and neither the pixel nor the way back hears of it."""
+    scene = SCENES["distance"]
+    renderer, rays = compiled(scene)
+    values, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
+
+    def look(beta: float, median_beta: float) -> tuple[Seen, torch.Tensor]:
+        renderer.beta = beta
+        renderer.median_beta = median_beta
+        leaf = values.clone().requires_grad_()
+        seen = renderer.look(rays, leaf, rgb)
+        (seen.colour.sum() + seen.depth.sum()).backward()
+        return seen, leaf.grad
+
+    soft, other = renderer.beta, harder * renderer.beta
+    (once, slope), (own, own_slope), (second, _) = (
+        look(*betas) for betas in ((soft, other), (soft, soft), (other, other))
+    )
+    for name in ("colour", "through", "depth"):
+        assert torch.equal(getattr(once, name), getattr(own, name))
+    assert torch.equal(slope, own_slope)
+    expected = torch.where(second.median > 0, second.median, own.median)
+    assert not torch.equal(expected, own.median)
+    assert torch.equal(once.median, expected)
 
 
 def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(scene):

@@ -30,6 +30,7 @@ class March:
     stop: wp.float32
     room: wp.int32  # samples that a ray can have at most
     beta: wp.float32  # 0: points hold densities, else distances, and this is their softness
+    median_beta: wp.float32  # the same, for the median alone
 
 
 @wp.func
@@ -51,30 +52,39 @@ def crossing(origin: wp.vec3, direction: wp.vec3, lo: wp.vec3, hi: wp.vec3):
 
 @wp.func
 @no_type_check
-def inside(march: March, value: wp.float32):
+def inside(beta: wp.float32, value: wp.float32):
     """The logistic function of -value / beta; kept from overflow, which fast maths forbids."""
-    return 1.0 / (1.0 + wp.exp(wp.min(value / march.beta, FAR)))
+    return 1.0 / (1.0 + wp.exp(wp.min(value / beta, FAR)))
 
 
 @wp.func
 @no_type_check
-def density(march: March, value: wp.float32):
+def density(beta: wp.float32, value: wp.float32):
     """`distance.density` of what a sample's neighbours hold in the mean."""
-    if march.beta == 0.0:
+    if beta == 0.0:
         return value
-    return wp.max(inside(march, value) - NOTHING, 0.0) / march.beta
+    return wp.max(inside(beta, value) - NOTHING, 0.0) / beta
 
 
 @wp.func
 @no_type_check
-def slope(march: March, value: wp.float32):
+def slope(beta: wp.float32, value: wp.float32):
     """How much the density grows with the value."""
-    if march.beta == 0.0:
+    if beta == 0.0:
         return wp.float32(1.0)
-    share = inside(march, value)
+    share = inside(beta, value)
     if share <= NOTHING:
         return wp.float32(0.0)
-    return -share * (1.0 - share) / (march.beta * march.beta)
+    return -share * (1.0 - share) / (beta * beta)
+
+
+@wp.func
+@no_type_check
+def halfway(found: wp.float32, T: wp.float32, tau: wp.float32, t: wp.float32, step: wp.float32):
+    """Where T falls through 1/2: `found` before, or in the sample of depth `tau` round `t`; -1."""
+    if found < 0.0 and T * wp.exp(-tau) < 0.5:
+        return t + (wp.log(2.0 * T) / tau - 0.5) * step
+    return found
 
 
 @wp.kernel
@@ -93,16 +103,24 @@ def forward(
     depth: wp.array(dtype=wp.float32),
     median: wp.array(dtype=wp.float32),
 ):
-    """Colour before the background, T_end, mean distance, where T falls through 1/2."""
+    """Colour before the background, T_end, mean distance, where T falls through 1/2.
+
+    The last of the surface that `median_beta` makes; where half of the light passes that one, of
+    the other.  A ray goes on until both have ended.
+    """
     r = wp.tid()
     span = crossing(origins[r], directions[r], march.lo, march.hi)
     per_cell = cells.radius / march.step
     q = wp.int32(0)
     n = wp.int32(0)
+    count = wp.int32(0)  # of those before it ends
     T = wp.float32(1.0)
+    watching = march.median_beta != march.beta
+    left = wp.float32(1.0)  # T, with median_beta for beta
     c = wp.vec3(0.0, 0.0, 0.0)
     z = wp.float32(0.0)
     middle = wp.float32(-1.0)
+    fallback = wp.float32(-1.0)
     t = span[0] + offsets[r] * march.step
     while t < span[1] and n < march.room:
         x = origins[r] + t * directions[r]
@@ -121,23 +139,31 @@ def forward(
                 for i in range(first, first + size):
                     s += met.weights[i] * values[met.ids[i]]
                     mean += met.weights[i] * rgb[met.ids[i]]
-                tau = density(march, s) * march.step
-                kept = wp.exp(-tau)
-                share = T * (1.0 - kept)
-                c += share * mean
-                z += share * t
                 met.at[slot] = t
-                if T * kept < 0.5 and middle < 0.0:
-                    middle = t + (wp.log(2.0 * T) / tau - 0.5) * march.step
-                T = T * kept
                 n += 1
-                if T < march.stop:  # noqa: SIM300
+                if march.stop <= T:
+                    count = n
+                    tau = density(march.beta, s) * march.step
+                    kept = wp.exp(-tau)
+                    share = T * (1.0 - kept)
+                    c += share * mean
+                    z += share * t
+                    fallback = halfway(fallback, T, tau, t, march.step)
+                    T = T * kept
+                if watching:
+                    tau = density(march.median_beta, s) * march.step
+                    middle = halfway(middle, left, tau, t, march.step)
+                    left = left * wp.exp(-tau)
+                    watching = middle < 0.0 and march.stop <= left
+                if march.stop > T and not watching:
                     break
         t = span[0] + (wp.float32(q) + offsets[r]) * march.step
-    met.count[r] = n
+    met.count[r] = count
     colour[r] = c
     through[r] = T
     depth[r] = z / wp.max(1.0 - T, 1.0e-8)
+    if middle < 0.0:
+        middle = fallback
     median[r] = middle
 
 
@@ -182,12 +208,12 @@ def backward(
         for i in range(first, last):
             s += met.weights[i] * values[met.ids[i]]
             mean += met.weights[i] * rgb[met.ids[i]]
-        kept = wp.exp(-density(march, s) * march.step)
+        kept = wp.exp(-density(march.beta, s) * march.step)
         share = T * (1.0 - kept)
         T = T * kept
         here = wp.dot(g, mean) + deeper * (met.at[slot] - depth[r])
         behind -= share * here
-        ds = slope(march, s) * march.step * (T * here - behind - ending)
+        ds = slope(march.beta, s) * march.step * (T * here - behind - ending)
         for i in range(first, last):
             wp.atomic_add(d_values, met.ids[i], met.weights[i] * ds)
             wp.atomic_add(d_rgb, met.ids[i], (met.weights[i] * share) * g)
@@ -217,7 +243,7 @@ def confide(
         for i in range(first, last):
             s += met.weights[i] * values[met.ids[i]]
             most = wp.max(most, met.weights[i])
-        kept = wp.exp(-density(march, s) * march.step)
+        kept = wp.exp(-density(march.beta, s) * march.step)
         value = agreement[r] * T / most
         if own:
             value = value * kept

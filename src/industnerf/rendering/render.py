@@ -114,7 +114,19 @@ class Renderer:
 
     @beta.setter
     def beta(self, beta: float) -> None:
-        self._march.beta = beta
+        self._march.beta = self._march.median_beta = beta
+
+    @property
+    def median_beta(self) -> float:
+        """Softness of the surface whose median is told; `beta`, unless set after it.
+
+        Of the surface that `beta` makes is the median of rays on which half of the light passes.
+        """
+        return self._march.median_beta
+
+    @median_beta.setter
+    def median_beta(self, beta: float) -> None:
+        self._march.median_beta = beta
 
     @property
     def _device(self) -> Any:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from industnerf.artifacts.renderings import Renderings
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.run import Watch, Work, pictures, run
@@ -143,10 +144,13 @@ def test_pictures_are_as_soft_as_learned_and_their_depth_is_of_the_hard_surface(
     work.listen()
     eyes, behind, last = work.scene.eyes, work.scene.background, work.training
     taken = pictures(last, given, given.cameras, behind.numpy())
-    soft, hard = (
-        rerender(eyes, behind, last.finely(softness), *last.values(), given.radius)
-        for softness in (ways.softness.last, ways.softness.shown)
-    )
+
+    def as_if(softness: float) -> Renderings:
+        renderer = last.finely(softness)
+        renderer.median_beta = renderer.beta
+        return rerender(eyes, behind, renderer, *last.values(), given.radius)
+
+    soft, hard = as_if(ways.softness.last), as_if(ways.softness.shown)
     off = [((t.rgb / 255 - given.rgb / 255) ** 2).mean() for t in (taken, hard)]
     assert off[0] < 0.7 * off[1]
     met = hard.depth_mm > 0

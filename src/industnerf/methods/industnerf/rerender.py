@@ -28,7 +28,8 @@ def rerender(
     depth = torch.zeros(n, height, width, device=values.device)
     opacity = torch.zeros_like(depth)
     reach = renderer.points.reach
-    dense = density(values, renderer.beta) > 0
+    softest = max(renderer.beta, renderer.median_beta)
+    dense = density(values, softest) > 0
     shown = footprint(renderer.points.positions[dense], reach, eyes, max(height, width))
     for pixels in shown.nonzero().split(CHUNK):
         view, row, column = pixels.unbind(1)

@@ -1,9 +1,8 @@
 """The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from math import isclose
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,6 @@ from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import Posed, eyes, scene_of
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import Testimony
-from industnerf.rendering.render import Renderer
 from industnerf.schema import IndustnerfSettings
 
 Background = Float[np.ndarray, "views 3"]
@@ -278,15 +276,5 @@ def pictures(
     where = training.points.positions.device
     behind = torch.tensor(background, dtype=torch.float32, device=where)
     looking = eyes(cameras, posed.centre, posed.radius, where)
-    values, rgb = training.values()
-
-    def seen_by(renderer: Renderer) -> Renderings:
-        return rerender(looking, behind, renderer, values, rgb, posed.radius)
-
-    soft = training.finely(training.softness())
-    seen, beta = seen_by(soft), soft.beta
-    hard = training.finely(training.ways.softness.shown)
-    if isclose(hard.beta, beta):
-        return seen
-    depth = seen_by(hard).depth_mm
-    return replace(seen, depth_mm=np.where(depth > 0, depth, seen.depth_mm))
+    renderer = training.finely(training.softness())
+    return rerender(looking, behind, renderer, *training.values(), posed.radius)

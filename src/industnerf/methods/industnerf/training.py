@@ -131,10 +131,11 @@ class Training:
         """What looks at the field once it is learned, with a surface so soft, in first spacings.
 
         As the last step had it for colours, which is what was learned: seen aslant, a soft surface
-        is nearer than a hard one.  As `softness.shown` to find where the surface is.
+        is nearer than a hard one.  The median is that of `softness.shown`, whatever the colours'.
         """
         if self.ways.readings.activation == "distance":
             self._fine.beta = softness * self._unit
+            self._fine.median_beta = self.ways.softness.shown * self._unit
         return self._fine
 
     def softness(self) -> float:
