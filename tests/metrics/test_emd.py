@@ -21,6 +21,7 @@ from industnerf.metrics import emd as module
 from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import weighted
 from industnerf.metrics.emd import DENSE_PAIRS, DENSE_SIDE, emd, proven_emd
+from industnerf.metrics.ground import DISTANCE, SQUARED, Ground
 from industnerf.metrics.proof import Emd
 
 LARGE = 600
@@ -52,21 +53,23 @@ def half_box(seed: int, n: int) -> np.ndarray:
     return points[points[:, 0] < 0][:n]
 
 
-def assert_proven(found: Emd, truth: float) -> None:
-    """`found` is not less than the truth, not 1e-9 more, and its interval holds the truth.
+def assert_proven(found: Emd, truth: float, least: float = 0.0) -> None:
+    """`found` is not less than the truth, not 1e-9 or `least` more, and its interval holds it.
 
     1e-13 for the truth's own rounding, a sum of up to some thousand lengths.
     """
+    allowed = max(1e-9 * truth, least)
     assert found.value >= truth * (1 - 1e-13)
-    assert found.value <= truth * (1 + 1e-9)
+    assert found.value <= truth + allowed
     assert found.value - found.gap <= truth * (1 + 1e-13)
-    assert found.gap <= 1e-9 * found.value
+    assert found.gap <= allowed * (1 + 1e-9)
 
 
-def assignment(a: np.ndarray, b: np.ndarray) -> float:
+def assignment(a: np.ndarray, b: np.ndarray, ground: Ground = DISTANCE) -> float:
     """The slow twin: the Hungarian method, each point as often as equal numbers take."""
     common = math.lcm(len(a), len(b))
-    cost = cdist(np.repeat(a, common // len(a), axis=0), np.repeat(b, common // len(b), axis=0))
+    sides = np.repeat(a, common // len(a), axis=0), np.repeat(b, common // len(b), axis=0)
+    cost = cdist(*sides, "sqeuclidean" if ground.squared else "euclidean")
     return float(cost[linear_sum_assignment(cost)].mean())
 
 
@@ -88,25 +91,32 @@ PAIRS = {
 }
 
 
+GROUNDS = pytest.mark.parametrize("ground", [DISTANCE, SQUARED], ids=["distance", "squared"])
+
+
+@GROUNDS
 @pytest.mark.parametrize("name", PAIRS)
-def test_agrees_with_the_hungarian_method(name):
+def test_agrees_with_the_hungarian_method(name, ground):
     a, b = PAIRS[name]
-    assert_proven(proven_emd(a, b), assignment(a, b))
+    unit = 2 * np.ptp(np.vstack([a, b]), axis=0).max()  # at most
+    least = 1e-12 * unit**2 if ground.squared else 0.0
+    assert_proven(proven_emd(a, b, ground), assignment(a, b, ground), least)
 
 
+@GROUNDS
 @pytest.mark.parametrize("name", [name for name in PAIRS if name not in ("small", "one and many")])
-def test_the_sparse_way_gets_there_by_itself(name):
+def test_the_sparse_way_gets_there_by_itself(name, ground):
     """No silent fall-back: speed would be gone, and only the dense way be tested."""
-    assert proven_emd(*PAIRS[name]).rounds > 0
+    assert proven_emd(*PAIRS[name], ground).rounds > 0
 
 
+@GROUNDS
 @pytest.mark.parametrize("name", PAIRS)
-def test_the_dense_way_finds_the_same(name):
+def test_the_dense_way_finds_the_same(name, ground):
     a, b = PAIRS[name]
-    sparse, dense = proven_emd(a, b), proven_emd(a, b, max_rounds=0)
+    sparse, dense = proven_emd(a, b, ground), proven_emd(a, b, ground, max_rounds=0)
     assert dense.rounds == 0
-    # Each is within 1e-9 of the truth, from above.
-    assert sparse.value == pytest.approx(dense.value, rel=1e-9)
+    assert sparse.value == pytest.approx(dense.value, rel=1e-9, abs=sparse.gap)  # from above
 
 
 def test_one_point_to_another():
@@ -240,7 +250,7 @@ def test_a_graph_without_a_plan_gives_no_number():
     a, b, _ = weighted(box(1, 3), box(2, 3))
     keys = np.array([0, 3, 7, 8])  # (0, 0), (1, 0), (2, 1), (2, 2)
     with pytest.raises(MetricError, match=r"POT did not solve .* infeasible"):
-        module._solve_pairs(a, b, keys, (np.zeros(3), np.zeros(3)), 1000)
+        module._solve_pairs(a, b, DISTANCE, keys, (np.zeros(3), np.zeros(3)), 1000)
 
 
 def test_without_usable_candidates_the_dense_problem_is_solved(monkeypatch):

@@ -8,9 +8,12 @@ from scipy.spatial.distance import cdist
 
 from industnerf.metrics.candidates import Plan, refine
 from industnerf.metrics.cells import CELL_SIZE, Cloud, divide
+from industnerf.metrics.ground import DISTANCE, SQUARED
 from industnerf.metrics.pricing import cheaper_pairs
 
 SEEDS, SIZES = st.integers(0, 10**6), st.integers(1, 90)
+METRICS = {DISTANCE: "euclidean", SQUARED: "sqeuclidean"}
+GROUNDS = st.sampled_from(list(METRICS))
 
 
 def cloud(seed: int, n: int, mass: float = 1.0) -> Cloud:
@@ -38,16 +41,18 @@ def test_cells_divide_the_cloud(seed, n):
         assert np.linalg.norm(inside - centre, axis=1).max() == pytest.approx(radius, abs=1e-15)
 
 
-@given(SEEDS, SIZES, SIZES, st.sampled_from([-0.3, -1e-3, 0.0, 1e-3, 0.3]))
-def test_no_cheaper_pair_is_overlooked(seed, n, m, limit):
+@given(SEEDS, SIZES, SIZES, st.sampled_from([-0.3, -1e-3, 0.0, 1e-3, 0.3]), GROUNDS)
+def test_no_cheaper_pair_is_overlooked(seed, n, m, limit, ground):
     """With wild prices and with near-optimal ones, the pairs found are those of the full table."""
     a, b, rng = cloud(seed, n).points, cloud(seed + 1, m).points, np.random.default_rng(seed)
     cells = divide(Cloud(a, np.ones(n))), divide(Cloud(b, np.ones(m)))
     wild = rng.normal(size=n), rng.normal(size=m)
-    tight = a @ [0.6, 0.8, 0.0], -b @ [0.6, 0.8, 0.0]  # feasible: a unit vector's projections
+    # Feasible: no length is below its projection, no square below that less 1/4.
+    way, less = [0.6, 0.8, 0.0], 1 / 8 if ground.squared else 0.0
+    tight = a @ way - less, -b @ way - less
     for u, v in (wild, tight):
-        table = cdist(a, b) - u[:, None] - v
-        rows, cols, reduced = cheaper_pairs(a, b, cells, (u, v), limit)
+        table = cdist(a, b, METRICS[ground]) - u[:, None] - v
+        rows, cols, reduced = cheaper_pairs(a, b, cells, (u, v), limit, ground)
         # The two tables round differently, by some eps of lengths and prices of about 1.
         np.testing.assert_allclose(reduced, table[rows, cols], rtol=0, atol=1e-14)
         found = np.zeros(table.shape, bool)
@@ -57,13 +62,13 @@ def test_no_cheaper_pair_is_overlooked(seed, n, m, limit):
         assert not found[table > limit + 1e-14].any()
 
 
-@given(SEEDS, st.integers(30, 90), st.integers(30, 90))
-def test_a_spread_plan_carries_all_mass(seed, n, m):
+@given(SEEDS, st.integers(30, 90), st.integers(30, 90), GROUNDS)
+def test_a_spread_plan_carries_all_mass(seed, n, m, ground):
     """Any coarse plan, however bad, becomes a plan between the points, within its cells."""
     a, b = cloud(seed, n, float(m)), cloud(seed + 1, m, float(n))
     cells = divide(a), divide(b)
     coarse = in_turn(cells[0].coarse, cells[1].coarse)
-    plan, rows, cols = refine(a, b, cells, coarse)
+    plan, rows, cols = refine(a, b, cells, coarse, ground)
     assert (plan.flow > 0).all()
     np.testing.assert_array_equal(np.bincount(plan.rows, plan.flow), a.mass)
     np.testing.assert_array_equal(np.bincount(plan.cols, plan.flow), b.mass)

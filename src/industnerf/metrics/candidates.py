@@ -1,6 +1,6 @@
 """From the plan of a coarse transport problem to the pairs worth trying in the fine one.
 
-A pair is worth trying when its reduced cost |a_i - b_j| - u_i - v_j is small, not when its
+A pair is worth trying when its reduced cost c(a_i, b_j) - u_i - v_j is small, not when its
 points are near: a cloud that must travel is then no harder than one that stays.  The coarse
 plan, spread over the points, joins the candidates, so that they always admit a plan.
 
@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from scipy.spatial.distance import cdist
 
-from industnerf.metrics.cells import Cells, Cloud, cross_distances
+from industnerf.metrics.cells import Cells, Cloud
+from industnerf.metrics.ground import Ground
 
 NEAR_CELLS = 32  # cells of the other cloud that a cell looks at
 PER_POINT = 14  # candidates of each point
@@ -32,24 +32,26 @@ class Plan:
 
 
 def refine(
-    a: Cloud, b: Cloud, cells: tuple[Cells, Cells], coarse: Plan
+    a: Cloud, b: Cloud, cells: tuple[Cells, Cells], coarse: Plan, ground: Ground
 ) -> tuple[Plan, Int64[np.ndarray, "k"], Int64[np.ndarray, "k"]]:
     """A feasible plan between the points, with prices, and the candidates (i, j) around it."""
     cells_a, cells_b = cells
-    near_a = _near(cells_a, cells_b, coarse.v)
-    near_b = _near(cells_b, cells_a, coarse.u)
-    u = _prices(a, cells_a, cells_b, coarse.v, near_a)
-    v = _prices(b, cells_b, cells_a, coarse.u, near_b)
+    near_a = _near(cells_a, cells_b, coarse.v, ground)
+    near_b = _near(cells_b, cells_a, coarse.u, ground)
+    u = _prices(a, cells_a, cells_b, coarse.v, near_a, ground)
+    v = _prices(b, cells_b, cells_a, coarse.u, near_b, ground)
     plan = Plan(*_spread(a, b, cells, coarse), u, v)
-    row, col = _cheapest(a, b, cells_a, cells_b, v, near_a)
-    col2, row2 = _cheapest(b, a, cells_b, cells_a, u, near_b)
+    row, col = _cheapest(a, b, cells_a, cells_b, v, near_a, ground)
+    col2, row2 = _cheapest(b, a, cells_b, cells_a, u, near_b, ground)
     return plan, np.concatenate([plan.rows, row, row2]), np.concatenate([plan.cols, col, col2])
 
 
-def _near(here: Cells, there: Cells, v: Float64[np.ndarray, "q"]) -> Int64[np.ndarray, "p k"]:
+def _near(
+    here: Cells, there: Cells, v: Float64[np.ndarray, "q"], ground: Ground
+) -> Int64[np.ndarray, "p k"]:
     """The cells of `there` with the smallest reduced cost from each cell of `here`."""
     k = min(NEAR_CELLS, len(v))
-    reduced = cdist(here.coarse.points, there.coarse.points) - v
+    reduced = ground.table(here.coarse.points, there.coarse.points) - v
     return np.argpartition(reduced, k - 1, axis=1)[:, :k]
 
 
@@ -59,10 +61,11 @@ def _prices(
     there: Cells,
     v: Float64[np.ndarray, "q"],
     near: Int64[np.ndarray, "p k"],
+    ground: Ground,
 ) -> Float64[np.ndarray, "n"]:
-    """u_i = min_J |a_i - c_J| - V_J over the near cells: the coarse prices, extended."""
-    distance = cross_distances(cloud.points[here.members], there.coarse.points[near])
-    best = (distance - v[near][:, None, :]).min(axis=2)
+    """u_i = min_J c(a_i, c_J) - V_J over the near cells: the coarse prices, extended."""
+    cost = ground.between_cells(cloud.points[here.members], there.coarse.points[near])
+    best = (cost - v[near][:, None, :]).min(axis=2)
     u, real = np.empty(len(cloud.points)), here.members >= 0
     u[here.members[real]] = best[real]
     return u
@@ -75,13 +78,14 @@ def _cheapest(
     there: Cells,
     v: Float64[np.ndarray, "m"],
     near: Int64[np.ndarray, "p k"],
+    ground: Ground,
 ) -> tuple[Int64[np.ndarray, "c"], Int64[np.ndarray, "c"]]:
-    """For each point of `a`, those `PER_POINT` of the near cells with least |a_i - b_j| - v_j."""
+    """For each point of `a`, those `PER_POINT` of the near cells with least c(a_i, b_j) - v_j."""
     found = []
     for start in range(0, len(near), CHUNK):
         rows = here.members[start : start + CHUNK]
         cols = there.members[near[start : start + CHUNK]].reshape(len(rows), -1)
-        reduced = cross_distances(a.points[rows], b.points[cols]) - v[cols][:, None, :]
+        reduced = ground.between_cells(a.points[rows], b.points[cols]) - v[cols][:, None, :]
         k = min(PER_POINT, cols.shape[1])
         best = np.argpartition(reduced, k - 1, axis=2)[:, :, :k]
         j = np.take_along_axis(np.broadcast_to(cols[:, None, :], reduced.shape), best, axis=2)

@@ -58,17 +58,6 @@ def divide(cloud: Cloud) -> Cells:
     return _gather(cloud, order, sizes)
 
 
-def cross_distances(
-    p: Float64[np.ndarray, "cells s 3"], q: Float64[np.ndarray, "cells t 3"]
-) -> Float64[np.ndarray, "cells s t"]:
-    """Euclidean distances within each pair of cells, from differences: no digits are lost."""
-    total = np.zeros((len(p), p.shape[1], q.shape[1]))
-    for axis in range(3):
-        difference = p[:, :, None, axis] - q[:, None, :, axis]
-        total += np.square(difference, out=difference)
-    return np.sqrt(total, out=total)
-
-
 def _sort_each(
     points: Float64[np.ndarray, "n 3"], order: Int64[np.ndarray, "n"], sizes: Int64[np.ndarray, "g"]
 ) -> Int64[np.ndarray, "n"]:

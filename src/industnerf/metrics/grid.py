@@ -11,13 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 from industnerf.metrics.compare import Sampled
-from industnerf.metrics.emd import emd
+from industnerf.metrics.emd import emd, squared_emd
 from industnerf.metrics.reduce import farthest_points, random_points
-from industnerf.metrics.squared import squared_emd
 
 POINTS = (1024, 2048, 4096)  # on either side
 MANY = 8192  # of a few parts: it takes seconds
-SQUARED = 2048  # points at most, where the cost is squared: all pairs are solved at once
 REDUCTIONS, SURFACES = ("even", "iid"), ("visible", "full")
 
 
@@ -58,8 +56,7 @@ def grid(
             )
             about = (count, reduction, surface)
             found += _scaled(about, "distance", emd(few, chosen), diagonals)
-            if count <= SQUARED:
-                found += _scaled(about, "squared", squared_emd(few, chosen), diagonals**2)
+            found += _scaled(about, "squared", squared_emd(few, chosen), diagonals**2)
     return found
 
 

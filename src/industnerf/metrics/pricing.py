@@ -1,9 +1,9 @@
 """Pricing: which pairs of ALL n x m pairs are cheaper than the prices allow?
 
-Prices `u`, `v` prove a lower bound of the transport cost when no pair has |a_i - b_j| below
+Prices `u`, `v` prove a lower bound of the transport cost when no pair has a cost c(a_i, b_j) below
 u_i + v_j.  Most pairs are far dearer, so whole pairs of cells are passed over at once:
 
-    |x - y| - u - v  >=  |c_A - c_B| - r_A - r_B - max u - max v   for x in A, y in B,
+    c(x, y) - u - v  >=  c(|c_A - c_B| - r_A - r_B) - max u - max v   for x in A, y in B,
 
 and only the rest are computed point by point.  Nothing is estimated.
 """
@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from scipy.spatial.distance import cdist
 
-from industnerf.metrics.cells import Cells, cross_distances
+from industnerf.metrics.cells import Cells
+from industnerf.metrics.ground import Ground
 
 # Rounding of the bound above: a few times 2^-52 of lengths of about 1 (see cells.weighted).
 ROUNDING = 1e-13
@@ -25,16 +26,18 @@ def cheaper_pairs(
     cells: tuple[Cells, Cells],
     prices: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
     limit: float,
+    ground: Ground,
 ) -> tuple[Int64[np.ndarray, "k"], Int64[np.ndarray, "k"], Float64[np.ndarray, "k"]]:
-    """Every (i, j) whose reduced cost |a_i - b_j| - u_i - v_j is below `limit`, and that cost."""
+    """Every (i, j) whose reduced cost c(a_i, b_j) - u_i - v_j is below `limit`, and that cost."""
     (cells_a, cells_b), (u, v) = cells, prices
     points_a, points_b = a[cells_a.members], b[cells_b.members]
     u_a, v_b = _padded(cells_a, u), _padded(cells_b, v)
-    cell_a, cell_b = _open_cells(cells_a, cells_b, u_a.max(axis=1), v_b.max(axis=1), limit)
+    tops = u_a.max(axis=1), v_b.max(axis=1)
+    cell_a, cell_b = _open_cells(cells_a, cells_b, *tops, limit, ground)
     found = []
     for start in range(0, max(len(cell_a), 1), CHUNK):  # at least once: an empty answer has a shape
         p, q = cell_a[start : start + CHUNK], cell_b[start : start + CHUNK]
-        reduced = cross_distances(points_a[p], points_b[q])
+        reduced = ground.between_cells(points_a[p], points_b[q])
         reduced -= u_a[p][:, :, None]
         reduced -= v_b[q][:, None, :]
         # Faster than np.nonzero of three axes.
@@ -55,10 +58,14 @@ def _open_cells(
     top_u: Float64[np.ndarray, "p"],
     top_v: Float64[np.ndarray, "q"],
     limit: float,
+    ground: Ground,
 ) -> tuple[Int64[np.ndarray, "k"], Int64[np.ndarray, "k"]]:
     """Pairs of cells that the bound does not rule out."""
     bound = cdist(cells_a.coarse.points, cells_b.coarse.points)
-    bound -= (cells_a.radius + top_u)[:, None]
-    bound -= cells_b.radius + top_v
+    bound -= cells_a.radius[:, None]
+    bound -= cells_b.radius
+    bound = ground.at_least(bound)
+    bound -= top_u[:, None]
+    bound -= top_v
     rows, cols = np.nonzero(bound < limit + ROUNDING)
     return rows, cols

@@ -1,6 +1,6 @@
 """The proof of a transport cost: a plan from above, prices from below.
 
-    sum_k flow_k |a_i - b_j|   >=   W1   >=   sum_i u_i + sum_j v_j + least
+    sum_k flow_k c(a_i, b_j)   >=   W   >=   sum_i u_i + sum_j v_j + least
 
 for any plan that carries every point's mass, and any prices that no pair undercuts by more
 than `least` <= 0 (sums weighted by mass; masses add to 1).
@@ -13,6 +13,7 @@ import numpy as np
 from industnerf.errors import MetricError
 from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import Cloud
+from industnerf.metrics.ground import Ground
 
 RELATIVE_GAP = 1e-9  # of the value
 ABSOLUTE_GAP = 1e-12  # of the unit: rounding, where the clouds all but coincide
@@ -32,8 +33,8 @@ def allowed_gap(value: float) -> float:
     return max(RELATIVE_GAP * value, ABSOLUTE_GAP)
 
 
-def transport_cost(a: Cloud, b: Cloud, plan: Plan) -> float:
-    """Mean distance of a plan that carries exactly the mass of every point, or MetricError.
+def transport_cost(a: Cloud, b: Cloud, plan: Plan, ground: Ground) -> float:
+    """Mean cost of a plan that carries exactly the mass of every point, or MetricError.
 
     Masses and flows are whole numbers, so that exactly means exactly.
     """
@@ -42,13 +43,15 @@ def transport_cost(a: Cloud, b: Cloud, plan: Plan) -> float:
     if not (np.array_equal(sent, a.mass) and np.array_equal(received, b.mass)):
         off = np.abs(sent - a.mass).sum() + np.abs(received - b.mass).sum()
         raise MetricError(f"POT's plan misplaces {off:g} of a mass of {a.mass.sum():g}")
-    lengths = np.linalg.norm(a.points[plan.rows] - b.points[plan.cols], axis=1)
-    return float(plan.flow @ lengths / a.mass.sum())
+    costs = ground.each(a.points[plan.rows], b.points[plan.cols])
+    return float(plan.flow @ costs / a.mass.sum())
 
 
-def proven(a: Cloud, b: Cloud, plan: Plan, least: float, rounds: int, pairs: int) -> Emd:
+def proven(
+    a: Cloud, b: Cloud, plan: Plan, ground: Ground, least: float, rounds: int, pairs: int
+) -> Emd:
     """The cost of `plan`, if its prices prove it; no pair undercuts them by more than `least`."""
-    value = transport_cost(a, b, plan)
+    value = transport_cost(a, b, plan, ground)
     bound = float(a.mass @ plan.u + b.mass @ plan.v) / a.mass.sum() + least
     gap = float(value - max(bound, 0.0))  # no distance is below 0, whatever the prices
     if not gap <= allowed_gap(value):

@@ -104,9 +104,10 @@ def _heads(found: list[Line]) -> list[str]:
 
 
 def _texts(line: Line) -> list[str]:
+    decimals = ".6f" if "squared" in line.cell else ".4f"
     return [
         *map(str, line.cell),
-        *(f"{mean:.4f}" for mean in line.means.values()),
+        *(f"{mean:{decimals}}" for mean in line.means.values()),
         str(line.parts),
         "yes" if line.possible else IMPOSSIBLE,
     ]
