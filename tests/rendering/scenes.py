@@ -82,6 +82,15 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Sce
     return scene.to(torch.float64)
 
 
+def lattice_scene(seed: int, spacing: float = 0.25, **settings: Any) -> Scene:
+    """`random_scene` with tents on the points of a lattice, every seventh of which is missing."""
+    axes = [torch.arange(lo + spacing / 2, hi, spacing) for lo, hi in zip(LO, HI, strict=True)]
+    points = torch.cartesian_prod(*axes)
+    points = points[torch.arange(len(points)) % 7 > 0]
+    settings |= {"radius": spacing, "weights": "tent"}
+    return replace(random_scene(seed, len(points), **settings), points=points.double())
+
+
 def _rays(count: int, rng: torch.Generator) -> tuple[Tensor, Tensor]:
     """Towards random points of the cube, mostly from outside; the last few are special."""
     origins = torch.nn.functional.normalize(torch.randn(count, 3, generator=rng), dim=1) * 3
@@ -103,5 +112,6 @@ SCENES = {
     "squared": random_scene(6, 400, weights="inverse_square"),
     "tapered": random_scene(7, 400, weights="tapered"),
     "tent": random_scene(8, 400, weights="tent"),
+    "lattice": lattice_scene(10),
     "distance": random_scene(9, 400, weights="tent", density=0.3, beta=0.05, stop=0.01),
 }

@@ -5,6 +5,7 @@ terms and are compared by the largest.
 """
 
 import math
+from dataclasses import replace
 
 import pytest
 import torch
@@ -163,6 +164,40 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
     seen_by = torch.zeros_like(values)
     with pytest.raises(RuntimeError, match=f"agreement of 1 rays, looked along {len(rays)}"):
         renderer.confide(values, torch.ones(1), seen_by, **DEFAULT)
+
+
+def test_what_is_found_on_a_lattice_is_what_a_search_finds():
+    """But for roundings: a point that is all but a spacing away weighs next to nothing."""
+    scene = SCENES["lattice"]
+    renderer, rays = compiled(scene)
+    values, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
+    assert renderer.points.cells.lattice
+    quick = renderer.look(rays, values, rgb)
+    renderer.points.cells.lattice = False
+    slow = renderer.look(rays, values, rgb)
+    for name, value in vars(slow).items():
+        torch.testing.assert_close(getattr(quick, name), value, rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("change", "settings"),
+    [
+        ("a point is off its place", {}),
+        ("there is another", {}),
+        ("none", {"radius": 0.3}),
+        ("none", {"k": 4}),
+        ("none", {"weights": "inverse"}),
+    ],
+)
+def test_what_is_no_lattice_is_searched(change, settings):
+    scene = SCENES["lattice"].with_settings(**settings)
+    points = scene.points.clone()
+    if change == "a point is off its place":
+        points[5, 1] += 1e-3
+    if change == "there is another":
+        points = torch.cat([points, points[5:6]])
+    renderer, _ = compiled(replace(scene, points=points))
+    assert not renderer.points.cells.lattice
 
 
 def test_more_neighbours_than_can_be_numbered_are_refused():

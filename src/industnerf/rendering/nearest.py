@@ -31,6 +31,7 @@ class Cells:
     radius: wp.float32
     k: wp.int32
     reading: wp.int32  # 0 inverse, 1 inverse_square, 2 tapered, 3 tent
+    lattice: wp.bool  # tents of points that have a cell each, and stand in its middle
 
 
 @wp.struct
@@ -120,25 +121,82 @@ def search(
 ): ...
 
 
+CORNERS = """
+    int* id = ids.data + slot * k;
+    float* w = weights.data + slot * k;
+    float total = 0.0f;
+    int count = 0;
+    for (int row = 0; row < 4; ++row) {
+        const int* at = first.data + lowest + ((row >> 1) * ny + (row & 1)) * nz;
+        const float share = (row >> 1 ? place[0] : 1.0f - place[0])
+            * (row & 1 ? place[1] : 1.0f - place[1]);
+        const float own[2] = {share * (1.0f - place[2]), share * place[2]};
+        for (int i = 0; i < 2; ++i) {
+            const bool there = at[i] < at[i + 1] && own[i] > 0.0f;
+            id[count] = at[i];
+            w[count] = own[i];
+            total += there ? own[i] : 0.0f;
+            count += there;  // what is not there is overwritten by the next
+        }
+    }
+    for (int i = 0; i < count; ++i) w[i] /= total;
+    sizes.data[slot] = count;
+"""
+
+
+@wp.func_native(CORNERS)
+@no_type_check
+def corners(
+    first: wp.array(dtype=wp.int32),
+    ny: wp.int32,
+    nz: wp.int32,
+    k: wp.int32,
+    lowest: wp.int32,
+    place: wp.vec3,
+    slot: wp.int32,
+    sizes: wp.array(dtype=wp.int32),
+    ids: wp.array(dtype=wp.int32),
+    weights: wp.array(dtype=wp.float32),
+): ...
+
+
 @wp.func
 @no_type_check
 def nearest(cells: Cells, x: wp.vec3, cell: wp.int32, slot: wp.int32, met: Met):
     """Bring the neighbours of `x` in `cell` into `slot`, their weights of sum 1; how many?"""
-    search(
-        cells.points,
-        cells.first,
-        cells.ny,
-        cells.nz,
-        cells.radius,
-        cells.k,
-        cells.reading,
-        x,
-        cell,
-        slot,
-        met.sizes,
-        met.ids,
-        met.weights,
-    )
+    if cells.lattice:  # they are the corners of a cube: 8 cells to look into, not 27
+        p = (x - cells.corner) / cells.radius - wp.vec3(0.5, 0.5, 0.5)
+        ix = wp.clamp(wp.int32(p[0]), 0, cells.nx - 2)
+        iy = wp.clamp(wp.int32(p[1]), 0, cells.ny - 2)
+        iz = wp.clamp(wp.int32(p[2]), 0, cells.nz - 2)
+        corners(
+            cells.first,
+            cells.ny,
+            cells.nz,
+            cells.k,
+            (ix * cells.ny + iy) * cells.nz + iz,
+            p - wp.vec3(wp.float32(ix), wp.float32(iy), wp.float32(iz)),
+            slot,
+            met.sizes,
+            met.ids,
+            met.weights,
+        )
+    else:
+        search(
+            cells.points,
+            cells.first,
+            cells.ny,
+            cells.nz,
+            cells.radius,
+            cells.k,
+            cells.reading,
+            x,
+            cell,
+            slot,
+            met.sizes,
+            met.ids,
+            met.weights,
+        )
     return met.sizes[slot]
 
 

@@ -15,6 +15,7 @@ from industnerf.schema.readings import WeightReading
 
 READINGS: dict[WeightReading, int] = {"inverse": 0, "inverse_square": 1, "tapered": 2, "tent": 3}
 MOST_CELLS = 2**27  # 1.5 GB while they are sorted
+OFF = 1e-4  # radii that a point of a lattice may be off its place: so little is its weight off
 FARTHEST = 255  # cells that a byte can say space is empty
 
 
@@ -49,10 +50,16 @@ class Points:
         self.cells.corner = wp.vec3(*corner.tolist())
         self.cells.nx, self.cells.ny, self.cells.nz = self._size
         self.cells.radius, self.cells.k, self.cells.reading = radius, k, READINGS[weights]
+        self.cells.lattice = weights == "tent" and k >= 8 and self._is_lattice(corner)
         self.fill(torch.ones(len(positions), dtype=torch.bool, device=positions.device))
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    def _is_lattice(self, corner: Float[Tensor, "3"]) -> bool:
+        """Whether each point stands in the middle of a cell, and alone: up to OFF radii."""
+        off = ((self.positions - corner) / self.radius).frac() - 0.5
+        return bool(off.abs().max() < OFF and self._first.diff().max() <= 1)
 
     @property
     def reach(self) -> float:
