@@ -8,6 +8,9 @@ rays in the box, whether or not there is a point near it, so that all ways are c
 `times` is both of them over those of the kernels.  The three ways take turns and the median of
 the turns counts, so that a busy machine stretches all of them.
 
+Then what is saved by skipping and by ending early; and tents, whose points may be anywhere, or stand
+on a lattice, where only the corners of a cube are looked into.
+
 `twin` compares every sample with every point.  It is what the kernels are tested against, and is
 given fewer rays.  `k-d tree` is what one would write without kernels: scipy finds neighbours,
 torch composites and differentiates.
@@ -50,12 +53,15 @@ class Cloud:
     stop: float
 
 
-def cloud(radius: float, density: float, *, ball: bool = False) -> Cloud:
-    """The shell, or a `ball` as wide, full of points of which few have density."""
+def cloud(radius: float, density: float, *, ball: bool = False, shaken: bool = True) -> Cloud:
+    """The shell, or a `ball` as wide, full of points of which few have density.
+
+    Points are anywhere in their cells if they are `shaken`, else in the corners.
+    """
     random = torch.Generator().manual_seed(0)
     axis = torch.arange(-1, 1, SPACING)
     points = torch.cartesian_prod(axis, axis, axis)
-    points += SPACING * torch.rand(points.shape, generator=random)
+    points += SPACING * torch.rand(points.shape, generator=random) * shaken
     away = points.norm(dim=1)
     inner, (lowest, highest) = (0.0, CORE) if ball else (SHELL[0], SHELL)
     points, away = (x[(inner < away) & (away < SHELL[1])] for x in (points, away))
@@ -189,11 +195,39 @@ def what_is_saved(radii: list[float]) -> Table:
     return table
 
 
+def tents(given: Cloud, *, lattice: bool) -> Look:
+    """The kernels with tents as wide as the spacing, told that there is a `lattice`, or not."""
+    points = Points(given.positions, SPACING, NEIGHBOURS, "tent")
+    points.cells.lattice = lattice
+    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, given.stop)
+
+    def look(some: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
+        seen = renderer.look(some, sigma[points.order], rgb[points.order])
+        return seen.over(torch.ones(len(some), 3))
+
+    return look
+
+
+def on_a_lattice() -> Table:
+    heads = "density", "points are", "forward ns", "backward ns", "times"
+    table = Table(*heads, title="a sample, tents")
+    for name, density in DENSITY.items():
+        given, some = cloud(1.0, density, shaken=False), rays(RAYS)
+        ways = {"searched": (tents(given, lattice=False), given, some)}
+        ways["looked up"] = tents(given, lattice=True), given, some
+        found = in_turns(ways)
+        for way, (ahead, back) in found.items():
+            times = (ahead + back) / sum(found["looked up"])
+            table.add_row(name, way, f"{ahead:.1f}", f"{back:.1f}", f"{times:.2f}")
+    return table
+
+
 def main(radii: list[float]) -> None:
     torch.set_num_threads(1)
     console = Console(width=110)
     console.print(against_others(radii))
     console.print(what_is_saved(radii))
+    console.print(on_a_lattice())
 
 
 if __name__ == "__main__":
