@@ -8,7 +8,7 @@ rays in the box, whether or not there is a point near it, so that all ways are c
 `times` is both of them over those of the kernels.  The three ways take turns and the median of
 the turns counts, so that a busy machine stretches all of them.
 
-Then what is saved by skipping and by ending early; and tents, whose points may be anywhere, or stand
+Then what skipping and ending early save; and tents, whose points may be anywhere, or stand
 on a lattice, where only the corners of a cube are looked into.
 
 `twin` compares every sample with every point.  It is what the kernels are tested against, and is
