@@ -1,6 +1,7 @@
 """The contact sheet: truth, a photograph, and every method's cloud coloured by its error."""
 
 import io
+from textwrap import wrap
 
 import numpy as np
 from jaxtyping import UInt8
@@ -15,6 +16,8 @@ from industnerf.splats import splat
 
 SIZE = 260  # px of one picture
 CELL = 2.0  # inches of one picture
+LABEL, FONT = 2.5, 14  # inches beside a row, and points: to be read when a page shows it smaller
+LETTERS = 18  # of a line of a label
 WORST = 0.05  # error in diagonals at the end of the colour scale
 SEEN, HIDDEN = np.array([70, 90, 120], np.uint8), np.array([225, 150, 60], np.uint8)
 
@@ -25,12 +28,12 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
     from matplotlib.figure import Figure
 
     colour_map = mpl.colormaps["turbo"]
-    heads = ["truth (orange: hidden)", "a view", *study.methods]
-    wide, high = CELL * len(heads) + 0.5, CELL * len(parts) + 1.3
+    heads = ["truth\n(orange: hidden)", "a view", *study.methods]
+    wide, high = CELL * len(heads) + LABEL, CELL * len(parts) + 1.8
     figure = Figure(figsize=(wide, high))
     axes = figure.subplots(len(parts), len(heads), squeeze=False)
     figure.subplots_adjust(
-        left=0.45 / wide, right=1, top=1 - 0.3 / high, bottom=0.9 / high, wspace=0.02, hspace=0.02
+        left=LABEL / wide, right=1, top=1 - 0.6 / high, bottom=1.2 / high, wspace=0.02, hspace=0.02
     )
     for row, part in zip(axes, parts, strict=True):
         for axis, picture in zip(row, _pictures(study, part, colour_map), strict=True):
@@ -39,16 +42,18 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
                 axis.imshow(picture)
             else:
                 axis.text(0.5, 0.5, "failed", ha="center", va="center", transform=axis.transAxes)
-        row[0].set_ylabel(f"{part.designation}\n{part.family}", fontsize=6)
+        label = [*wrap(part.designation, LETTERS), f"({part.family})"]
+        beside = {"rotation": 0, "ha": "left", "va": "center", "fontsize": FONT}
+        row[0].set_ylabel("\n".join(label), **beside)
+        row[0].yaxis.set_label_coords(-0.95 * LABEL / CELL, 0.5)
     for axis, head in zip(axes[0], heads, strict=True):
-        axis.set_title(head, fontsize=8)
+        axis.set_title(head, fontsize=FONT)
     scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, 100 * WORST), colour_map)
-    figure.colorbar(
-        scale,
-        cax=figure.add_axes((0.25, 0.55 / high, 0.5, 0.14 / high)),
-        orientation="horizontal",
-        label="distance to the true surface, % of the bounding-box diagonal",
+    bar = figure.colorbar(
+        scale, cax=figure.add_axes((0.25, 0.8 / high, 0.5, 0.2 / high)), orientation="horizontal"
     )
+    bar.set_label("distance to the true surface, % of the bounding-box diagonal", fontsize=FONT)
+    bar.ax.tick_params(labelsize=FONT)
     png = io.BytesIO()
     figure.savefig(png, dpi=130, metadata={"Software": None})
     return png.getvalue()
