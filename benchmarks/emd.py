@@ -5,7 +5,7 @@ OMP_NUM_THREADS=1 python benchmarks/emd.py [--squared] [points ...]     4096 and
 Clouds are sampled from simple solids scaled to diagonal 1.  Either way runs in a process of its
 own, one after the other; seconds are the processor's, which a busy machine stretches least.
 `floor` is the EMD of two independent even samples; good means below twice that.  `--squared`: by
-the square of the distance.
+the square of the distance; good is then below four times the floor.
 """
 
 import argparse
@@ -151,7 +151,7 @@ def table(n: int, ours: Solver, theirs: Solver) -> Table:
             floor = sparse.value
         result.add_row(
             pair.name,
-            f"{sparse.value:.3g}",
+            f"{sparse.value:.5g}",
             f"{sparse.value / floor:.2f}",
             f"{sparse.seconds:.2f}",
             f"{full.seconds:.2f}",

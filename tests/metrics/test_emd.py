@@ -185,6 +185,12 @@ def test_any_unit_of_length(unit):
     assert emd(a * unit, b * unit) == emd(a, b) * unit  # a power of two: exact
 
 
+def test_a_length_below_float64s_normal_ones():
+    """5 subnormal units, to half a unit."""
+    tiny = np.array([[3.0, 0.0, 4.0]]) * 2.0**-1070
+    assert emd(np.zeros((1, 3)), tiny) == pytest.approx(5 * 2.0**-1070, abs=2.0**-1074)
+
+
 def test_far_from_the_origin_nothing_changes():
     """Points on a grid of 2^-20, moved by 2^20: coordinates are exact, so the bytes the same."""
     a, b = (np.round(cloud * 2**20) / 2**20 for cloud in PAIRS["ball for a box"])

@@ -62,6 +62,15 @@ def test_no_cheaper_pair_is_overlooked(seed, n, m, limit, ground):
         assert not found[table > limit + 1e-14].any()
 
 
+@given(SEEDS, SIZES, GROUNDS)
+def test_cells_that_overlap_rule_out_no_pair(seed, n, ground):
+    """Of a cloud and itself every point and itself are a pair at cost 0, however wide the cells."""
+    a = cloud(seed, n)
+    cells, free = divide(a), np.zeros(n)
+    rows, cols, _ = cheaper_pairs(a.points, a.points, (cells, cells), (free, free), 1e-9, ground)
+    assert {(i, i) for i in range(n)} <= set(zip(rows.tolist(), cols.tolist(), strict=True))
+
+
 @given(SEEDS, st.integers(30, 90), st.integers(30, 90), GROUNDS)
 def test_a_spread_plan_carries_all_mass(seed, n, m, ground):
     """Any coarse plan, however bad, becomes a plan between the points, within its cells."""

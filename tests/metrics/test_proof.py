@@ -29,7 +29,7 @@ def test_the_best_plan_is_proven_to_the_last_digit():
 @pytest.mark.parametrize("share", [1e-8, 1e-2])
 def test_prices_too_low_prove_nothing(share):
     low = replace(PLAN, u=PLAN.u - share / 64)
-    with pytest.raises(MetricError, match=r"costs 0.015625 of .* only prove 0.015"):
+    with pytest.raises(MetricError, match=r"costs 0.015625, .* only prove 0.015"):
         proven(A, B, low, DISTANCE, 0.0, 0, 100)
 
 

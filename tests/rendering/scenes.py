@@ -83,8 +83,13 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Sce
 
 
 def lattice_scene(seed: int, spacing: float = 0.25, **settings: Any) -> Scene:
-    """`random_scene` with tents on the points of a lattice, every seventh of which is missing."""
-    axes = [torch.arange(lo + spacing / 2, hi, spacing) for lo, hi in zip(LO, HI, strict=True)]
+    """`random_scene` with tents on the points of a lattice, every seventh of which is missing.
+
+    Two and a half spacings of the cube are left empty on all sides, so that there are samples
+    beyond the cells that points are sorted into.
+    """
+    ends = zip(LO + 2.5 * spacing, HI - 2 * spacing, strict=True)
+    axes = [torch.arange(lo, hi, spacing) for lo, hi in ends]
     points = torch.cartesian_prod(*axes)
     points = points[torch.arange(len(points)) % 7 > 0]
     settings |= {"radius": spacing, "weights": "tent"}
@@ -112,6 +117,6 @@ SCENES = {
     "squared": random_scene(6, 400, weights="inverse_square"),
     "tapered": random_scene(7, 400, weights="tapered"),
     "tent": random_scene(8, 400, weights="tent"),
-    "lattice": lattice_scene(10),
+    "lattice": lattice_scene(10, 0.125),
     "distance": random_scene(9, 400, weights="tent", density=0.3, beta=0.05, stop=0.01),
 }

@@ -167,7 +167,7 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
 
 
 def test_what_is_found_on_a_lattice_is_what_a_search_finds():
-    """But for roundings: a point that is all but a spacing away weighs next to nothing."""
+    """But for roundings, on which no neighbour hangs here: `test_scenes`."""
     scene = SCENES["lattice"]
     renderer, rays = compiled(scene)
     values, rgb = in_order(renderer, scene.sigma), in_order(renderer, scene.rgb)
@@ -177,6 +177,21 @@ def test_what_is_found_on_a_lattice_is_what_a_search_finds():
     slow = renderer.look(rays, values, rgb)
     for name, value in vars(slow).items():
         torch.testing.assert_close(getattr(quick, name), value, rtol=1e-5, atol=1e-5)
+
+
+def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
+    """All tents end there: no weight is left to be divided by."""
+    axis = torch.arange(-1.0, 1.5, 0.5)
+    points = torch.cartesian_prod(axis, axis, axis)
+    renderer = Renderer(Points(points, 0.5, 8, "tent"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0)
+    assert renderer.points.cells.lattice
+    eye, ahead = torch.tensor([[-4.0, 0.0, 0.25]]), torch.tensor([[1.0, 0.0, 0.0]])
+    values, rgb = torch.ones(len(points)), torch.ones(len(points), 3)
+    for height, met in ((-1.5, False), (-1.25, True)):
+        eye[0, 1] = height
+        seen = renderer.look(Rays(eye, ahead, torch.tensor([0.5])), values, rgb)
+        assert bool(seen.through < 1) is met
+        assert torch.isfinite(seen.colour).all()
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ from industnerf.errors import BadArtifact
 from industnerf.report.grid import grid_csv, grid_html, grid_md, lines, read_grid
 
 
-def cell(points, value):
+def cell(points, value, cost="distance"):
     about = {"points": points, "reduction": "even", "surface": "visible"}
-    return about | {"cost": "distance", "scale": "diagonal", "value": value}
+    return about | {"cost": cost, "scale": "diagonal", "value": value}
 
 
 CELLS = {
@@ -22,6 +22,12 @@ CELLS = {
         "hull": [cell(1024, 0.07), cell(4096, 0.02)],
     },
 }
+
+
+def test_squares_have_digits_enough():
+    text = grid_md(lines({"a": {"floor": [cell(4096, 0.00012, "squared"), cell(4096, 0.012)]}}))
+    assert "| squared | diagonal | 0.000120 |" in text
+    assert "| distance | diagonal | 0.0120 |" in text
 
 
 def test_means_are_over_the_parts_that_every_subject_has():

@@ -42,7 +42,8 @@ def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     """Least mean distance, in the clouds' unit, over which `a` is carried onto `b`.
 
     Points of `a` weigh 1/n, of `b` 1/m.  Not squared, not scaled.  At most 1e-9 above the truth
-    (or 1e-12 of the box around both clouds); raises MetricError rather than return anything else.
+    (or 2e-12 of the longest side of the box around both clouds); raises MetricError rather than
+    return anything else.
     """
     return proven_emd(a, b).value
 
@@ -50,8 +51,8 @@ def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
 def squared_emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     """The other reading of "EMD", W2 squared: the least mean squared distance, in squared units.
 
-    Another plan than that of `emd` may be the cheapest.  As near to the truth as `emd`, or within
-    1e-12 of the square of the box around both clouds.
+    Another plan than that of `emd` may be the cheapest.  At most 1e-9 above the
+    truth (or 4e-12 of the square of the longest side), else MetricError.
     """
     return proven_emd(a, b, SQUARED).value
 
@@ -74,7 +75,7 @@ def proven_emd(
 
 
 def _sparse_emd(a: Cloud, b: Cloud, ground: Ground, max_pivots: int, max_rounds: int) -> Emd | None:
-    """The proven distance from few pairs, or None if they do not yield it."""
+    """The proven cost from few pairs, or None if they do not yield it."""
     try:
         cells, plan, keys = _start(a, b, ground, max_pivots)
         for rounds in range(1, max_rounds + 1):
@@ -95,7 +96,7 @@ def _sparse_emd(a: Cloud, b: Cloud, ground: Ground, max_pivots: int, max_rounds:
 
 
 def _dense_emd(a: Cloud, b: Cloud, ground: Ground, max_pivots: int) -> Emd:
-    """The proven distance from all pairs at once."""
+    """The proven cost from all pairs at once."""
     plan = _solve_all(a, b, ground, max_pivots)
     undercut = [
         (ground.table(a.points[rows], b.points) - plan.u[rows, None] - plan.v).min()

@@ -53,12 +53,13 @@ class Ground:
     def of_unit(self, unit: float) -> float:
         """What it costs to carry a unit of mass over `unit`, a power of two.
 
-        Raises MetricError if that is no number of float64 with all its digits.
+        Raises MetricError if the square is no number of float64 with all its digits.
         """
-        cost = unit * unit if self.squared else unit
-        if not sys.float_info.min <= cost < math.inf:
+        if not self.squared:
+            return unit
+        if not sys.float_info.min <= unit * unit < math.inf:
             raise MetricError(f"the square of a length of about {unit:g} does not fit into float64")
-        return cost
+        return unit * unit
 
 
 DISTANCE, SQUARED = Ground(squared=False), Ground(squared=True)

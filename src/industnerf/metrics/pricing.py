@@ -15,7 +15,8 @@ from scipy.spatial.distance import cdist
 from industnerf.metrics.cells import Cells
 from industnerf.metrics.ground import Ground
 
-# Rounding of the bound above: a few times 2^-52 of lengths of about 1 (see cells.weighted).
+# Rounding of the bound above: a few times 2^-52 of lengths, and squares, of about 1 (see
+# cells.weighted).
 ROUNDING = 1e-13
 CHUNK = 2**14  # pairs of cells at a time: a few MB
 

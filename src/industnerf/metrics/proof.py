@@ -16,12 +16,12 @@ from industnerf.metrics.cells import Cloud
 from industnerf.metrics.ground import Ground
 
 RELATIVE_GAP = 1e-9  # of the value
-ABSOLUTE_GAP = 1e-12  # of the unit: rounding, where the clouds all but coincide
+ABSOLUTE_GAP = 1e-12  # of the unit, or its square: rounding, where the clouds all but coincide
 
 
 @dataclass(frozen=True)
 class Emd:
-    """A proven distance: the truth lies in [value - gap, value], in the clouds' unit."""
+    """A proven cost: the truth lies in [value - gap, value], in the clouds' unit or its square."""
 
     value: float
     gap: float
@@ -53,10 +53,10 @@ def proven(
     """The cost of `plan`, if its prices prove it; no pair undercuts them by more than `least`."""
     value = transport_cost(a, b, plan, ground)
     bound = float(a.mass @ plan.u + b.mass @ plan.v) / a.mass.sum() + least
-    gap = float(value - max(bound, 0.0))  # no distance is below 0, whatever the prices
+    gap = float(value - max(bound, 0.0))  # no cost is below 0, whatever the prices
     if not gap <= allowed_gap(value):
         raise MetricError(
             f"EMD of {len(a.mass)} and {len(b.mass)} points is not proven: the plan found costs "
-            f"{value:.17g} of the clouds' extent, but the prices only prove {bound:.17g}"
+            f"{value:.17g}, their extent being 1, but the prices only prove {bound:.17g}"
         )
     return Emd(value, max(gap, 0.0), rounds, pairs)

@@ -105,15 +105,15 @@ def forward(
 ):
     """Colour before the background, T_end, mean distance, where T falls through 1/2.
 
-    The last of the surface that `median_beta` makes; where half of the light passes that one, of
-    the other.  A ray goes on until both have ended.
+    The last is of the surface that `median_beta` makes, or where that one never takes half of the
+    light, of the other.  A ray goes on until both have ended.
     """
     r = wp.tid()
     span = crossing(origins[r], directions[r], march.lo, march.hi)
     per_cell = cells.radius / march.step
     q = wp.int32(0)
     n = wp.int32(0)
-    count = wp.int32(0)  # of those before it ends
+    count = wp.int32(0)  # of the samples before T ends
     T = wp.float32(1.0)
     watching = march.median_beta != march.beta
     left = wp.float32(1.0)  # T, with median_beta for beta

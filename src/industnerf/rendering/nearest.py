@@ -39,7 +39,7 @@ class Cells:
 class Met:
     """What each ray's samples met; a sample has a slot, its neighbours k times as many."""
 
-    count: wp.array(dtype=wp.int32)  # of a ray: samples with a neighbour
+    count: wp.array(dtype=wp.int32)  # of a ray: samples with a neighbour, until its light ends
     at: wp.array(dtype=wp.float32)  # of a sample: its distance along the ray
     sizes: wp.array(dtype=wp.int32)  # of a sample: neighbours
     ids: wp.array(dtype=wp.int32)

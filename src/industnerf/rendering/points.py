@@ -15,7 +15,7 @@ from industnerf.schema.readings import WeightReading
 
 READINGS: dict[WeightReading, int] = {"inverse": 0, "inverse_square": 1, "tapered": 2, "tent": 3}
 MOST_CELLS = 2**27  # 1.5 GB while they are sorted
-OFF = 1e-4  # radii that a point of a lattice may be off its place: so little is its weight off
+OFF = 1e-4  # radii that a point of a lattice may be off, along each axis: roundings
 FARTHEST = 255  # cells that a byte can say space is empty
 
 

@@ -35,7 +35,9 @@ class Seen:
     colour: Float[Tensor, "r 3"]
     through: Float[Tensor, "r"]  # share of the light that passes all points
     depth: Float[Tensor, "r"]  # mean distance along the ray of what is not background
-    median: Float[Tensor, "r"]  # distance at which half of the light is left; -1 if never
+    median: Float[
+        Tensor, "r"
+    ]  # distance at which half of the light is left, see `median_beta`; -1 if never
 
     def over(self, background: Float[Tensor, "r 3"]) -> Float[Tensor, "r 3"]:
         """The pixels before a background."""
@@ -120,7 +122,7 @@ class Renderer:
     def median_beta(self) -> float:
         """Softness of the surface whose median is told; `beta`, unless set after it.
 
-        Of the surface that `beta` makes is the median of rays on which half of the light passes.
+        Where that surface never takes half of a ray's light, the median is of the one of `beta`.
         """
         return self._march.median_beta
 

@@ -42,9 +42,8 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
                 axis.imshow(picture)
             else:
                 axis.text(0.5, 0.5, "failed", ha="center", va="center", transform=axis.transAxes)
-        label = [*wrap(part.designation, LETTERS), f"({part.family})"]
-        beside = {"rotation": 0, "ha": "left", "va": "center", "fontsize": FONT}
-        row[0].set_ylabel("\n".join(label), **beside)
+        label = "\n".join([*wrap(part.designation, LETTERS), f"({part.family})"])
+        row[0].set_ylabel(label, rotation=0, ha="left", va="center", fontsize=FONT)
         row[0].yaxis.set_label_coords(-0.95 * LABEL / CELL, 0.5)
     for axis, head in zip(axes[0], heads, strict=True):
         axis.set_title(head, fontsize=FONT)

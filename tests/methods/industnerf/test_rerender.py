@@ -1,6 +1,7 @@
 """Pictures of a field: every pixel as the renderer has it, depth along z, in the world's unit."""
 
 import numpy as np
+import pytest
 import torch
 
 from industnerf.geometry.cameras import pixel_centres, project, unproject
@@ -70,6 +71,22 @@ def test_depth_leads_back_to_the_surface_in_the_world():
 def test_where_half_of_the_light_passes_there_is_no_depth():
     _, taken, _ = pictures(density=8.0)
     np.testing.assert_array_equal(taken.depth_mm > 0, taken.opacity >= 128)
+
+
+@pytest.mark.parametrize("softer", [0.5, 20.0])
+def test_no_pixel_that_either_surface_reaches_is_left_out(softer):
+    """A ball of distances, of which the median is asked with another softness than the colour."""
+    looking = eyes(around(1, SIDE), CENTRE, REACH, CPU)
+    renderer, _, rgb = a_field()
+    distance = renderer.points.positions.norm(dim=1) - 0.5
+    renderer.beta = 0.2 * SPACING
+    renderer.median_beta = softer * renderer.beta
+    taken = rerender(looking, BEHIND[:1], renderer, distance, rgb, REACH)
+    uv = torch.tensor(pixel_centres(SIDE, SIDE)).float()
+    rays = looking.rays(torch.zeros(len(uv), dtype=torch.int64), uv, torch.full((len(uv),), 0.5))
+    seen = renderer.look(rays, distance, rgb)
+    np.testing.assert_array_equal(taken.depth_mm.ravel() > 0, seen.median.numpy() > 0)
+    np.testing.assert_allclose(taken.opacity.ravel() / 255, 1 - seen.through, atol=0.51 / 255)
 
 
 def test_an_empty_field_is_background():

@@ -99,6 +99,19 @@ def test_every_reading_goes_from_the_warm_up_to_the_last_level(name, value):
 METHODS = pytest.mark.parametrize("name", ["industnerf", FREE])
 
 
+@pytest.mark.parametrize("name", ["industnerf_plus", "nerf"])
+def test_points_of_a_grid_are_looked_up_not_searched(name):
+    """On every level: else looking takes half as long again."""
+    levels = [{"steps": 40, "image_px": 32}] * 2
+    work = Work(
+        posed(SOLIDS["ball"], 8, 32), settings(name, grid_res=20, levels=levels), 1, Watch()
+    )
+    while not work.finished:
+        work.train()
+        work.listen()
+        assert work.training.points.cells.lattice
+
+
 @METHODS
 def test_same_seed_same_bytes_other_seed_other_bytes(name):
     given, ways = posed(SOLIDS["ball"], 6, 32), settings(name, **SMALL, levels=LEVELS)
