@@ -35,6 +35,7 @@ from industnerf.rendering.render import Rays, Renderer
 from industnerf.rendering.samples import Samples, rays_in_cube
 from industnerf.rendering.twin import render_twin
 from industnerf.rendering.weights import inverse_distance_weights
+from industnerf.schema.readings import WeightReading
 
 SPACING, NEIGHBOURS, READING = 1 / 64, 8, "inverse_square"
 SHELL = 0.56, 0.645  # between these distances from the middle of [-1, 1]^3 the points are
@@ -90,9 +91,20 @@ def inside(some: Rays) -> tuple[Tensor, Tensor]:
     return rays_in_cube(some.origins, some.directions, some.offsets, *box(), SPACING)
 
 
-def compiled(given: Cloud, *, skipping: bool = True, filled: Tensor | None = None) -> Look:
-    """The kernels; `skipping` space without a point, or without one that is `filled`."""
-    points = Points(given.positions, given.radius, NEIGHBOURS, READING)
+def compiled(
+    given: Cloud,
+    *,
+    skipping: bool = True,
+    filled: Tensor | None = None,
+    reading: WeightReading = READING,
+    lattice: bool = False,
+) -> Look:
+    """The kernels; `skipping` space without a point, or without one that is `filled`.
+
+    Points of a `lattice` are looked up, not searched.
+    """
+    points = Points(given.positions, given.radius, NEIGHBOURS, reading)
+    points.cells.lattice = lattice
     if filled is not None:
         points.fill(filled[points.order])
     if not skipping:
@@ -195,27 +207,16 @@ def what_is_saved(radii: list[float]) -> Table:
     return table
 
 
-def tents(given: Cloud, *, lattice: bool) -> Look:
-    """The kernels with tents as wide as the spacing, told that there is a `lattice`, or not."""
-    points = Points(given.positions, SPACING, NEIGHBOURS, "tent")
-    points.cells.lattice = lattice
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, given.stop)
-
-    def look(some: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
-        seen = renderer.look(some, sigma[points.order], rgb[points.order])
-        return seen.over(torch.ones(len(some), 3))
-
-    return look
-
-
 def on_a_lattice() -> Table:
     heads = "density", "points are", "forward ns", "backward ns", "times"
     table = Table(*heads, title="a sample, tents")
     for name, density in DENSITY.items():
         given, some = cloud(1.0, density, shaken=False), rays(RAYS)
-        ways = {"searched": (tents(given, lattice=False), given, some)}
-        ways["looked up"] = tents(given, lattice=True), given, some
-        found = in_turns(ways)
+        looks = {
+            "searched": compiled(given, reading="tent"),
+            "looked up": compiled(given, reading="tent", lattice=True),
+        }
+        found = in_turns({way: (look, given, some) for way, look in looks.items()})
         for way, (ahead, back) in found.items():
             times = (ahead + back) / sum(found["looked up"])
             table.add_row(name, way, f"{ahead:.1f}", f"{back:.1f}", f"{times:.2f}")

@@ -44,10 +44,10 @@ def test_on_a_line_points_are_matched_in_order(n, m):
 
 
 def test_a_long_way_is_dearer_than_many_short_ones():
-    """Moved on by one place, or all but one left where they are: as far in all, not squared."""
-    a, b = (np.arange(s, s + 8.0)[:, None] * [1, 0, 0] for s in (0, 1))
-    assert emd(a, b) == pytest.approx(1.0, rel=1e-9)
-    assert squared_emd(a, b) == pytest.approx(1.0, rel=1e-9)  # 64 / 8, if one went all the way
+    """Eight moved on by one place of 2, or one by all of 16: as far in all, not squared."""
+    a, b = (2 * np.arange(s, s + 8.0)[:, None] * [1, 0, 0] for s in (0, 1))
+    assert emd(a, b) == pytest.approx(2.0, rel=1e-9)
+    assert squared_emd(a, b) == pytest.approx(4.0, rel=1e-9)  # 256 / 8, if one went all the way
 
 
 def test_the_unit_is_squared():

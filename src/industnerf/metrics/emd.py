@@ -51,8 +51,8 @@ def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
 def squared_emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     """The other reading of "EMD", W2 squared: the least mean squared distance, in squared units.
 
-    Another plan than that of `emd` may be the cheapest.  At most 1e-9 above the
-    truth (or 4e-12 of the square of the longest side), else MetricError.
+    Another plan than that of `emd` may be the cheapest.  At most 1e-9 above the truth (or 4e-12 of
+    the square of the longest side); raises MetricError rather than return anything else.
     """
     return proven_emd(a, b, SQUARED).value
 
