@@ -23,7 +23,7 @@ CHOICES = {  # what is another than in P1-even: a cell of the grid
     "longest edge 1": (4096, "even", "visible", "distance", "longest"),
     "1024 points": (1024, "even", "visible", "distance", "diagonal"),
     "2048 points": (2048, "even", "visible", "distance", "diagonal"),
-    "2048 points, squared": (2048, "even", "visible", "squared", "diagonal"),
+    "squared": (4096, "even", "visible", "squared", "diagonal"),
     "8192 points": (8192, "even", "visible", "distance", "diagonal"),
 }
 
