@@ -9,7 +9,7 @@ from statistics import fmean
 from industnerf.artifacts.files import read_json
 from industnerf.errors import BadArtifact
 from industnerf.report import paper
-from industnerf.report.formats import csv_rows, csv_text, markdown
+from industnerf.report.formats import csv_rows, csv_text, markdown, short
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
 
@@ -32,6 +32,11 @@ class Line:
     cell: tuple
     means: dict[str, float]
     parts: int
+
+    @property
+    def decimals(self) -> int:
+        """With which a mean is told."""
+        return 6 if "squared" in self.cell else 4
 
     @property
     def possible(self) -> bool:
@@ -104,10 +109,9 @@ def _heads(found: list[Line]) -> list[str]:
 
 
 def _texts(line: Line) -> list[str]:
-    decimals = ".6f" if "squared" in line.cell else ".4f"
     return [
         *map(str, line.cell),
-        *(f"{mean:{decimals}}" for mean in line.means.values()),
+        *(short(mean, line.decimals) for mean in line.means.values()),
         str(line.parts),
         "yes" if line.possible else IMPOSSIBLE,
     ]

@@ -67,5 +67,5 @@ def _values(rows: list[dict[str, str]], metric: str, protocol: str) -> list[floa
 
 def _protocol(name: str, line: Line) -> list[str]:
     ours, floor, hull = (line.means[subject] for subject in (OURS, FLOOR, HULL))
-    emds = [f"{ours:.4f}", f"{floor:.4f}", short(ours / floor, 2), f"{hull:.4f}"]
-    return ["R13", f"`{name}`", *emds, str(line.parts)]
+    a, b, c = (short(mean, line.decimals) for mean in (ours, floor, hull))
+    return ["R13", f"`{name}`", a, b, short(ours / floor, 2), c, str(line.parts)]
