@@ -135,7 +135,7 @@ def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them(some):
 def test_as_tensor_puts_channels_first_and_white_at_1():
     images = np.zeros((1, 2, 3, 3), np.uint8)
     images[0, 1, 2] = [255, 51, 0]
-    tensor = as_tensor(images)
+    tensor = as_tensor(images, torch.device("cpu"))
     assert tensor.shape == (1, 3, 2, 3)
     np.testing.assert_allclose(tensor[0, :, 1, 2], [1.0, 0.2, 0.0], rtol=1e-6)
     assert tensor.sum() == pytest.approx(1.2)

@@ -6,16 +6,17 @@ import warp as wp
 
 from industnerf.config import load_params
 from industnerf.photohull import kernels
-from industnerf.photohull.lattice import rig_about, shared
+from industnerf.photohull.lattice import depth_in_hull, rig_about
 from industnerf.photohull.sweeps import Sweeper, exposed, ranges
 from industnerf.schema import SpaceCarvingSettings
-from tests.methods.solids import cameras_around
+from tests.methods.solids import cameras_around, masks_of_ball
 
 N, PX, REACH = 16, 96, 30.0
 CAMERAS = cameras_around(24, PX, REACH)
 RIG = rig_about(CAMERAS, np.zeros(3), REACH)
 RGB = np.random.default_rng(0).integers(0, 256, (24, PX, PX, 3), np.uint8)
 AT = (np.indices((N, N, N)) + 0.5) * 2 / N - 1
+MASKS = masks_of_ball(20.0, CAMERAS)
 # A ball with a bite taken out of it: some of its surface is hidden by the rest.
 SOLID = (np.linalg.norm(AT, axis=0) < 0.8) & (np.linalg.norm(AT - 0.5, axis=0) > 0.5)
 
@@ -30,10 +31,7 @@ def gaps(settings: SpaceCarvingSettings) -> tuple[np.ndarray, np.ndarray]:
     """The compiled gap of every surface cell, and the cells."""
     sweeper = Sweeper(SOLID, RGB, RIG, settings)
     cells = exposed(SOLID.astype(np.uint8))
-    gap = np.empty(len(cells), np.float32)
-    inputs = [shared(cells, wp.int32), *sweeper._inputs]
-    wp.launch(kernels.measure_gap, len(cells), inputs, [shared(gap, wp.float32)], device="cpu")
-    return cells, gap
+    return cells, sweeper.gaps(cells)
 
 
 def slow_gap(cell: int, settings: SpaceCarvingSettings) -> float:
@@ -82,6 +80,23 @@ def test_the_gap_is_that_of_plain_loops(outliers):
 
 def test_fewer_views_than_asked_for_say_nothing():
     assert (gaps(ways(views=25))[1] == np.float32(kernels.UNKNOWN)).all()
+
+
+@pytest.mark.skipif(
+    not wp.is_cuda_available(),
+    reason="no CUDA device: that it carves what the CPU does is untested",
+)
+def test_a_gpu_measures_and_takes_off_the_same(monkeypatch):
+    """Up to rays that graze a cell: rounded otherwise, they hide it or do not."""
+    found = {}
+    for device in ("cpu", "cuda"):
+        monkeypatch.setenv("INDUSTNERF_DEVICE", device)
+        left = Sweeper(SOLID, RGB, RIG, ways(threshold=0.3, footprint=0.1)).carved(4)
+        found[device] = depth_in_hull(MASKS, RIG, 32), gaps(ways())[1], left
+    (depth, gap, left), (depths, gaps_, lefts) = found.values()
+    np.testing.assert_allclose(depths, depth, rtol=0, atol=1e-3)
+    assert np.isclose(gaps_, gap, rtol=0, atol=1e-6).mean() > 0.99
+    assert (lefts != left).sum() < 0.01 * SOLID.sum()
 
 
 @pytest.mark.parametrize("threshold", [0.1, 0.3, 0.6])

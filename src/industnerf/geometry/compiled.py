@@ -4,6 +4,8 @@ import os
 
 import warp as wp
 
+from industnerf import environment
+
 
 def start() -> None:
     """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.
@@ -19,3 +21,8 @@ def start() -> None:
         finally:
             os.dup2(kept, 2)
             os.close(kept)
+
+
+def where() -> str:
+    """What `device.device` says, of those who need no tensors: torch takes a second to import."""
+    return environment.text("INDUSTNERF_DEVICE") or ("cuda" if wp.is_cuda_available() else "cpu")

@@ -12,9 +12,11 @@ from torch.nn import functional as F
 from industnerf.schema import AugmentSettings
 
 
-def as_tensor(images: UInt8[np.ndarray, "n h w 3"]) -> Float[Tensor, "n 3 h w"]:
-    """Values in [0, 1]."""
-    return torch.from_numpy(np.ascontiguousarray(images.transpose(0, 3, 1, 2))).float() / 255
+def as_tensor(
+    images: UInt8[np.ndarray, "n h w 3"], where: torch.device
+) -> Float[Tensor, "n 3 h w"]:
+    """Values in [0, 1]; on their way to `where` they are still bytes."""
+    return torch.from_numpy(images).to(where).permute(0, 3, 1, 2).contiguous().float() / 255
 
 
 def augmented(

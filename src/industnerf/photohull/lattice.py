@@ -72,9 +72,10 @@ def measured(
     """The depth of `cells` of a lattice of `side`^3."""
     import warp as wp
 
+    from industnerf.geometry.compiled import where
     from industnerf.photohull import kernels
 
-    depth = np.empty(len(cells), np.float32)
+    depth = wp.empty(len(cells), wp.float32, device=where())
     inputs = [
         shared(cells, wp.int32),
         side,
@@ -82,12 +83,14 @@ def measured(
         shared(rig.projection, kernels.mat34),
         shared(rig.focal, wp.float32),
     ]
-    wp.launch(kernels.measure_depth, len(cells), inputs, [shared(depth, wp.float32)], device="cpu")
-    return depth
+    wp.launch(kernels.measure_depth, len(cells), inputs, [depth], device=where())
+    return depth.numpy()
 
 
 def shared(values: np.ndarray, dtype: type) -> Any:
-    """The same memory as a Warp array."""
+    """As a Warp array where the kernels run: on a CPU the same memory, on a GPU a copy."""
     import warp as wp
 
-    return wp.array(values, dtype=dtype, device="cpu", copy=False)
+    from industnerf.geometry.compiled import where
+
+    return wp.array(values, dtype=dtype, device=where(), copy=False)

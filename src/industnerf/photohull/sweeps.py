@@ -10,7 +10,7 @@ cells of a sweep are judged before any of them is taken off, so that their order
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Int32, UInt8
+from jaxtyping import Bool, Float32, Int32, UInt8
 
 from industnerf.photohull.lattice import Rig, shared
 from industnerf.schema import SpaceCarvingSettings
@@ -66,8 +66,7 @@ class Sweeper:
         self._gap = np.full(solid.shape, UNKNOWN)
         width = max(1, round(settings.footprint * rig.px_across / self._side))
         darkest, brightest = ranges(rgb, width)
-        self._inputs = [
-            shared(self._solid, wp.uint8),
+        self._photographs = [
             shared(darkest, wp.uint8),
             shared(brightest, wp.uint8),
             shared(rig.projection, kernels.mat34),
@@ -105,16 +104,29 @@ class Sweeper:
 
         from industnerf.photohull import kernels
 
-        gap = np.empty(len(cells), np.float32)
-        some, out = shared(cells, wp.int32), [shared(gap, wp.float32)]
-        wp.launch(kernels.measure_gap, len(cells), [some, *self._inputs], out, device="cpu")
-        self._gap.ravel()[cells] = gap
-        most = max(MOST, 2 * self._threshold)
-        about = [some, self._inputs[0], shared(self._gap, wp.float32), most]
-        wp.launch(kernels.smooth_gap, len(cells), about, out, device="cpu")
-        taken = cells[gap > self._threshold]
+        self._gap.ravel()[cells] = self.gaps(cells)
+        gap, most = shared(self._gap, wp.float32), max(MOST, 2 * self._threshold)
+        smooth = self._of_cells(kernels.smooth_gap, cells, gap, most)
+        taken = cells[smooth > self._threshold]
         self._solid.ravel()[taken] = 0
         return taken
+
+    def gaps(self, cells: Cells) -> Float32[np.ndarray, "_"]:
+        """By how much no colour suits all views of each cell; UNKNOWN where too few see it."""
+        from industnerf.photohull import kernels
+
+        return self._of_cells(kernels.measure_gap, cells, *self._photographs)
+
+    def _of_cells(self, kernel: Any, cells: Cells, *inputs: Any) -> Float32[np.ndarray, "_"]:
+        """What `kernel` says of each cell of the solid as it is now."""
+        import warp as wp
+
+        from industnerf.geometry.compiled import where
+
+        said = wp.empty(len(cells), wp.float32, device=where())
+        some, solid = shared(cells, wp.int32), shared(self._solid, wp.uint8)
+        wp.launch(kernel, len(cells), [some, solid, *inputs], [said], device=where())
+        return said.numpy()
 
     def _beside(self, taken: Cells) -> Cells:
         """The surface cells among the 26 about each of `taken`."""

@@ -51,7 +51,7 @@ class Lessons:
         """Loss of points guessed from one view of each part, drawn at random."""
         views = self._views(which, rng)
         images = [self.images[part][view] for part, view in zip(which, views, strict=True)]
-        seen, turns = as_tensor(np.stack(images)).to(self.device), self._turns(which, views)
+        seen, turns = as_tensor(np.stack(images), self.device), self._turns(which, views)
         if net.training:
             seen, rolls = augmented(seen, self.settings.augment, rng)
             turns = rolled(turns, rolls, self.settings.frame)

@@ -106,7 +106,8 @@ def clouds(
     uv, faces = grid(settings.grid)
     squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
     rng = np.random.default_rng(seed)
-    meshes = (_vertices(net, image, squares, settings.patches) for image in as_tensor(images))
+    shown = as_tensor(images, device())
+    meshes = (_vertices(net, image, squares, settings.patches) for image in shown)
     return [
         sampled(vertices @ turn.T, faces, settings.points, rng)
         for vertices, turn in zip(meshes, turns, strict=True)
@@ -117,5 +118,5 @@ def clouds(
 def _vertices(
     net: AtlasNet, image: Float[Tensor, "3 px px"], squares: Float[Tensor, "2 n"], patches: int
 ) -> Float[np.ndarray, "{patches} n 3"]:
-    points = net(image[None].to(device()), squares[None, :, None].expand(patches, -1, -1, -1))
+    points = net(image[None], squares[None, :, None].expand(patches, -1, -1, -1))
     return points.view(patches, -1, 3).cpu().numpy().astype(np.float64)

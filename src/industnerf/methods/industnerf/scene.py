@@ -1,6 +1,7 @@
 """The posed images in a frame of their own: the region of interest is the unit ball."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -39,6 +40,11 @@ class Eyes:
     def __getitem__(self, which: Tensor | slice) -> "Eyes":
         return Eyes(self.K[which], self.c2w[which], self.width, self.height)
 
+    @cached_property
+    def _towards(self) -> Float32[Tensor, "n 3 3"]:
+        """From homogeneous pixel coordinates to directions: found once, for every step asks."""
+        return self.c2w[:, :3, :3] @ torch.linalg.inv(self.K)
+
     def rays(
         self,
         view: Int64[Tensor, "r"],
@@ -46,9 +52,8 @@ class Eyes:
         offsets: Float32[Tensor, "r"],
     ) -> Rays:
         """Through the pixel coordinates `uv` (px) of the views `view`."""
-        towards = self.c2w[:, :3, :3] @ torch.linalg.inv(self.K)
         whole = torch.cat([uv, torch.ones_like(uv[:, :1])], dim=1)
-        directions = normalize(torch.einsum("rij,rj->ri", towards[view], whole), dim=1)
+        directions = normalize(torch.einsum("rij,rj->ri", self._towards[view], whole), dim=1)
         return Rays(self.c2w[view, :3, 3].contiguous(), directions, offsets)
 
 

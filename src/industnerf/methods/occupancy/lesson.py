@@ -48,15 +48,16 @@ class Lesson:
         One view of each, and points drawn anew each time; pictures vary only while `net` learns.
         """
         views = [rng.integers(len(self.images[part])) for part in which]
-        images = as_tensor(np.stack([self.images[p][v] for p, v in zip(which, views, strict=True)]))
+        device = next(net.parameters()).device
+        shown = np.stack([self.images[p][v] for p, v in zip(which, views, strict=True)])
+        images = as_tensor(shown, device)
         turns = np.stack([self.turns[p][v] for p, v in zip(which, views, strict=True)])
         if net.training:
             images, rolls = augmented(images, self.settings.augment, rng)
             turns = rolled(turns, rolls, self.settings.frame)
         drawn = rng.integers(self.points.shape[1], size=(len(which), self.settings.queries))
         points, inside = self.points[which[:, None], drawn], self.inside[which[:, None], drawn]
-        device = next(net.parameters()).device
         turned = torch.from_numpy((points @ turns).astype(np.float32)).to(device)
-        logits = net(images.to(device), turned)
+        logits = net(images, turned)
         truth = torch.from_numpy(inside).to(logits)
         return F.binary_cross_entropy_with_logits(logits, truth, reduction="sum") / len(which)

@@ -54,7 +54,7 @@ def reconstruct(
     net = OccupancyNet(settings).to(device()).eval()
     net.load_state_dict({k: torch.from_numpy(np.asarray(v)) for k, v in state.arrays.items()})
     chosen = evenly(len(given.rgb), settings.answers)
-    codes = net.encode(as_tensor(scaled(given.rgb[chosen], settings.image_px)).to(device()))
+    codes = net.encode(as_tensor(scaled(given.rgb[chosen], settings.image_px), device()))
     turns, rng = turns_of(given.cameras[chosen], settings.frame), np.random.default_rng(seed)
     clouds = [surface(net, *seen, settings, rng) for seen in zip(codes, turns, strict=True)]
     return answered(clouds, given.frame, state)

@@ -37,5 +37,5 @@ def likelihood(given: Given, settings: R2n2Settings, net: R2N2) -> Float32[np.nd
     """How likely each voxel of the unit cube is full, after all of `views` views."""
     # farthest from each other in space: every so-manieth of a spiral may look from one side
     chosen = nested(given.cameras.eyes, min(settings.views, len(given.rgb)))
-    pictures = as_tensor(scaled(given.rgb[chosen], settings.image_px)).to(device())
+    pictures = as_tensor(scaled(given.rgb[chosen], settings.image_px), device())
     return net.full(pictures[None])[0].cpu().numpy()

@@ -58,7 +58,7 @@ class Lessons:
         views = rng.integers(1, self.settings.views + 1)
         drawn = rng.integers(self.pictures.shape[1], size=(len(which), views))
         shown = self.pictures[which[:, None], drawn]
-        images = as_tensor(shown.reshape(-1, *shown.shape[2:])).to(device())
+        images = as_tensor(shown.reshape(-1, *shown.shape[2:]), device())
         if self.net.training:
             images, _ = augmented(images, self.settings.augment, rng)
         truth = torch.from_numpy(self.full[which].astype(np.int64)).to(device())
