@@ -7,7 +7,7 @@ First the kernels of benchmarks/kernels.py: nanoseconds a sample of the rays in 
 and backward, by the number of rays at a time.  Then parts, by default all dev parts of DATA: EMD
 (P1-even) and seconds by the clock, on the GPU one part after the other in a process that has had
 one before, on the CPU one thread each on all cores; `MB` is the most that torch had of the GPU's
-memory so far.  Last the seconds a part when so many processes share the GPU, each with one part
+memory.  Last the seconds a part when so many processes share the GPU, each with one part
 behind it.
 """
 
@@ -20,6 +20,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 from statistics import fmean, median
 
@@ -35,7 +36,10 @@ from industnerf.rendering.render import Rays, Renderer
 from industnerf.schema.readings import WeightReading
 
 COUNTS = 4096, 65536, 262144  # rays at a time
-READINGS: dict[str, WeightReading] = {"searched": "inverse_square", "on a lattice": "tent"}
+READINGS: dict[str, WeightReading] = {
+    "inverse square, searched": "inverse_square",
+    "tents, on a lattice": "tent",
+}
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,9 @@ def run_on(where: str, job: Job) -> tuple[float, np.ndarray]:
 
 
 def reconstruct(where: str, job: Job) -> Done:
-    """And score."""
+    """The same, scored."""
+    if where == "cuda":
+        torch.cuda.reset_peak_memory_stats()
     seconds, points = run_on(where, job)
     peak = torch.cuda.max_memory_allocated() / 2**20 if where == "cuda" else 0.0
     return Done(job, seconds, peak, *even_emd(job, points, load_params().evaluate))
@@ -109,9 +115,23 @@ def reconstruct(where: str, job: Job) -> Done:
 @contextmanager
 def processes(count: int, warm_up: Callable, job: Job) -> Iterator[ProcessPoolExecutor]:
     """So many, each with one part behind it."""
-    with ProcessPoolExecutor(count, multiprocessing.get_context("spawn")) as pool:
-        list(pool.map(warm_up, [job] * count))
+    spawn = multiprocessing.get_context("spawn")
+    barrier = spawn.Barrier(count)
+    with ProcessPoolExecutor(count, spawn, _remember, (barrier,)) as pool:
+        list(pool.map(partial(_warmed, warm_up), [job] * count))
         yield pool
+
+
+def _remember(barrier: Barrier) -> None:
+    """Where `_warmed` finds it: only at its start can a process be given a barrier."""
+    global everyone
+    everyone = barrier
+
+
+def _warmed(warm_up: Callable, job: Job) -> None:
+    """Wait for all others, so that none has two."""
+    warm_up(job)
+    everyone.wait()
 
 
 def parts(jobs: Sequence[Job]) -> Iterator[tuple[str, ...]]:
@@ -164,7 +184,7 @@ def main() -> None:
     ways = "CPU ->", "CPU <-", "GPU ->", "GPU <-", "times"
     both = "CPU s", "GPU s", "MB", "floor", "CPU EMD", "GPU EMD", "off"
     tables = {
-        ("density", "points", "rays", *ways): kernels(),
+        ("density", "weights", "rays", *ways): kernels(),
         ("method", "part", *both): parts(jobs),
         ("method", "processes", "s a part", "s in a process"): shared(jobs, given.workers),
     }

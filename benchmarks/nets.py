@@ -99,7 +99,7 @@ def stretched(settings: Any, times: float) -> Any:
 
 
 def emd(job: Job, state: State, part: str) -> float:
-    """P1-even of one part, the mean over all answers; a failure scores as one."""
+    """P1-even by params.yaml, the mean over all answers; a failure scores as one."""
     folder, known = job.data / "parts" / part, Truth.load(job.data / "truth" / part)
     judge, method = Judge(folder, known, load_params().evaluate, 0), load_method(job.method)
     try:

@@ -1,8 +1,10 @@
 """A stage over all parts: reuse, failures, and what it writes."""
 
 import json
+import sys
 import time
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
 
@@ -206,3 +208,15 @@ def test_seconds_for_something_else_stand_aside(tmp_path):
     # a sleep is never shorter, and what is left was measured inside of `whole`; rounded to 1e-4
     assert 0.05 - 1e-4 <= cost.seconds <= whole - 0.25 + 1e-4
     assert stage.measured(partial(linger, whole=0.0, aside=None), tmp_path).aside_s == 0
+
+
+@pytest.mark.parametrize("tensors", [False, True])
+@pytest.mark.parametrize("kernels", [False, True])
+def test_a_cost_says_whether_a_gpu_was_used(tmp_path, monkeypatch, tensors, kernels):
+    """By torch, or by Warp alone, as space carving does."""
+    torch = SimpleNamespace(cuda=SimpleNamespace(is_initialized=lambda: tensors))
+    gpus = [SimpleNamespace(has_context=False), SimpleNamespace(has_context=kernels)]
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    monkeypatch.setitem(sys.modules, "warp", SimpleNamespace(get_cuda_devices=lambda: gpus))
+    cost = stage.measured(partial(linger, whole=0.0, aside=None), tmp_path)
+    assert cost.device == ("cuda" if tensors or kernels else "cpu")

@@ -141,9 +141,11 @@ def measured(make: Callable[[Path], float | None], target: Path, before: float =
 
 
 def _device() -> str:
-    """Where this process has put tensors: `cuda`, or `cpu`."""
-    torch = sys.modules.get("torch")
-    return "cuda" if torch and torch.cuda.is_initialized() else "cpu"
+    """Where this process has computed: `cuda`, or `cpu`."""
+    torch, warp = sys.modules.get("torch"), sys.modules.get("warp")
+    used = bool(torch and torch.cuda.is_initialized())
+    used |= bool(warp and any(gpu.has_context for gpu in warp.get_cuda_devices()))
+    return "cuda" if used else "cpu"
 
 
 def _reset_peak() -> None:

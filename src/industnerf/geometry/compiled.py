@@ -24,5 +24,10 @@ def start() -> None:
 
 
 def where() -> str:
-    """What `device.device` says, of those who need no tensors: torch takes a second to import."""
-    return environment.text("INDUSTNERF_DEVICE") or ("cuda" if wp.is_cuda_available() else "cpu")
+    """What `device.device` says; torch, slow to import, is asked only where Warp sees a GPU."""
+    name = environment.text("INDUSTNERF_DEVICE")
+    if name or not wp.is_cuda_available():
+        return name or "cpu"
+    from industnerf.device import device
+
+    return str(device())

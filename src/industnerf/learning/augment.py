@@ -15,7 +15,7 @@ from industnerf.schema import AugmentSettings
 def as_tensor(
     images: UInt8[np.ndarray, "n h w 3"], where: torch.device
 ) -> Float[Tensor, "n 3 h w"]:
-    """Values in [0, 1]; on their way to `where` they are still bytes."""
+    """Values in [0, 1]; the array, in C order, goes to `where` as bytes."""
     return torch.from_numpy(images).to(where).permute(0, 3, 1, 2).contiguous().float() / 255
 
 

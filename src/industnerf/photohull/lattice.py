@@ -77,17 +77,17 @@ def measured(
 
     depth = wp.empty(len(cells), wp.float32, device=where())
     inputs = [
-        shared(cells, wp.int32),
+        handed(cells, wp.int32),
         side,
-        shared(distance, wp.float32),
-        shared(rig.projection, kernels.mat34),
-        shared(rig.focal, wp.float32),
+        handed(distance, wp.float32),
+        handed(rig.projection, kernels.mat34),
+        handed(rig.focal, wp.float32),
     ]
     wp.launch(kernels.measure_depth, len(cells), inputs, [depth], device=where())
     return depth.numpy()
 
 
-def shared(values: np.ndarray, dtype: type) -> Any:
+def handed(values: np.ndarray, dtype: type) -> Any:
     """As a Warp array where the kernels run: on a CPU the same memory, on a GPU a copy."""
     import warp as wp
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
-from industnerf.photohull.lattice import Rig, shared
+from industnerf.photohull.lattice import Rig, handed
 from industnerf.schema import SpaceCarvingSettings
 
 WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
@@ -67,10 +67,10 @@ class Sweeper:
         width = max(1, round(settings.footprint * rig.px_across / self._side))
         darkest, brightest = ranges(rgb, width)
         self._photographs = [
-            shared(darkest, wp.uint8),
-            shared(brightest, wp.uint8),
-            shared(rig.projection, kernels.mat34),
-            shared(rig.eyes, wp.vec3),
+            handed(darkest, wp.uint8),
+            handed(brightest, wp.uint8),
+            handed(rig.projection, kernels.mat34),
+            handed(rig.eyes, wp.vec3),
             self._rules(settings),
         ]
 
@@ -105,7 +105,7 @@ class Sweeper:
         from industnerf.photohull import kernels
 
         self._gap.ravel()[cells] = self.gaps(cells)
-        gap, most = shared(self._gap, wp.float32), max(MOST, 2 * self._threshold)
+        gap, most = handed(self._gap, wp.float32), max(MOST, 2 * self._threshold)
         smooth = self._of_cells(kernels.smooth_gap, cells, gap, most)
         taken = cells[smooth > self._threshold]
         self._solid.ravel()[taken] = 0
@@ -124,7 +124,7 @@ class Sweeper:
         from industnerf.geometry.compiled import where
 
         said = wp.empty(len(cells), wp.float32, device=where())
-        some, solid = shared(cells, wp.int32), shared(self._solid, wp.uint8)
+        some, solid = handed(cells, wp.int32), handed(self._solid, wp.uint8)
         wp.launch(kernel, len(cells), [some, solid, *inputs], [said], device=where())
         return said.numpy()
 
