@@ -30,6 +30,7 @@ from industnerf.report.readme import study_block
 
 OUT, README = Path("results/study"), Path("README.md")
 GRID = Path("results/grid")  # which docs/readings.md shows beside the study
+SEEDS = Path("results/seeds")  # whose mm are those of the study
 LEAKAGE = Path("docs/sweeps/leakage")  # a sweep that docs/baselines.md shows too
 
 
@@ -46,7 +47,8 @@ def main(what: str = "study") -> None:
         for name, content in blocks.items():
             text = replace_block(text, name, content)
         write_text(document, text)
-    print(f"{OUT}, {README} and docs; commit them together with dvc.lock")
+    then = "; then python -m pipeline.spread" if SEEDS.exists() else ""
+    print(f"{OUT}, {README} and docs: commit them together with dvc.lock{then}")
 
 
 def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
