@@ -72,19 +72,26 @@ def measured(
     """The depth of `cells` of a lattice of `side`^3."""
     import warp as wp
 
-    from industnerf.geometry.compiled import where
     from industnerf.photohull import kernels
 
-    depth = wp.empty(len(cells), wp.float32, device=where())
     inputs = [
-        handed(cells, wp.int32),
         side,
         handed(distance, wp.float32),
         handed(rig.projection, kernels.mat34),
         handed(rig.focal, wp.float32),
     ]
-    wp.launch(kernels.measure_depth, len(cells), inputs, [depth], device=where())
-    return depth.numpy()
+    return told(kernels.measure_depth, cells, *inputs)
+
+
+def told(kernel: Any, cells: Int32[np.ndarray, "m"], *inputs: Any) -> Float32[np.ndarray, "m"]:
+    """What `kernel` says of each of `cells`, given `inputs`."""
+    import warp as wp
+
+    from industnerf.geometry.compiled import where
+
+    said = wp.empty(len(cells), wp.float32, device=where())
+    wp.launch(kernel, len(cells), [handed(cells, wp.int32), *inputs], [said], device=where())
+    return said.numpy()
 
 
 def handed(values: np.ndarray, dtype: type) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
-from industnerf.photohull.lattice import Rig, handed
+from industnerf.photohull.lattice import Rig, handed, told
 from industnerf.schema import SpaceCarvingSettings
 
 WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
@@ -121,12 +121,7 @@ class Sweeper:
         """What `kernel` says of each cell of the solid as it is now."""
         import warp as wp
 
-        from industnerf.geometry.compiled import where
-
-        said = wp.empty(len(cells), wp.float32, device=where())
-        some, solid = handed(cells, wp.int32), handed(self._solid, wp.uint8)
-        wp.launch(kernel, len(cells), [some, solid, *inputs], [said], device=where())
-        return said.numpy()
+        return told(kernel, cells, handed(self._solid, wp.uint8), *inputs)
 
     def _beside(self, taken: Cells) -> Cells:
         """The surface cells among the 26 about each of `taken`."""
