@@ -108,6 +108,7 @@ class ReliefSettings:
     rate: Positive
     back: Share
     back_in_doubt: Share
+    back_within: PositiveOr0
     slack: Annotated[float, at_least(1)]
     fill_every: CountOr0
     fill_from: Annotated[float, within("[0, 1]")]

@@ -17,6 +17,7 @@ WAYS = replace(
     rate=0.1,
     back=0.5,
     back_in_doubt=0.7,
+    back_within=1.0,
     fill_every=5,
     fill_from=0.5,
 )
@@ -130,7 +131,17 @@ def test_what_was_carved_falls_back_by_its_share_of_a_step_and_no_farther_than_t
     before = start + torch.from_numpy(moved) - 4
     after = before.clone()
     relief.fall_back(after, rate)
-    deeper = before <= start
-    assert torch.equal(after[deeper], before[deeper])
+    falls = (before > start) & (start - hull <= WAYS.back_within)
+    assert torch.equal(after[~falls], before[~falls])
     expected = torch.maximum(before - WAYS.back * rate, start)
-    assert torch.equal(after[~deeper], expected[~deeper])
+    assert torch.equal(after[falls], expected[falls])
+
+
+def test_nothing_falls_back_in_a_recess_where_photographs_contradict_the_visual_hull():
+    hull, start = torch.full((SIDE**3,), -3.0), torch.full((SIDE**3,), -2.5)
+    recess = GRID[:, 0] > 0
+    start[recess] = -1.5
+    distance = torch.full((SIDE**3,), 1.0)
+    Relief(hull, BESIDE, WAYS, start).fall_back(distance, 2.0)
+    assert (distance[recess] == 1.0).all()
+    assert (distance[~recess] == 0.0).all()

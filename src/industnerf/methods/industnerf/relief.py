@@ -8,6 +8,8 @@ contradict is carved.
 
 Of a plain face most images contradict neither the face nor a hollow in it: what nothing keeps
 carving falls back to where it started; faster, if the photographs are not believed (`photohull`).
+Not so in a recess, where it started well inside the visual hull: a photo hull is the largest solid
+that photographs do not contradict, and so the surface is deeper still.
 
 An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings.
 """
@@ -37,6 +39,7 @@ class Relief:
         self._back = settings.back if believed else settings.back_in_doubt
         start = hull if start is None else start.clamp(-FARTHEST, FARTHEST)
         self._start = torch.maximum(start, hull)
+        self._recessed = self._start - hull > settings.back_within
         self._least = torch.where(hull > 0, hull, hull * settings.slack)
 
     def rate(self, beta: float) -> float:
@@ -49,9 +52,10 @@ class Relief:
 
     @torch.no_grad()
     def fall_back(self, distance: Float32[Tensor, "m"], rate: float) -> None:
-        """A little of what was carved is undone: a share of a step of Adam at `rate`."""
+        """Of what was carved outside recesses a little is undone: a share of a step at `rate`."""
         back = torch.maximum(distance - self._back * rate, self._start)
-        distance.copy_(torch.where(distance > self._start, back, distance))
+        falls = (distance > self._start) & ~self._recessed
+        distance.copy_(torch.where(falls, back, distance))
 
     @torch.no_grad()
     def settle(self, distance: Float32[Tensor, "m"], taken: int, steps: int) -> None:
