@@ -13,6 +13,7 @@ from industnerf.report.readme import study_block
 from pipeline.publish import shown as shown_of
 from tests.report.published import disagreements, rows_of, write_report
 
+THEN = "seed: 0\nviews: {count: 40, fov_deg: 30.0, sky: {x: {p: 1}}}\n"  # params.yaml
 MADE = {
     "schema": 1,
     "command": "make repro",
@@ -31,7 +32,7 @@ STUDY = RESULTS / "study"
 def published(tmp_path):
     report, out = write_report(tmp_path / "reports"), tmp_path / "results" / "study"
     for name, _ in KEPT.values():
-        (tmp_path / name).write_text("seed: 0\nviews: {count: 40, fov_deg: 30.0}\n")
+        (tmp_path / name).write_text(THEN)
     publish(report, out, MADE, tmp_path)
     return out
 
@@ -177,8 +178,9 @@ def test_a_tree_that_was_not_clean_is_said_to_be(published):
 def test_settings_that_changed_since_are_named(published):
     assert "Since then" not in shown(published)
     today = published.parents[1] / "params.yaml"
-    today.write_text("seed: 1\nviews: {count: 40, sun: {a: {b: 1, c: 2}}}\n")
-    changed = "has changed in `seed` and has gained `views.sun.a` and has lost `views.fov_deg`"
+    today.write_text("seed: 1\nviews: {count: 40, sky: {x: {p: 1, q: 2}}, sun: {b: 1, c: 2}}\n")
+    gained = "has gained `views.sky.x.q`, `views.sun`"
+    changed = f"has changed in `seed` and {gained} and has lost `views.fov_deg`"
     assert shown(published).splitlines()[-1] == f"Since then params.yaml {changed}."
 
 

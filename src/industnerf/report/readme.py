@@ -3,6 +3,7 @@
 import json
 from collections import defaultdict
 from collections.abc import Set
+from itertools import accumulate
 from pathlib import Path
 from statistics import fmean
 
@@ -50,18 +51,27 @@ def _since(then: Path, now: Path) -> str:
     old, new = (flat(read_yaml(path)) for path in (then, now))
     changed = {key for key in old.keys() & new.keys() if old[key] != new[key]}
     found = {
-        "has changed in": changed,
-        "has gained": new.keys() - old,
-        "has lost": old.keys() - new,
+        "has changed in": {".".join(key.split(".")[:3]) for key in changed},
+        "has gained": _only_in(new.keys(), old.keys()),
+        "has lost": _only_in(old.keys(), new.keys()),
     }
     said = [f"{words} {_named(keys)}" for words, keys in found.items() if keys]
     return f"\nSince then params.yaml {' and '.join(said)}.\n" if said else ""
 
 
+def _only_in(these: Set[str], those: Set[str]) -> set[str]:
+    """Keys of `these` that are not in `those`: where a whole section is not, the section."""
+    known = {section for key in those for section in _sections(key)}
+    return {next((s for s in _sections(key) if s not in known), key) for key in these - those}
+
+
+def _sections(key: str) -> list[str]:
+    """What `key` is in, from the widest to itself: a, a.b, a.b.c."""
+    return list(accumulate(key.split("."), "{}.{}".format))
+
+
 def _named(keys: Set[str]) -> str:
-    """At most three keys deep: what is nested deeper is named by where it is."""
-    sections = sorted({".".join(key.split(".")[:3]) for key in keys})
-    return ", ".join(f"`{section}`" for section in sections)
+    return ", ".join(f"`{key}`" for key in sorted(keys))
 
 
 def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:
