@@ -1,0 +1,114 @@
+"""Score clouds that were made elsewhere, as the study scores its own (docs/protocol.md).
+
+python -m pipeline.score clouds/                       files named after parts: gear-spur-m2-z24.ply
+python -m pipeline.score cloud.ply gear-spur-m2-z24    one cloud of a part of the suite
+python -m pipeline.score cloud.ply bracket.step        one cloud of a CAD file of your own
+
+Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, XYZ, or npz with
+`points_mm`; of a mesh (PLY, OBJ, STL, OFF) points are drawn.  A file without points is a failure,
+and counts as one; a part without a file does not count.  Resumable; the truth is in the store.
+"""
+
+from dataclasses import asdict, replace
+from functools import partial
+from pathlib import Path
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Column, Table
+
+from industnerf.artifacts.cloud import load_remarks
+from industnerf.artifacts.part import load_parts
+from industnerf.artifacts.scores import load_method_scores
+from industnerf.cli import run_command
+from industnerf.config import Masked, load_params, read_yaml, stage
+from industnerf.outside.files import baked, clouds_at, own
+from industnerf.outside.points import take_over
+from industnerf.outside.table import HEADS, Known, known_of, part_lines, summary
+from industnerf.schema import Params
+from industnerf.stage import Task, read_failures, read_index, run_stage
+from pipeline import evaluate, parts, solids, truth
+
+OUT, STUDY = Path("runs/score"), Path("results/study")
+
+
+def main(place: str, part: str = "") -> None:
+    params, clouds = asked(load_params(), Path(place), part)
+    out = OUT / Path(place).resolve().stem
+    score(params, clouds, out)
+    show(params, out)
+
+
+def asked(params: Params, place: Path, part: str) -> tuple[Params, dict[str, Path]]:
+    """The parameters that bring in the parts, and the file of the cloud of each."""
+    if Path(part).is_file():  # "" is the current folder
+        chosen, part_id = own(params.parts, Path(part))
+        clouds = clouds_at(place, part_id)
+    else:
+        clouds = clouds_at(place, part)
+        chosen = baked(params.parts, clouds)
+    return replace(params, parts=chosen), clouds
+
+
+def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
+    """The stages of the study up to its scores, with the files in the place of a method."""
+    source, solid, part, known, cloud = (
+        params.parts.path,
+        *(str(out / name) for name in ("solids", "parts", "truth", "clouds")),
+    )
+    solids.main(masked(params, "solids"), source, solid)
+    parts.main(masked(params, "parts"), source, solid, part)
+    truth.main(masked(params, "truth"), part, known)
+    tasks = [
+        Task(
+            part_id,
+            partial(take_over, clouds[part_id], Path(part) / part_id, params.seed),
+            [params.seed, part_id],
+            (clouds[part_id], Path(part) / part_id / "mesh.npz"),
+        )
+        for part_id in read_index(Path(part))
+    ]
+    before = read_failures(Path(part))
+    run_stage("outside", tasks, Path(cloud), "report", failed_before=before, needs_one=False)
+    no_views = str(out / "views")  # a cloud without renderings asks for none
+    evaluate.main(
+        masked(params, "evaluate"), out.name, part, no_views, known, cloud, str(out / "scores")
+    )
+
+
+def masked(params: Params, name: str) -> Masked:
+    """What the stage `name` of dvc.yaml may read of `params`."""
+    return stage(name).mask(params)
+
+
+def show(params: Params, out: Path) -> None:
+    """Print the scores below `out`, part by part and in the mean, beside the study's."""
+    found = load_method_scores(out / "scores", out.name)
+    known = {part.part_id: part for part in load_parts(out / "parts")}
+    wide = Column(HEADS[0], min_width=max(map(len, known)))
+    table = Table(wide, *(Column(head, justify="right") for head in HEADS[1:]), box=SIMPLE)
+    for line in part_lines(found, known):
+        table.add_row(*line)
+    Console().print(table)
+    for part_id, why in read_failures(out / "clouds").items():
+        print(f"{part_id} failed: {why}")
+    for part_id in read_index(out / "clouds"):
+        for remark in load_remarks(out / "clouds" / part_id):
+            print(f"{part_id}: {remark}")
+    for text in summary(found, known, published(params), params.report, params.seed):
+        print(text)
+    print(f"every metric: {out / 'scores' / 'scores.csv'}")
+
+
+def published(params: Params) -> Known:
+    """The published study, if it was scored as `params` say; else nothing is known."""
+    theirs = STUDY / "params.yaml"
+    if theirs.exists():
+        study = read_yaml(theirs)
+        if (study["evaluate"], study["seed"]) == (asdict(params.evaluate), params.seed):
+            return known_of(STUDY)
+    return Known({}, {})
+
+
+if __name__ == "__main__":
+    run_command(main)

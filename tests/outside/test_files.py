@@ -1,0 +1,64 @@
+"""Which file is a cloud of which part."""
+
+import pytest
+import trimesh
+
+from industnerf.config import load_params
+from industnerf.errors import BadParams
+from industnerf.outside.files import baked, clouds_at, own
+from industnerf.parts.catalogue import EMBEDDED
+from tests import solids
+from tests.conftest import ROOT
+
+PARTS = load_params(ROOT / "params.yaml").parts
+GEAR, VASE = "gear-spur-m2-z24", "organic-coral"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in (f"{GEAR}.ply", "nut-square-din557-m12.xyz", "notes.txt"):
+        (tmp_path / name).touch()
+    return tmp_path
+
+
+def test_files_of_a_folder_are_named_after_their_parts(folder):
+    found = clouds_at(folder, "")
+    assert {part: path.name for part, path in found.items()} == {
+        GEAR: f"{GEAR}.ply",
+        "nut-square-din557-m12": "nut-square-din557-m12.xyz",
+    }
+
+
+def test_a_single_file_may_be_named_otherwise(folder):
+    assert clouds_at(folder / f"{GEAR}.ply", "") == {GEAR: folder / f"{GEAR}.ply"}
+    assert clouds_at(folder / f"{GEAR}.ply", "other") == {"other": folder / f"{GEAR}.ply"}
+
+
+def test_what_cannot_be_meant_is_refused(folder):
+    with pytest.raises(BadParams, match="does not exist"):
+        clouds_at(folder / "nowhere", "")
+    with pytest.raises(BadParams, match="is a folder"):
+        clouds_at(folder, GEAR)
+    with pytest.raises(BadParams, match=r"no file ends in \.ply"):
+        clouds_at(folder / "notes.txt", "")
+    (folder / f"{GEAR}.npz").touch()
+    with pytest.raises(BadParams, match="of one part"):
+        clouds_at(folder, "")
+
+
+def test_the_set_is_the_one_that_has_the_parts():
+    assert (baked(PARTS, [GEAR]).path, baked(PARTS, [GEAR]).select) == (str(EMBEDDED), [GEAR])
+    assert baked(PARTS, [VASE]).path.endswith("data/organic")
+
+
+def test_an_unknown_part_is_named():
+    with pytest.raises(BadParams, match=r"no part is called 'gear-spur'.*--set embedded"):
+        baked(PARTS, [GEAR, "gear-spur"])
+
+
+def test_a_cad_file_is_a_part_by_its_name(tmp_path):
+    mesh = solids.box(1, 2, 3)
+    trimesh.Trimesh(mesh.vertices, mesh.faces).export(tmp_path / "My Bracket.stl")
+    chosen, part_id = own(PARTS, tmp_path / "My Bracket.stl")
+    assert part_id == "my-bracket"
+    assert (chosen.source, chosen.path) == ("path", str(tmp_path / "My Bracket.stl"))

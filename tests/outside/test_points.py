@@ -1,0 +1,59 @@
+"""Anybody's cloud file as points."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.ply import write_ply
+from industnerf.errors import BadArtifact
+from industnerf.outside.points import MANY, oddities, read_points
+from tests import solids
+
+RNG = np.random.default_rng(0)
+POINTS = RNG.normal(size=(50, 3))
+
+
+def read(path):
+    return read_points(path, np.random.default_rng(0))
+
+
+def test_points_of_every_kind_of_file_are_those_that_were_written(tmp_path):
+    write_ply(tmp_path / "a.ply", POINTS)
+    np.savetxt(tmp_path / "a.xyz", POINTS)
+    np.savez(tmp_path / "a.npz", points_mm=POINTS)
+    for name in ("a.ply", "a.xyz", "a.npz"):
+        np.testing.assert_allclose(read(tmp_path / name), POINTS, atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", ["ply", "stl", "obj", "off"])
+def test_of_a_mesh_points_are_drawn_evenly_by_area(tmp_path, suffix):
+    trimesh.creation.box((2, 4, 8)).export(tmp_path / f"a.{suffix}")
+    points = read(tmp_path / f"a.{suffix}")
+    assert points.shape == (MANY, 3)
+    on_top = np.isclose(np.abs(points[:, 2]), 4)  # two faces of 8, of 112 in all
+    # 5 standard deviations of a share of 1/7 of so many
+    assert on_top.mean() == pytest.approx(1 / 7, abs=5 * np.sqrt(6 / 49 / MANY))
+
+
+def test_what_holds_no_points_is_refused_by_name(tmp_path):
+    (tmp_path / "torn.ply").write_bytes(b"")
+    write_ply(tmp_path / "none.ply", np.zeros((0, 3)))
+    np.savez(tmp_path / "other.npz", points=POINTS)
+    np.savez(tmp_path / "flat.npz", points_mm=POINTS[:, :2])
+    for name in ("torn.ply", "none.ply", "other.npz", "flat.npz"):
+        with pytest.raises(BadArtifact, match=name):
+            read(tmp_path / name)
+
+
+def test_points_that_are_not_finite_are_counted(tmp_path):
+    np.savez(tmp_path / "a.npz", points_mm=np.vstack([POINTS, [[np.nan, 0, 0]]]))
+    with pytest.raises(BadArtifact, match="1 of 51 points are not finite"):
+        read(tmp_path / "a.npz")
+
+
+def test_another_unit_and_another_place_are_remarked_on():
+    truth = solids.box(20, 30, 40).vertices
+    assert oddities(truth * 1.1, truth) == []
+    assert "0.001 times as large" in oddities(truth / 1000, truth)[0]
+    assert "25.4 times as large" in oddities(truth * 25.4, truth)[0]
+    assert "diagonals from the part's" in oddities(truth + np.array([60, 0, 0]), truth)[0]

@@ -1,0 +1,76 @@
+"""Clouds from outside, through the stages that score a method's."""
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.ply import write_ply
+from industnerf.config import load_params
+from industnerf.errors import BadParams
+from pipeline import score
+from tests.conftest import ROOT
+
+SIDES = np.array([20.0, 30.0, 40.0])
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder with a block as a CAD file, and a study that is quick to measure."""
+    for name in ("dvc.yaml", "params.yaml"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    trimesh.creation.box(SIDES).export(tmp_path / "block.stl")
+    params = load_params(ROOT / "params.yaml")
+    quick = replace(params, evaluate=replace(params.evaluate, points=128, dense=2048, cap=2048))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(score, "load_params", lambda: quick)
+    monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
+    monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
+    return tmp_path
+
+
+def emd(place, name: str) -> tuple[float, float, str]:
+    """EMD (even), floor and status of the block."""
+    with (place / "runs" / "score" / name / "scores" / "scores.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["protocol"] == "P1-even"]
+    (row,) = (row for row in rows if row["metric"] == "emd")
+    return float(row["value"]), float(row["floor"]), row["status"]
+
+
+def test_the_true_surface_scores_its_floor_and_says_every_metric(place, capsys):
+    trimesh.creation.box(SIDES).export(place / "same.ply")
+    score.main("same.ply", "block.stl")
+    value, floor, status = emd(place, "same")
+    # another sample of the same 128 points: a fifth is what the oracle's test allows
+    assert status == "ok"
+    assert value == pytest.approx(floor, rel=0.2)
+    said = capsys.readouterr().out
+    assert "outside the study: 1 parts" in said
+    assert "every metric: runs/score/same/scores/scores.csv" in said
+
+
+def test_a_cloud_elsewhere_scores_about_how_far_it_was_moved(place, capsys):
+    points = trimesh.creation.box(SIDES).sample(2048, seed=1) + np.array([30.0, 0, 0])
+    write_ply(place / "moved.ply", points)
+    score.main("moved.ply", "block.stl")
+    value, floor, _ = emd(place, "moved")
+    assert value == pytest.approx(30 / np.linalg.norm(SIDES), abs=floor)
+    assert "is it in the cameras' frame?" in capsys.readouterr().out
+
+
+def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
+    (place / "torn.ply").touch()
+    score.main("torn.ply", "block.stl")
+    assert emd(place, "torn")[2] == "failed"
+    said = capsys.readouterr().out
+    assert "block failed: torn.ply cannot be read" in said
+    assert "1 failed" in said
+
+
+def test_a_part_that_is_not_known_is_refused_before_anything_is_done(place):
+    (place / "a.ply").touch()
+    with pytest.raises(BadParams, match="no part is called 'a'"):
+        score.main("a.ply")
+    assert not (place / "runs").exists()
