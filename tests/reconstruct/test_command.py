@@ -366,3 +366,15 @@ def test_help_needs_nothing_heavy(root):
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "[]"
     assert "--cameras" in done.stdout
+
+
+def test_the_local_file_says_where_to_compute_and_a_device_that_is_none_is_refused(
+    desk, monkeypatch
+):
+    monkeypatch.setenv("INDUSTNERF_DEVICE", "")  # so that it is as before when the test is over
+    monkeypatch.delenv("INDUSTNERF_DEVICE")
+    monkeypatch.chdir(desk.folder)
+    (desk.folder / ".industnerf.env").write_text("INDUSTNERF_DEVICE=gpu\n")
+    code, _, errors = desk.run()
+    assert code == 2
+    assert "INDUSTNERF_DEVICE is 'gpu', must be cpu, cuda or cuda:N" in errors

@@ -16,6 +16,7 @@ from typing import get_args
 
 from rich.console import Console
 
+from industnerf import environment
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.catalogue import EMBEDDED
 from industnerf.parts.export import FORMATS, export
@@ -30,6 +31,7 @@ def main() -> int:
     arguments = _parser().parse_args()
     console = Console()
     try:
+        environment.read_local_file()
         if arguments.command == "list":
             show(console, arguments.set)
         elif arguments.command == "export":

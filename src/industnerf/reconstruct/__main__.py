@@ -9,13 +9,17 @@ surface, 2 if what it was given is wrong, 130 after Ctrl-C.
 
 import sys
 
+from industnerf import environment
 from industnerf.errors import ReconstructionFailed, SuiteError
 from industnerf.reconstruct.options import Options, parse
+from industnerf.runner.device import check_device
 
 
 def main() -> int:
     options = parse(sys.argv[1:], __doc__)
     try:
+        environment.read_local_file()
+        check_device(here=True)
         from industnerf.reconstruct.job import reconstruct  # late: --help needs none of it
 
         reconstruct(options)

@@ -53,7 +53,7 @@ def load(path: Path, origin: Origin) -> dict[str, Any]:
 
 
 def _plain(payload: bytes) -> dict[str, Any]:
-    return torch.load(io.BytesIO(payload), weights_only=True)
+    return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
 
 
 def is_checkpoint(path: Path) -> bool:

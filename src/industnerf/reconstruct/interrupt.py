@@ -5,7 +5,7 @@ import signal
 import sys
 from types import FrameType, TracebackType
 
-NOTICE = b"\ninterrupted: ends at the next checkpoint; Ctrl-C again ends at once\n"
+NOTICE = b"\ninterrupted: ends at the next checkpoint or when done; Ctrl-C again ends at once\n"
 
 
 class Interrupt:

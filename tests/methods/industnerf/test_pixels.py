@@ -157,7 +157,7 @@ def a_scene() -> Scene:
 
 def test_a_pixel_has_its_views_ray_colour_and_background():
     full = a_scene()
-    pixels = Pixels(full, 12, torch.ones(4, 12, 12, dtype=torch.bool))
+    pixels = Pixels(full, torch.ones(4, 12, 12, dtype=torch.bool))
     rays, colours, background = pixels.rays(torch.tensor([[2, 7, 3]]), torch.tensor([0.25]))
     uv = torch.tensor([[2 * 3.5, 2 * 7.5]])  # px of the image as it was: u goes with the column
     truth = full.eyes.rays(torch.tensor([2]), uv, torch.tensor([0.25]))
@@ -172,7 +172,7 @@ def test_a_pixel_has_its_views_ray_colour_and_background():
 def test_only_pixels_that_are_shown_are_drawn_all_of_them_and_by_seed():
     full, shown = a_scene(), torch.zeros(4, 24, 24, dtype=torch.bool)
     shown[1, 3, 4:9] = shown[3, 20, 5] = True
-    pixels = Pixels(full, 24, shown)
+    pixels = Pixels(full, shown)
 
     def drawn(seed: int):
         rays, *rest = pixels.rays(*pixels.draw(200, torch.Generator().manual_seed(seed)))
@@ -204,7 +204,7 @@ def test_distances_are_along_the_ray_and_not_along_the_axis():
     """A wall 3 before a camera that looks at it squarely: depth 3 everywhere."""
     wall = a_scene()
     full = replace(wall, depth=torch.full((4, 24, 24), 3.0))
-    pixels = Pixels(full, 24, torch.ones(4, 24, 24, dtype=torch.bool))
+    pixels = Pixels(full, torch.ones(4, 24, 24, dtype=torch.bool))
     chosen = torch.tensor([[1, 0, 0], [2, 11, 11], [3, 23, 4]])
     rays, *_ = pixels.rays(chosen, torch.zeros(3))
     away = pixels.distances(chosen, rays)
@@ -212,7 +212,7 @@ def test_distances_are_along_the_ray_and_not_along_the_axis():
     along = (ahead * full.eyes.c2w[chosen[:, 0], :3, 2]).sum(dim=1)
     torch.testing.assert_close(along, torch.full((3,), 3.0))
     assert away[0] > 1.05 * away[1]
-    assert Pixels(wall, 24, pixels.shown.new_ones(4, 24, 24).bool()).distances(chosen, rays) is None
+    assert Pixels(wall, pixels.shown.new_ones(4, 24, 24).bool()).distances(chosen, rays) is None
 
 
 def test_noise_has_its_deviation_and_none_draws_nothing():

@@ -72,7 +72,7 @@ def test_confidence_is_what_the_readable_renderer_says(transmittance, opacity, s
     seen, (points, sigma, rgb) = scene(ball(18.0), VIEWS, SIDE), cloud(3)
     renderer = renderer_of(points)
     points, sigma, rgb = (values[renderer.points.order] for values in (points, sigma, rgb))
-    pixels = Pixels(seen, SIDE, torch.ones(VIEWS, SIDE, SIDE, dtype=torch.bool))
+    pixels = Pixels(seen, torch.ones(VIEWS, SIDE, SIDE, dtype=torch.bool))
     told = witnesses.testimony(seen, pixels, renderer, sigma, rgb, readings)
     truth = twin(seen, pixels, points, sigma, rgb, readings)
     best = truth.amax(dim=0)
@@ -101,7 +101,7 @@ def of_the_ball():
     """An opaque ball of 0.6 that all 6 views agree with, and what they say of it."""
     seen, (renderer, sigma, rgb) = scene(ball(18.0), 6, 48), solid_ball(24, 0.6)
     shown = footprint(renderer.points.positions[sigma > 0], renderer.points.radius, seen.eyes, 48)
-    pixels = Pixels(seen, 48, shown)
+    pixels = Pixels(seen, shown)
     told = witnesses.testimony(seen, pixels, renderer, sigma, rgb, settings().readings)
     return seen, renderer.points, told
 
@@ -154,7 +154,7 @@ def test_surface_points_have_the_pixels_colours_and_views(of_the_ball):
 def test_a_surface_of_the_wrong_colour_is_less_sure():
     """(12) falls by the distance of the colours over L, and (13) with it."""
     seen, (renderer, sigma, rgb) = scene(ball(18.0), 2, 24), solid_ball(16, 0.6)
-    pixels = Pixels(seen, 24, torch.ones(2, 24, 24, dtype=torch.bool))
+    pixels = Pixels(seen, torch.ones(2, 24, 24, dtype=torch.bool))
     readings = settings(readings={"scale": "unit"}).readings
     right, wrong = (
         witnesses.testimony(seen, pixels, renderer, sigma, rgb + off, readings).surface
@@ -176,9 +176,9 @@ def test_contrast_is_the_diagonal_of_the_box_of_colours():
     )
     shown = torch.ones(1, 8, 8, dtype=torch.bool)
     shown[0, 0, 0] = False  # what is not shown does not count
-    pixels = Pixels(Scene(images, seen.eyes, seen.background), 8, shown)
+    pixels = Pixels(Scene(images, seen.eyes, seen.background), shown)
     assert contrast_of(pixels) == pytest.approx((90**2 + 100**2 + 30**2) ** 0.5 / 255, rel=1e-6)
-    assert contrast_of(Pixels(seen, 8, torch.zeros_like(shown))) == 1
+    assert contrast_of(Pixels(seen, torch.zeros_like(shown))) == 1
 
 
 def a_surface(seed: int, count: int) -> Surface:

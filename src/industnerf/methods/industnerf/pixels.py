@@ -21,7 +21,7 @@ class Pixels:
     their densities and colours: there is nothing to learn from it.
     """
 
-    def __init__(self, scene: Scene, longest: int, footprint: Bool[Tensor, "n h w"]) -> None:
+    def __init__(self, scene: Scene, footprint: Bool[Tensor, "n h w"]) -> None:
         self._eyes, self._background = scene.eyes, scene.background
         self.height, self.width = footprint.shape[1:]
         self.colours = averaged(scene, self.height, self.width)

@@ -252,16 +252,16 @@ class Work:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from `state`."""
+        """Go on from `state`, which another kind of device may have saved."""
         self._level = state["level"]
         self._losses, self._first_steps = state["losses"], state["first_steps"]
         if self._level > self._first:
             self._prune()  # which weights, its state says
-        trained = state["training"]
-        self.training = self._start(
-            Layer(trained["points"], trained["spacing"], trust=trained["trust"])
-        )
-        self.training.restore(state["training"])
+        trained, where = state["training"], self.scene.images.device
+        points, trust = trained["points"].to(where), trained["trust"]
+        trust = None if trust is None else trust.to(where)
+        self.training = self._start(Layer(points, trained["spacing"], trust=trust))
+        self.training.restore(trained)
         self._generator.set_state(state["generator"])
 
 

@@ -94,7 +94,7 @@ class Training:
     @cached_property
     def pixels(self) -> Pixels:
         """The images, at the resolution that is learned from; found when first asked for."""
-        return Pixels(self._scene, self.image_px, self._seen(self._showing))
+        return Pixels(self._scene, self._seen(self._showing))
 
     def _seen(self, points: Float32[Tensor, "m 3"]) -> Bool[Tensor, "v h w"]:
         """The pixels of judging views that can show any of the points."""
@@ -246,7 +246,7 @@ class Training:
         self._fill(sigma > 0)
         reach, eyes = self.points.reach, self._scene.eyes
         shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
-        pixels = Pixels(self._scene, longest, shown)
+        pixels = Pixels(self._scene, shown)
         return testimony(self._scene, pixels, renderer, values, rgb, self.ways.readings)
 
     def state(self) -> dict[str, Any]:
@@ -271,5 +271,5 @@ class Training:
         if self.field.sources:
             self.field.sources.encode_anew()
         self._adam.load_state_dict(state["adam"])
-        self._fill(state["filled"])
+        self._fill(state["filled"].to(self.points.positions.device))
         self._harden()

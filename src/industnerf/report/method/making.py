@@ -152,6 +152,6 @@ def alone(training: Training, scene: Scene, view: int) -> Float32[Tensor, "m"]:
     reach, points = training.points.reach, training.points.positions
     longest, readings = training.ways.surface_px, training.ways.readings
     shown = footprint(points[training.density() > 0], reach, one.eyes, longest)
-    pixels = Pixels(one, longest, shown)
+    pixels = Pixels(one, shown)
     renderer = training.finely(training.ways.softness.shown)
     return testimony(one, pixels, renderer, values, rgb, readings).confidence
