@@ -48,6 +48,19 @@ def test_a_pattern_and_select_choose_among_them(folder):
     assert ids(find_files(folder, "**/*", ["sub"])) == []
 
 
+def test_a_file_whose_name_begins_another_is_not_read_for_it(tmp_path):
+    for name in ("bracket.stl", "bracket-large.stl"):
+        (tmp_path / name).touch()
+
+    def chosen(*select):
+        return {file.file_id for file in find_files(tmp_path, "**/*", [*select])}
+
+    assert chosen("bracket-large") == {"bracket-large"}
+    assert chosen("bracket") == {"bracket"}
+    assert chosen("bracket-bolt") == {"bracket"}  # a solid of it, perhaps
+    assert chosen("bracket-large-bolt") == {"bracket", "bracket-large"}  # of either
+
+
 def test_one_file_is_taken_whatever_it_is_called(folder):
     assert ids(find_files(folder / "notes.txt", "**/*", [])) == [("notes", "own")]
 

@@ -10,6 +10,7 @@ from PIL import Image
 from industnerf.artifacts.views import Frame, Views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import project
+from industnerf.reconstruct.distortion import Distortion, straightened
 from industnerf.reconstruct.gather import gather
 from tests.reconstruct import scene
 
@@ -200,8 +201,20 @@ def test_one_view_is_too_few(folder):
 
 def test_cameras_are_checked_before_any_photograph_is_read(folder):
     (folder / "rgb/000.png").write_text("no image")
-    with pytest.raises(BadArtifact, match=r"frame 4 \(rgb/004.png\): the lens is distorted"):
-        read(folder, lambda said: said["frames"][4].update(k1=0.1))
+    with pytest.raises(BadArtifact, match=r"frame 4 \(rgb/004.png\): camera model"):
+        read(folder, lambda said: said["frames"][4].update(camera_model="OPENCV_FISHEYE"))
+
+
+def test_photographs_of_a_lens_that_bends_lines_are_straightened(folder):
+    album = read(folder, lambda said: said.update(k1=-0.2, p2=1e-3))
+    taken, lens = scene.cameras(), Distortion(k1=-0.2, p2=1e-3)
+    for photo, rgb, K, was in zip(
+        scene.photographs(), album.rgb, album.cameras.K, taken.K, strict=True
+    ):
+        straight, pinhole = straightened(photo, was, lens, "")
+        np.testing.assert_array_equal(rgb, straight)
+        np.testing.assert_allclose(K, pinhole)
+    assert album.remarks == ("5 of 5 photographs were straightened, as their lens bends lines",)
 
 
 def test_each_photograph_ticks(folder):

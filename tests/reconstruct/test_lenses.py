@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.lenses import check_straight, intrinsics, merged, stated_size
+from industnerf.reconstruct.distortion import Distortion
+from industnerf.reconstruct.lenses import distortion, intrinsics, merged, stated_size
 
 W, H = 640, 480
 
@@ -68,23 +69,33 @@ def test_what_is_no_lens_is_refused(lens, complaint):
 @pytest.mark.parametrize(
     "lens",
     [
-        {"k1": 0.01},
-        {"p2": -1e-4},
         {"k4": 1.0},
         {"distortion_params": [0, 0, 0.1]},
-        {"camera_model": "OPENCV_FISHEYE"},
+        {"camera_model": "OPENCV_FISHEYE", "k1": 0.1},
         {"is_fisheye": True},
         {"camera_model": "EQUIRECTANGULAR"},
     ],
 )
-def test_a_lens_that_bends_lines_is_refused(lens):
+def test_a_lens_of_another_model_is_refused(lens):
     with pytest.raises(BadArtifact, match=r"frame 0: .* undistort the photographs first"):
-        check_straight(lens, "frame 0")
+        distortion(lens, "frame 0")
+
+
+def test_how_a_lens_bends_lines_is_read():
+    lens = {"camera_model": "OPENCV", "k1": 0.01, "k2": -2e-3, "p1": 0, "p2": -1e-4, "k4": 0.0}
+    assert distortion(lens, "frame 0") == Distortion(k1=0.01, k2=-2e-3, p2=-1e-4)
+    assert distortion({"camera_model": "SIMPLE_RADIAL", "k1": 1}, "frame 0") == Distortion(k1=1.0)
+
+
+@pytest.mark.parametrize("value", ["0.1", None, True, math.nan])
+def test_a_coefficient_that_is_no_number_is_refused(value):
+    with pytest.raises(BadArtifact, match=r"frame 0: k1 is .*, must be a number"):
+        distortion({"k1": value}, "frame 0")
 
 
 def test_a_distortion_of_nothing_is_none():
     zeros = dict.fromkeys(["k1", "k2", "k3", "k4", "p1", "p2"], 0.0)
-    check_straight(zeros | {"camera_model": "OPENCV", "is_fisheye": False}, "frame 0")
+    assert distortion(zeros | {"camera_model": "OPENCV", "is_fisheye": False}, "frame 0") is None
 
 
 def test_the_size_is_stated_whole_or_not_at_all():

@@ -43,7 +43,8 @@ def find_files(place: Path, pattern: str, select: list[str]) -> list[OwnFile]:
         OwnFile(file_id, path.parent.name if path.parent != place else "own", path)
         for file_id, path in zip(file_ids(place, files), files, strict=True)
     ]
-    return [file for file in found if not select or _named(file.file_id, select)]
+    wanted = _wanted(select, {file.file_id for file in found})
+    return [file for file in found if not select or file.file_id in wanted]
 
 
 def require_place(place: Path) -> None:
@@ -98,5 +99,7 @@ def is_cad(path: Path) -> bool:
     return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
 
 
-def _named(file_id: str, select: list[str]) -> bool:
-    return any(name == file_id or name.startswith(f"{file_id}-") for name in select)
+def _wanted(select: Sequence[str], file_ids: set[str]) -> set[str]:
+    """The files that `select` names, or of which it may name a solid."""
+    files, others = file_ids & set(select), set(select) - file_ids
+    return files | {name for name in file_ids if any(o.startswith(f"{name}-") for o in others)}

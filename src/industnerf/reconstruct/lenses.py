@@ -1,4 +1,4 @@
-"""What transforms.json says of a lens, as a pinhole's intrinsics in px."""
+"""What transforms.json says of a lens: a pinhole's intrinsics in px, and how it bends lines."""
 
 import math
 from collections.abc import Mapping
@@ -8,12 +8,14 @@ import numpy as np
 from jaxtyping import Float
 
 from industnerf.errors import BadArtifact
+from industnerf.reconstruct.distortion import Distortion
 
 FOCAL = ("fl_x", "fl_y", "camera_angle_x", "camera_angle_y")
 NUMBERS = (*FOCAL, "cx", "cy", "w", "h")
-BENT = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "distortion_params")
-STRAIGHT = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL")
-KEYS = (*NUMBERS, *BENT, "camera_model", "is_fisheye")
+BENT = ("k1", "k2", "k3", "p1", "p2")
+UNKNOWN = ("k4", "k5", "k6", "distortion_params")  # of other models, or in an order of its own
+MODELS = ("OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL")
+KEYS = (*NUMBERS, *BENT, *UNKNOWN, "camera_model", "is_fisheye")
 
 
 def merged(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
@@ -26,15 +28,27 @@ def merged(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     return lens | {key: own[key] for key in KEYS if key in own}
 
 
-def check_straight(lens: Mapping[str, Any], where: str) -> None:
-    """Raise BadArtifact if the lens bends straight lines: the method knows pinholes only."""
+def distortion(lens: Mapping[str, Any], where: str) -> Distortion | None:
+    """How the lens bends straight lines, or None if it does not.
+
+    Raises BadArtifact for models other than OpenCV's of five coefficients.
+    """
     remedy = "undistort the photographs first and give the pinhole cameras that belong to them"
     model = lens.get("camera_model", "PINHOLE")
-    if lens.get("is_fisheye") or model not in STRAIGHT:
-        raise BadArtifact(f"{where}: camera model {model!r} is no pinhole; {remedy}")
-    for key in BENT:
+    if lens.get("is_fisheye") or model not in MODELS:
+        raise BadArtifact(f"{where}: camera model {model!r} is not known here; {remedy}")
+    for key in UNKNOWN:
         if key in lens and np.any(np.asarray(lens[key]) != 0):
-            raise BadArtifact(f"{where}: the lens is distorted ({key} = {lens[key]}); {remedy}")
+            raise BadArtifact(f"{where}: {key} = {lens[key]} is not known here; {remedy}")
+    bent = {key: _coefficient(lens, key, where) for key in BENT if key in lens}
+    return Distortion(**bent) if any(bent.values()) else None
+
+
+def _coefficient(lens: Mapping[str, Any], key: str, where: str) -> float:
+    value = lens[key]
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise BadArtifact(f"{where}: {key} is {value!r}, must be a number")
+    return float(value)
 
 
 def stated_size(lens: Mapping[str, Any], where: str) -> tuple[int, int] | None:

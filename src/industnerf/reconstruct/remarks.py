@@ -35,12 +35,13 @@ def remarks(
         "have a rotation that carries a scale, on which no ray depends: dropped": [
             abs(view.stand.scale - 1) > SCALED for view in views
         ],
+        "were straightened, as their lens bends lines": [view.stand.bent for view in views],
         f"were reduced to {in_px((width, height))}": [
             view.photo.size != (width, height) for view in views
         ],
     }
     said = [
-        f"{sum(which)} of {len(views)} photographs {text}"
+        f"{sum(map(bool, which))} of {len(views)} photographs {text}"
         for text, which in counted.items()
         if any(which)
     ]

@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.lenses import check_straight, intrinsics, stated_size
+from industnerf.reconstruct.distortion import Distortion, straightened
+from industnerf.reconstruct.lenses import distortion, intrinsics, stated_size
 from industnerf.reconstruct.pixels import Facts, read_photo, same_shape
 from industnerf.reconstruct.poses import pose
 from industnerf.reconstruct.shrink import reduced_size, shrink
@@ -22,6 +23,7 @@ class Stand:
     c2w: Float[np.ndarray, "4 4"]
     scale: float  # that its rotation carried
     size: tuple[int, int] | None  # (width, height) in px of which the intrinsics speak
+    bent: Distortion | None  # None: a pinhole
 
 
 @dataclass(frozen=True)
@@ -40,13 +42,14 @@ class View:
 
 
 def stand(shot: Shot) -> Stand:
-    """Raises BadArtifact that names the frame if its camera is no pinhole in space."""
-    check_straight(shot.lens, str(shot))
-    return Stand(shot, *pose(shot.matrix, str(shot)), stated_size(shot.lens, str(shot)))
+    """Raises BadArtifact that names the frame if its camera is none that we know, in space."""
+    where = str(shot)
+    bent = distortion(shot.lens, where)
+    return Stand(shot, *pose(shot.matrix, where), stated_size(shot.lens, where), bent)
 
 
 def read_view(stand: Stand, path: Path, background: Float[np.ndarray, "3"], longest: int) -> View:
-    """Read the photograph at `path`, no long edge above `longest` px.
+    """Read the photograph at `path`, straight, no long edge above `longest` px.
 
     Raises BadArtifact if it is no image, or not of the shape that its camera speaks of.
     """
@@ -58,11 +61,19 @@ def read_view(stand: Stand, path: Path, background: Float[np.ndarray, "3"], long
             f"{where}: {path} is {in_px(photo.size)}, its camera says {in_px(camera)}: another "
             "shape, so a crop or a turn that the intrinsics do not know of"
         )
+    K = _scaled(intrinsics(stand.shot.lens, *camera, where), camera, photo.size)
+    if stand.bent:
+        rgb, K = straightened(rgb, K, stand.bent, where)
     size = reduced_size(*photo.size, longest)
-    K = intrinsics(stand.shot.lens, *camera, where)
+    return View(shrink(rgb, *size), _scaled(K, photo.size, size), stand, photo)
+
+
+def _scaled(
+    K: Float[np.ndarray, "3 3"], old: tuple[int, int], new: tuple[int, int]
+) -> Float[np.ndarray, "3 3"]:
+    """K of the same image in another size."""
     # the image's corner is the origin of px, so the principal point scales as the lengths do
-    K[:2] *= np.array([[size[0] / camera[0]], [size[1] / camera[1]]])
-    return View(shrink(rgb, *size), K, stand, photo)
+    return np.diag([new[0] / old[0], new[1] / old[1], 1.0]) @ K
 
 
 def in_px(size: tuple[int, int]) -> str:

@@ -184,6 +184,17 @@ def test_gltf_factors_are_linear_and_multiply_the_picture(read):
     np.testing.assert_array_equal(solids.solids[0].mesh.finish, TOP)
 
 
+def test_a_gltf_whose_picture_is_missing_keeps_its_shape_and_says_so(read):
+    tree, data = samples.gltf_tree()
+    tree["images"], tree["textures"] = [{"uri": "paint.png"}], [{"source": 0}]
+    tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    tree["accessors"].append({"componentType": 5126, "count": 8, "type": "VEC2"})
+    tree["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3
+    solids = read("skin.glb", samples.glb(tree, data))
+    assert len(solids.solids[0].mesh.faces) == 12
+    assert solids.remarks == (texture.UNREADABLE,)
+
+
 def test_a_gltf_material_that_states_nothing_is_unstated(read):
     tree, data = samples.gltf_tree()
     tree["materials"] = [{}, {"pbrMetallicRoughness": {"metallicFactor": 1}}]

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from industnerf.errors import BadPart
 from industnerf.parts.reading import texture
 from industnerf.parts.reading.content import Body, require_indices, unpainted
 from industnerf.parts.reading.gltf_buffers import Buffers
@@ -77,8 +78,10 @@ def _picture(
     if uv is None or source is None:
         return None
     image = tree["images"][source]
-    data = (
-        buffers.view(image["bufferView"]) if "bufferView" in image else buffers.load(image["uri"])
-    )
+    inside = "bufferView" in image
+    try:
+        data = buffers.view(image["bufferView"]) if inside else buffers.load(image["uri"])
+    except BadPart:  # a picture that is not there leaves the shape as it is
+        return None
     corners = buffers.numbers(uv).astype(np.float64)[faces]
     return texture.sampled(data, corners * (1, -1) + (0, 1))  # glTF counts v downwards
