@@ -97,6 +97,7 @@ class StartSettings(SpaceCarvingSettings):
     """Of a relief that starts at the photo hull."""
 
     use: bool
+    deepest: Positive
 
 
 @dataclass(frozen=True)

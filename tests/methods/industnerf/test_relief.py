@@ -118,7 +118,7 @@ def test_it_starts_where_it_is_told_to_and_nowhere_deeper_than_the_hull(carved, 
     hull = torch.linspace(-3, 2, SIDE**3)
     start = hull + torch.from_numpy(carved) - torch.from_numpy(raised)
     begun = Relief(hull, BESIDE, WAYS, start).within(None)
-    assert torch.equal(begun, torch.maximum(start.clamp(-FARTHEST, FARTHEST), hull))
+    assert torch.equal(begun, torch.maximum(start.clamp(-WAYS.start.deepest, FARTHEST), hull))
 
 
 @given(CARVED, CARVED, st.floats(0, 2))
@@ -131,17 +131,17 @@ def test_what_was_carved_falls_back_by_its_share_of_a_step_and_no_farther_than_t
     before = start + torch.from_numpy(moved) - 4
     after = before.clone()
     relief.fall_back(after, rate)
-    falls = (before > start) & (start - hull <= WAYS.back_within)
+    falls = (before > start) & (hull >= -WAYS.back_within)
     assert torch.equal(after[~falls], before[~falls])
     expected = torch.maximum(before - WAYS.back * rate, start)
     assert torch.equal(after[falls], expected[falls])
 
 
-def test_nothing_falls_back_in_a_recess_where_photographs_contradict_the_visual_hull():
-    hull, start = torch.full((SIDE**3,), -3.0), torch.full((SIDE**3,), -2.5)
-    recess = GRID[:, 0] > 0
-    start[recess] = -1.5
+def test_what_is_carved_deep_inside_the_hull_stays_carved():
+    hull = torch.full((SIDE**3,), -0.5)
+    deep = GRID[:, 0] > 0
+    hull[deep] = -1.5  # WAYS.back_within is 1
     distance = torch.full((SIDE**3,), 1.0)
-    Relief(hull, BESIDE, WAYS, start).fall_back(distance, 2.0)
-    assert (distance[recess] == 1.0).all()
-    assert (distance[~recess] == 0.0).all()
+    Relief(hull, BESIDE, WAYS).fall_back(distance, 2.0)
+    assert (distance[deep] == 1.0).all()
+    assert (distance[~deep] == 0.0).all()  # half of a step of 2

@@ -29,7 +29,10 @@ class PhotoHull:
         self._depth = np.minimum(cells.depth, left)
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
-        """How far each point is outside, in the scene's unit; < 0 inside."""
+        """How far each point is outside, in the scene's unit; < 0 inside.
+
+        What is deep inside is said to be too near to the surface: see `lattice.depth_in_hull`.
+        """
         cell = 2 / len(self._depth)
         places = (points.cpu().numpy() + 1) / cell - 0.5
         depth = map_coordinates(self._depth, places.T, order=1, mode="nearest", prefilter=False)

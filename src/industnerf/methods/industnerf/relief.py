@@ -2,14 +2,15 @@
 
 Every point starts at its signed distance from the hull, or from the photo hull, so that the first
 surface is theirs, and is soft: light reaches far inside.  While it hardens, what the images
-contradict is carved.
+contradict is carved.  Deep inside the photo hull all points start alike (`start.deepest`): who is
+given the true distance is as hard to carve as he is deep.
 
     carved = distance - that of the hull >= 0
 
 Of a plain face most images contradict neither the face nor a hollow in it: what nothing keeps
 carving falls back to where it started; faster, if the photographs are not believed (`photohull`).
-Not so in a recess, where it started well inside the visual hull: a photo hull is the largest solid
-that photographs do not contradict, and so the surface is deeper still.
+Such hollows are shallow.  What is carved deeper inside the visual hull than `back_within` stays
+carved: it is a pocket.
 
 An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings.
 """
@@ -37,9 +38,9 @@ class Relief:
     ) -> None:
         self.hull, self._beside, self._ways = hull, beside, settings
         self._back = settings.back if believed else settings.back_in_doubt
-        start = hull if start is None else start.clamp(-FARTHEST, FARTHEST)
+        start = hull if start is None else start.clamp(-settings.start.deepest, FARTHEST)
         self._start = torch.maximum(start, hull)
-        self._recessed = self._start - hull > settings.back_within
+        self._shallow = hull >= -settings.back_within
         self._least = torch.where(hull > 0, hull, hull * settings.slack)
 
     def rate(self, beta: float) -> float:
@@ -52,9 +53,9 @@ class Relief:
 
     @torch.no_grad()
     def fall_back(self, distance: Float32[Tensor, "m"], rate: float) -> None:
-        """Of what was carved outside recesses a little is undone: a share of a step at `rate`."""
+        """Of what was carved near the hull a little is undone: a share of a step at `rate`."""
         back = torch.maximum(distance - self._back * rate, self._start)
-        falls = (distance > self._start) & ~self._recessed
+        falls = (distance > self._start) & self._shallow
         distance.copy_(torch.where(falls, back, distance))
 
     @torch.no_grad()
