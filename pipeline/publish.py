@@ -19,7 +19,7 @@ from pathlib import Path
 from industnerf.artifacts.files import write_text
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import PARAMS, load_params
-from industnerf.errors import BadArtifact
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.blocks import replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
 from industnerf.report.leakage import leakage_block, measured
@@ -27,6 +27,7 @@ from industnerf.report.measuring import measuring_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
+from industnerf.schema import Params
 
 OUT, README = Path("results/study"), Path("README.md")
 GRID = Path("results/grid")  # which docs/readings.md shows beside the study
@@ -39,6 +40,7 @@ def main(what: str = "study") -> None:
         bring(Path("runs") / what, Path("results") / what, f"python -m pipeline.preset {what}")
         return
     if what == "study":
+        refuse_own_parts(load_params())
         if LEAKAGE.exists():
             measured(LEAKAGE)  # raises before anything is copied
         bring(Path(), OUT, "make repro")
@@ -49,6 +51,15 @@ def main(what: str = "study") -> None:
         write_text(document, text)
     then = "; then python -m pipeline.spread" if SEEDS.exists() else ""
     print(f"{OUT}, {README} and docs: commit them together with dvc.lock{then}")
+
+
+def refuse_own_parts(params: Params) -> None:
+    """Raises BadParams unless the parts are those that ship with the suite."""
+    if params.parts.source == "path":
+        raise BadParams(
+            f"parts.path is {params.parts.path}, and {OUT} is the study of the suite's own parts: "
+            "give yours a preset in conf/experiment/, `python -m pipeline.preset NAME`"
+        )
 
 
 def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:

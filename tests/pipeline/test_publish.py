@@ -3,11 +3,13 @@
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
 import pytest
 import yaml
 
-from industnerf.errors import BadArtifact
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.blocks import block
 from industnerf.report.readme import study_block
 from pipeline import publish
@@ -74,6 +76,14 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     assert code == 0, output
     assert "has changed" in block((project.folder / "README.md").read_text(), "study")
     assert lock_disagreements(out, "pipeline") == []
+
+
+def test_parts_of_ones_own_do_not_replace_the_study(root):
+    params = load_params(root / "params.yaml")
+    publish.refuse_own_parts(params)
+    own = replace(params, parts=replace(params.parts, source="path", path="my-parts"))
+    with pytest.raises(BadParams, match=r"parts\.path is my-parts.*give yours a preset"):
+        publish.refuse_own_parts(own)
 
 
 @pytest.fixture
