@@ -11,18 +11,20 @@ from industnerf.config import flat, read_yaml
 from industnerf.report.formats import csv_rows, markdown, markdown_rows, short
 from industnerf.report.provenance import made_where
 from industnerf.report.table2 import LOSSES
+from industnerf.report.words import in_words
 
 Cells = dict[str, str]
 
 
 def study_block(folder: Path, params: Path) -> str:
-    """Tables 1 and 2 of the study published in `folder`, and where they come from.
+    """Tables 1 and 2 of the study published in `folder`, what it found, and where it comes from.
 
     `params` is params.yaml as it is now: what has changed in it since is named.
     """
     return (
         f"{_of_what(folder)}{_table1(folder)}"
         f"{_table2(csv_rows(folder / 'table2.csv'))}"
+        f"{_found(folder)}"
         f"{_since(folder / 'params.yaml', params)}"
     )
 
@@ -44,6 +46,11 @@ def _of_what(folder: Path) -> str:
 
 def _scores(folder: Path) -> list[Cells]:
     return [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
+
+
+def _found(folder: Path) -> str:
+    words = in_words(folder)
+    return f"\n{words}" if words else ""
 
 
 def _since(then: Path, now: Path) -> str:
