@@ -20,6 +20,7 @@ from industnerf.artifacts.files import write_text
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact, BadParams
+from industnerf.parts.catalogue import EMBEDDED
 from industnerf.report.blocks import replace_block
 from industnerf.report.documents import cluster_block, costs_block, nets_block
 from industnerf.report.leakage import leakage_block, measured
@@ -54,11 +55,11 @@ def main(what: str = "study") -> None:
 
 
 def refuse_own_parts(params: Params) -> None:
-    """Raises BadParams unless the parts are those that ship with the suite."""
-    if params.parts.source == "path":
+    """Raises BadParams unless the parts are the catalogue that ships with the suite."""
+    if params.parts.source == "path" or Path(params.parts.path).resolve() != EMBEDDED.resolve():
         raise BadParams(
-            f"parts.path is {params.parts.path}, and {OUT} is the study of the suite's own parts: "
-            "give yours a preset in conf/experiment/, `python -m pipeline.preset NAME`"
+            f"parts.path is {params.parts.path}, and {OUT} is the study of the embedded ones: "
+            "give others a preset in conf/experiment/, `python -m pipeline.preset NAME`"
         )
 
 

@@ -9,6 +9,7 @@ Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, XY
 and counts as one; a part without a file does not count.  Resumable; the truth is in the store.
 """
 
+import shutil
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -34,7 +35,8 @@ OUT, STUDY = Path("runs/score"), Path("results/study")
 
 def main(place: str, part: str = "") -> None:
     params, clouds = asked(load_params(), Path(place), part)
-    out = OUT / Path(place).resolve().stem
+    named = Path(place).resolve()
+    out = OUT / (named.name if named.is_dir() else named.stem)
     score(params, clouds, out)
     show(params, out)
 
@@ -51,7 +53,11 @@ def asked(params: Params, place: Path, part: str) -> tuple[Params, dict[str, Pat
 
 
 def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
-    """The stages of the study up to its scores, with the files in the place of a method."""
+    """The stages of the study up to its scores, with the files in the place of a method.
+
+    `out` is emptied first: of what was scored before under its name, the store has the results.
+    """
+    shutil.rmtree(out, ignore_errors=True)
     source, solid, part, known, cloud = (
         params.parts.path,
         *(str(out / name) for name in ("solids", "parts", "truth", "clouds")),
@@ -95,19 +101,24 @@ def show(params: Params, out: Path) -> None:
     for part_id in read_index(out / "clouds"):
         for remark in load_remarks(out / "clouds" / part_id):
             print(f"{part_id}: {remark}")
-    for text in summary(found, known, published(params), params.report, params.seed):
+    beside, why = published(params)
+    for text in summary(found, known, beside, params.report, params.seed):
         print(text)
+    if why:
+        print(f"not set beside the study: {why}")
     print(f"every metric: {out / 'scores' / 'scores.csv'}")
 
 
-def published(params: Params) -> Known:
-    """The published study, if it was scored as `params` say; else nothing is known."""
-    theirs = STUDY / "params.yaml"
-    if theirs.exists():
-        study = read_yaml(theirs)
-        if (study["evaluate"], study["seed"]) == (asdict(params.evaluate), params.seed):
-            return known_of(STUDY)
-    return Known({}, {})
+def published(params: Params) -> tuple[Known, str]:
+    """The published study; of its values none, and why, if it was not scored as `params` say."""
+    if not STUDY.exists():
+        return Known({}, {}), f"there is no {STUDY}"
+    then, known = read_yaml(STUDY / "params.yaml"), known_of(STUDY)
+    now = {"evaluate": asdict(params.evaluate), "seed": params.seed}
+    others = [key for key, value in now.items() if then[key] != value]
+    if not others:
+        return known, ""
+    return Known(known.splits, {}), f"params.yaml has another {' and '.join(others)}"
 
 
 if __name__ == "__main__":

@@ -21,7 +21,8 @@ def test_points_of_every_kind_of_file_are_those_that_were_written(tmp_path):
     write_ply(tmp_path / "a.ply", POINTS)
     np.savetxt(tmp_path / "a.xyz", POINTS)
     np.savez(tmp_path / "a.npz", points_mm=POINTS)
-    for name in ("a.ply", "a.xyz", "a.npz"):
+    np.savez(tmp_path / "b.npz", points=POINTS, view=np.zeros(3))
+    for name in ("a.ply", "a.xyz", "a.npz", "b.npz"):
         np.testing.assert_allclose(read(tmp_path / name), POINTS, atol=1e-6)
 
 
@@ -38,10 +39,15 @@ def test_of_a_mesh_points_are_drawn_evenly_by_area(tmp_path, suffix):
 def test_what_holds_no_points_is_refused_by_name(tmp_path):
     (tmp_path / "torn.ply").write_bytes(b"")
     write_ply(tmp_path / "none.ply", np.zeros((0, 3)))
-    np.savez(tmp_path / "other.npz", points=POINTS)
+    np.savez(tmp_path / "other.npz", xyz=POINTS)
     np.savez(tmp_path / "flat.npz", points_mm=POINTS[:, :2])
-    for name in ("torn.ply", "none.ply", "other.npz", "flat.npz"):
-        with pytest.raises(BadArtifact, match=name):
+    for name, why in (
+        ("torn.ply", "cannot be read"),
+        ("none.ply", "no point in the file"),
+        ("other.npz", "none of points_mm, points, only xyz"),
+        ("flat.npz", r"of shape \(50, 2\)"),
+    ):
+        with pytest.raises(BadArtifact, match=f"{name}.*{why}"):
             read(tmp_path / name)
 
 
@@ -56,4 +62,5 @@ def test_another_unit_and_another_place_are_remarked_on():
     assert oddities(truth * 1.1, truth) == []
     assert "0.001 times as large" in oddities(truth / 1000, truth)[0]
     assert "25.4 times as large" in oddities(truth * 25.4, truth)[0]
+    assert "another order" in oddities(truth[:, [0, 2, 1]], truth)[0]
     assert "diagonals from the part's" in oddities(truth + np.array([60, 0, 0]), truth)[0]

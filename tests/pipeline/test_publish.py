@@ -78,12 +78,13 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     assert lock_disagreements(out, "pipeline") == []
 
 
-def test_parts_of_ones_own_do_not_replace_the_study(root):
+def test_other_parts_do_not_replace_the_study(root, monkeypatch):
     params = load_params(root / "params.yaml")
-    publish.refuse_own_parts(params)
-    own = replace(params, parts=replace(params.parts, source="path", path="my-parts"))
-    with pytest.raises(BadParams, match=r"parts\.path is my-parts.*give yours a preset"):
-        publish.refuse_own_parts(own)
+    for source, path in (("path", "my-parts"), ("embedded", "data/organic")):
+        others = replace(params, parts=replace(params.parts, source=source, path=path))
+        monkeypatch.setattr(publish, "load_params", lambda others=others: others)
+        with pytest.raises(BadParams, match=rf"parts\.path is {path}.*give others a preset"):
+            publish.main()
 
 
 @pytest.fixture

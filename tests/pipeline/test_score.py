@@ -69,6 +69,35 @@ def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
     assert "1 failed" in said
 
 
+def test_what_was_scored_before_by_that_name_is_not_shown_again(place, capsys):
+    trimesh.creation.box(SIDES).export(place / "same.ply")
+    score.main("same.ply", "block.stl")
+    (place / "block.stl").rename(place / "brick.stl")
+    score.main("same.ply", "brick.stl")
+    assert {path.name for path in (place / "runs/score/same/scores").glob("*/")} == {"brick"}
+    assert "1 parts of 1 families" in capsys.readouterr().out.split("brick")[-1]
+
+
+def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_why(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    params = load_params()
+    known, why = score.published(params)
+    assert why == ""
+    assert len(known.values["hull"]) == len(known.splits)
+    known, why = score.published(replace(params, seed=params.seed + 1))
+    assert why == "params.yaml has another seed"
+    assert known.values == {}
+    assert known.splits
+
+
+def test_a_part_of_the_suite_is_brought_in_by_its_name(place):
+    (place / "nut-square-din557-m12.ply").touch()
+    params, _ = score.asked(score.load_params(), place / "nut-square-din557-m12.ply", "")
+    assert params.parts.select == ["nut-square-din557-m12"]
+    score.main("nut-square-din557-m12.ply")
+    assert (place / "runs/score/nut-square-din557-m12/scores/nut-square-din557-m12").is_dir()
+
+
 def test_a_part_that_is_not_known_is_refused_before_anything_is_done(place):
     (place / "a.ply").touch()
     with pytest.raises(BadParams, match="no part is called 'a'"):

@@ -38,10 +38,11 @@ def test_who_is_better_by_how_much_and_how_sure_that_is(study):
     )
     better, worse = text.splitlines()
     assert better == (
-        "- `industnerf_plus` has an EMD 0.0123 lower than `hull` (-0.0200 to -0.0100; p 0.004), "
-        "and is better on 75 % of the parts."
+        "- `industnerf_plus` has an EMD 0.0123 lower than `hull` (interval -0.0200 to -0.0100; "
+        "p 0.004 after Holm's correction), and is better on 75 % of the parts."
     )
-    assert "0.0012 higher than `hull` (-0.0010 to +0.0030; p 0.2, so not certain)" in worse
+    assert "0.0012 higher than `hull` (interval -0.0010 to +0.0030; p 0.2 after Holm's" in worse
+    assert "correction: not certain)" in worse
 
 
 def test_nets_that_are_weaker_than_they_should_be_are_named_with_the_reason(study):
@@ -51,7 +52,7 @@ def test_nets_that_are_weaker_than_they_should_be_are_named_with_the_reason(stud
 
 
 def test_the_surface_covered_is_in_per_cent_where_it_was_measured(study):
-    rows = [("oracle", 0.77, 0.94), ("hull", 0.531, 0.709), ("industnerf", "", ""), ("box", 0, 0)]
+    rows = [("oracle", 0.77, 0.94), ("hull", 0.531, 0.709), ("industnerf", "", ""), ("box", 0, "")]
     assert "cloud: `hull` 53 and 71 %, `oracle` 77 and 94 %." in study(inspection=rows)
 
 

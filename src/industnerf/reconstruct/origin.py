@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from industnerf.code import code_digest
+from industnerf.device import device
 from industnerf.reconstruct.gather import Album
 from industnerf.reconstruct.settings import Chosen
 
@@ -31,6 +32,7 @@ def origin_of(
         ).hexdigest(),
         "seed": str(chosen.seed),
         "code of the method": code_digest(METHOD),
+        "device": device().type,  # on another, roundings sort other points out
     }
 
 

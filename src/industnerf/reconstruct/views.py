@@ -61,11 +61,13 @@ def read_view(stand: Stand, path: Path, background: Float[np.ndarray, "3"], long
             f"{where}: {path} is {in_px(photo.size)}, its camera says {in_px(camera)}: another "
             "shape, so a crop or a turn that the intrinsics do not know of"
         )
-    K = _scaled(intrinsics(stand.shot.lens, *camera, where), camera, photo.size)
-    if stand.bent:
-        rgb, K = straightened(rgb, K, stand.bent, where)
     size = reduced_size(*photo.size, longest)
-    return View(shrink(rgb, *size), _scaled(K, photo.size, size), stand, photo)
+    K = intrinsics(stand.shot.lens, *camera, where)
+    if stand.bent:  # between pixels twice as fine: what is interpolated there is hardly blurred
+        fine = reduced_size(*photo.size, 2 * longest)
+        rgb, K = straightened(shrink(rgb, *fine), _scaled(K, camera, fine), stand.bent, where)
+        camera = fine
+    return View(shrink(rgb, *size), _scaled(K, camera, size), stand, photo)
 
 
 def _scaled(

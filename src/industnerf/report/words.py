@@ -45,10 +45,11 @@ def _comparison(row: Cells) -> str:
         float(row[name]) for name in ("difference", "ci_low", "ci_high", "p_holm", "win_rate")
     )
     way = "lower" if off < 0 else "higher"
-    sure = "" if p <= CERTAIN else ", so not certain"
+    sure = "" if p <= CERTAIN else ": not certain"
     return (
-        f"`{row['method']}` has an EMD {abs(off):.4f} {way} than `{row['other']}` ({low:+.4f} to "
-        f"{high:+.4f}; p {p:.2g}{sure}), and is better on {100 * wins:.0f} % of the parts."
+        f"`{row['method']}` has an EMD {abs(off):.4f} {way} than `{row['other']}` (interval "
+        f"{low:+.4f} to {high:+.4f}; p {p:.2g} after Holm's correction{sure}), and is better on "
+        f"{100 * wins:.0f} % of the parts."
     )
 
 
@@ -62,7 +63,9 @@ def _nets(rows: Sequence[Cells]) -> Iterator[str]:
 
 def _inspected(rows: Sequence[Cells]) -> Iterator[str]:
     """How much of the surface is covered, in the language of inspection."""
-    known = {row["method"]: row for row in rows if row.get("covered_0.5mm")}
+    known = {
+        row["method"]: row for row in rows if row.get("covered_0.5mm") and row.get("covered_1mm")
+    }
     said = [
         f"`{method}` {100 * float(row['covered_0.5mm']):.0f} and "
         f"{100 * float(row['covered_1mm']):.0f} %"

@@ -2,8 +2,8 @@
 
 Every point starts at its signed distance from the hull, or from the photo hull, so that the first
 surface is theirs, and is soft: light reaches far inside.  While it hardens, what the images
-contradict is carved.  Deep inside the photo hull all points start alike (`start.deepest`): who is
-given the true distance is as hard to carve as he is deep.
+contradict is carved.  Deep inside the photo hull all points start alike (`start.deepest`): a point
+that started at its true depth would have to be carved through all of it.
 
     carved = distance - that of the hull >= 0
 

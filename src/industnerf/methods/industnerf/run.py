@@ -252,7 +252,7 @@ class Work:
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from `state`, which another kind of device may have saved."""
+        """Go on from `state`, whose tensors may lie on the CPU."""
         self._level = state["level"]
         self._losses, self._first_steps = state["losses"], state["first_steps"]
         if self._level > self._first:
