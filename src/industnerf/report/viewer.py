@@ -42,7 +42,7 @@ def viewer(study: Study, scores: Scores, scenes: Sequence[Scene]) -> str:
         f"<div id=stage><canvas tabindex=0 aria-label='truth and reconstruction'></canvas>{panes}"
         f"</div><div id=legend></div>{note(HELP)}</div>"
         f"{_json('looks', {'maps': {name: _map(kind) for name, kind in MAPS.items()}})}"
-        f"{''.join(_scene(study, scores, scene) for scene in scenes)}"
+        f"{''.join(_scene(scores, scene) for scene in scenes)}"
     )
 
 
@@ -83,7 +83,7 @@ def _limits() -> str:
     return f"<label>scale ends at <select name=limit>{options}</select></label>"
 
 
-def _scene(study: Study, scores: Scores, scene: Scene) -> str:
+def _scene(scores: Scores, scene: Scene) -> str:
     packed = {
         name: cloud | {"says": _says(scores, scene.part, name, cloud["says"])}
         for name, cloud in scene.clouds.items()

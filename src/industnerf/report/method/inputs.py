@@ -9,6 +9,7 @@ from torch import Tensor
 
 from industnerf.geometry.cameras import project
 from industnerf.methods.industnerf.levels import grid, on_grid, spacing_of
+from industnerf.methods.industnerf.pooling import STATISTICS
 from industnerf.report.method.making import Making
 from industnerf.report.plates import figure, picture
 
@@ -83,7 +84,8 @@ def features(making: Making) -> Any:
     title = f"F = E(I): {c} channels of {width} x {height},\nas their three principal components"
     picture(two, components(rows).reshape(height, width, 3).numpy(), title)
     pooled = coarse.inputs[:, -channels_pooled(making) :]
-    title = f"pooled over the views at z = {slab(making):.2f}:\nmean and variance, likewise"
+    kinds = ", ".join(STATISTICS[making.settings.readings.views])
+    title = f"pooled over the views at z = {slab(making):.2f}:\n{kinds}, likewise"
     picture(three, slice_of(making, components(pooled)), title, origin="lower")
     return drawn
 
