@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+import torch
 import trimesh
 from PIL import Image
 
@@ -197,6 +198,14 @@ def test_a_checkpoint_of_other_inputs_is_refused(desk, fake, change, arguments, 
     assert desk.run("--fresh", *arguments)[0] == 0
     assert fake.SEEN["resume"] is None
     assert not desk.checkpoint.exists()
+
+
+def test_a_checkpoint_of_another_kind_of_device_is_refused(desk, fake, monkeypatch):
+    """There roundings sort other points out than those whose numbers it holds."""
+    stopped(desk, fake)
+    monkeypatch.setattr("industnerf.reconstruct.origin.device", lambda: torch.device("meta"))
+    code, _, errors = desk.run()
+    assert (code, "another run: device differ" in errors) == (2, True)
 
 
 def test_a_torn_checkpoint_is_refused(desk, fake):
