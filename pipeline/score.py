@@ -65,11 +65,12 @@ def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
     solids.main(masked(params, "solids"), source, solid)
     parts.main(masked(params, "parts"), source, solid, part)
     truth.main(masked(params, "truth"), part, known)
+    cap = params.evaluate.cap
     tasks = [
         Task(
             part_id,
-            partial(take_over, clouds[part_id], Path(part) / part_id, params.seed),
-            [params.seed, part_id],
+            partial(take_over, clouds[part_id], Path(part) / part_id, cap, params.seed),
+            [cap, params.seed, part_id],
             (clouds[part_id], Path(part) / part_id / "mesh.npz"),
         )
         for part_id in read_index(Path(part))

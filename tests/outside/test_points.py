@@ -6,15 +6,16 @@ import trimesh
 
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
-from industnerf.outside.points import MANY, oddities, read_points
+from industnerf.outside.points import oddities, read_points
 from tests import solids
 
 RNG = np.random.default_rng(0)
 POINTS = RNG.normal(size=(50, 3))
+MANY = 20_000  # drawn of a mesh
 
 
 def read(path):
-    return read_points(path, np.random.default_rng(0))
+    return read_points(path, MANY, np.random.default_rng(0))
 
 
 def test_points_of_every_kind_of_file_are_those_that_were_written(tmp_path):

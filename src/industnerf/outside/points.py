@@ -12,18 +12,18 @@ from industnerf.errors import BadArtifact
 from industnerf.geometry.sampling import sample_surface
 from industnerf.seeds import generator
 
-MANY = 65_536  # points drawn of a mesh: as many as protocol P1 scores of any cloud
 SIDES = 0.05  # of the diagonal, by which sides of boxes may differ that are the same
 NAMES = ("points_mm", "points")  # of the suite's stages, and of `industnerf.reconstruct --npz`
 ALIKE = (0.5, 2.0)  # ratio of the boxes' diagonals beyond which a unit is wrong, most likely
 
 
-def take_over(file: Path, part: Path, seed: int, target: Path) -> None:
+def take_over(file: Path, part: Path, cap: int, seed: int, target: Path) -> None:
     """Write the points of `file` as the cloud of the folder `part` into the folder `target`.
 
-    Raises BadArtifact that names the file if it holds no points.
+    Of a mesh `cap` are drawn: as many as count of any cloud.  Raises BadArtifact that names
+    the file if it holds no points.
     """
-    points = read_points(file, generator(seed, "outside", part.name)).astype(np.float32)
+    points = read_points(file, cap, generator(seed, "outside", part.name)).astype(np.float32)
     count = len(points)
     Cloud(
         part.name,
@@ -37,12 +37,12 @@ def take_over(file: Path, part: Path, seed: int, target: Path) -> None:
     save_remarks(target, oddities(points, load_mesh(part).vertices))
 
 
-def read_points(file: Path, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """The points of a cloud; of a mesh, `MANY` drawn evenly by area.
+def read_points(file: Path, cap: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+    """The points of a cloud; of a mesh, `cap` drawn evenly by area.
 
     Raises BadArtifact that names the file if it cannot be read, is empty, or is not finite.
     """
-    points = np.asarray(_points(file, rng), np.float64)
+    points = np.asarray(_points(file, cap, rng), np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise BadArtifact(f"{file}: points are of shape {points.shape}, must be n x 3")
     if not len(points):
@@ -52,7 +52,7 @@ def read_points(file: Path, rng: np.random.Generator) -> Float[np.ndarray, "n 3"
     return points
 
 
-def _points(file: Path, rng: np.random.Generator) -> np.ndarray:
+def _points(file: Path, cap: int, rng: np.random.Generator) -> np.ndarray:
     try:
         if file.suffix.lower() == ".npz":
             return _array(file)
@@ -62,7 +62,7 @@ def _points(file: Path, rng: np.random.Generator) -> np.ndarray:
     meshes = [one for one in _members(read) if isinstance(one, trimesh.Trimesh) and len(one.faces)]
     if meshes:
         whole = trimesh.util.concatenate(meshes)
-        return sample_surface(np.asarray(whole.vertices), np.asarray(whole.faces), MANY, rng)[0]
+        return sample_surface(np.asarray(whole.vertices), np.asarray(whole.faces), cap, rng)[0]
     return np.concatenate([np.zeros((0, 3)), *(one.vertices for one in _members(read))])
 
 
