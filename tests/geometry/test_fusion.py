@@ -1,35 +1,104 @@
-"""Depth images and their mean: what one image says, and what it does not."""
+"""The mean of what depth images say, against the same in plain loops; and what one does not say."""
 
 import numpy as np
 import pytest
+import warp as wp
 
-from industnerf.geometry import fusion
+from industnerf.geometry import fusing, fusion
 from industnerf.geometry.cameras import projections_from_ball
+from industnerf.geometry.compiled import told, where
 from tests.methods.solids import cameras_around
 
 CAMERAS = cameras_around(5, 192, 30.0)
-AHEAD = np.eye(3, 4, dtype=np.float32)  # u = x / z, v = y / z
+AHEAD = np.eye(3, 4, dtype=np.float32)  # from the origin: u = x / z, v = y / z
+N, TRUNCATION = 16, 0.25
+AT = (np.indices((N, N, N)) + 0.5) * 2 / N - 1
+BUMPY = np.random.default_rng(0).uniform(3.4, 4.6, (5, 48, 48)).astype(np.float32)
+BUMPY[:, ::5] = 0  # background, as much of it as images show
+BUMPY[:, :, 7] = fusion.UNKNOWN
+
+
+def seen() -> np.ndarray:
+    """Projections of the cameras to images of a quarter of their size."""
+    projections = projections_from_ball(CAMERAS, np.zeros(3), 30.0)
+    return projections * np.float32([[0.25], [0.25], [1]])
+
+
+def fused_slowly(depth: np.ndarray, projections: np.ndarray) -> np.ndarray:
+    """Cell by cell and image by image."""
+    images = fusion.read(depth, projections)
+    values, left = np.full((2, N, N, N), TRUNCATION)
+    for cell in np.ndindex(N, N, N):
+        total = weights = 0.0
+        for known, nearest, cosine, projection in zip(*vars(images).values(), strict=True):
+            u, v, z = projection @ [*AT[(slice(None), *cell)], 1]
+            if z <= 0 or not (0 <= u / z < known.shape[1] and 0 <= v / z < known.shape[0]):
+                continue
+            pixel = int(v / z), int(u / z)
+            if nearest[pixel] - z > TRUNCATION:
+                left[cell] = 0
+            if cosine[pixel] > 0:
+                behind = (z - known[pixel]) * cosine[pixel]
+                weight = cosine[pixel] * np.clip(2 - 4 * behind / TRUNCATION, 0, 1)
+                total += weight * max(behind, -TRUNCATION)
+                weights += weight
+        values[cell] = total / weights if weights else TRUNCATION
+    beside = np.pad(left > 0, 1)
+    near = np.any([beside[tuple(slice(i, i + N) for i in s)] for s in np.ndindex(3, 3, 3)], axis=0)
+    return np.where(near & ((left > 0) | (values < 0)), values, -TRUNCATION)
+
+
+def test_what_is_fused_is_what_plain_loops_say():
+    """A cell that is projected to the border of a pixel may be rounded to either side."""
+    found, slow = fusion.fuse(BUMPY, seen(), N, TRUNCATION), fused_slowly(BUMPY, seen())
+    assert len(np.unique(slow)) > 500
+    assert np.isclose(found, slow, rtol=0, atol=1e-5).mean() > 0.995
+
+
+@pytest.mark.skipif(
+    not wp.is_cuda_available(),
+    reason="no CUDA device: that it fuses what the CPU does is untested",
+)
+def test_a_gpu_fuses_the_same(monkeypatch):
+    found = []
+    for device in ("cpu", "cuda"):
+        monkeypatch.setenv("INDUSTNERF_DEVICE", device)
+        assert where() == device
+        found.append(fusion.fuse(BUMPY, seen(), N, TRUNCATION))
+    assert np.isclose(*found, rtol=0, atol=1e-5).mean() > 0.995
 
 
 def test_cells_behind_a_camera_are_in_no_image():
-    """With a wide lens close by, corners of the cube are behind cameras."""
-    image = fusion.Image(np.ones((8, 8), np.float32), AHEAD)
-    behind = np.array([[1.0, 1, -1], [4, 4, -1]], np.float32)
-    assert not image.empty(behind, 0.1).any()
-    assert (image.look(behind, 0.1)[1] == 0).all()
+    """With a wide lens close by, corners of the cube are behind cameras: none knows of them."""
+    values = fusion.fuse(np.ones((1, 8, 8), np.float32), AHEAD[None], N, 0.125)
+    assert (values[AT[2] < 0] == np.float32(0.125)).all()
+    assert (values < 0).any()
 
 
 def test_a_pixel_of_which_nothing_is_known_says_nothing():
     """Nor does one beside it, of what is empty: the part may reach into it."""
-    depth = np.full((3, 8), 2.0, np.float32)
-    depth[1, 4] = fusion.UNKNOWN
-    image = fusion.Image(depth, AHEAD)
-    before = np.array([[u + 0.5, 1.5, 1] for u in range(8)], np.float32)
-    assert image.empty(before, 0.1).tolist() == [True] * 3 + [False] * 3 + [True] * 2
-    assert not image.empty(2 * before, 0.1).any()
-    weights = image.look(2 * before, 0.1)[1]
-    assert weights[4] == 0
-    assert (np.delete(weights, 4) == 1).all()
+    depth = np.full((1, 3, 8), 0.75, np.float32)
+    depth[0, 1, 4] = fusion.UNKNOWN
+    aside = AHEAD + np.float32([[0, 0, 4, 0], [0, 0, 1, 0], [0, 0, 0, 0]])
+    about = 64, 0.125, fusion.read(depth, aside[None]).compiled()
+    x, y, z = (np.indices((64, 64, 64)).reshape(3, -1) + 0.5) / 32 - 1
+    column, row = x // z + 4, y // z + 1
+    before, at = (
+        np.flatnonzero((row == 1) & (z > 0) & some).astype(np.int32)
+        for some in (z < 0.6, np.abs(z - 0.74) < 0.01)
+    )
+    unseen = told(fusing.measure_unseen, before, *about) > 0
+    assert unseen[np.isin(column[before], [3, 4, 5])].all()
+    assert not unseen[np.isin(column[before], [0, 1, 2, 6, 7])].any()
+    mean, unknown = told(fusing.measure_mean, at, *about), column[at] == 4
+    assert (mean[unknown] == np.float32(0.125)).all()
+    np.testing.assert_allclose(mean[~unknown], (z[at] - 0.75)[~unknown], rtol=0, atol=1e-6)
+    assert 50 < unknown.sum() < len(at) - 50
+
+
+def test_images_that_show_nothing_say_nothing():
+    values = fusion.fuse(np.zeros((2, 8, 8), np.float32), AHEAD[None].repeat(2, 0), N, 0.125)
+    assert (values == np.float32(0.125)).all()
 
 
 def test_a_slope_is_measured_on_the_flatter_side():

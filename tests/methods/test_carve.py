@@ -9,6 +9,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import framed_ball
+from industnerf.geometry.silhouettes import outlines
 from industnerf.methods import load_method
 from industnerf.methods.base import Given, Input, Reconstruction
 from industnerf.methods.carve import depth_in_rest, reconstruct
@@ -107,7 +108,7 @@ def test_a_painted_solid_without_pockets_is_not_eaten(solid, outside):
 def test_the_first_solid_is_the_hull():
     cameras = cameras_around(30, 160, REACH)
     rig = rig_of(cameras)
-    depth = depth_in_hull(masks_of_ball(20.0, cameras), rig, 64)
+    depth = depth_in_hull(outlines(masks_of_ball(20.0, cameras)), rig, 64)
     centres = (np.indices(depth.shape).reshape(3, -1).T + 0.5) / 32 - 1
     away = np.linalg.norm(centres, axis=1)
     exact = hull_of_ball(centres / away[:, None], 20.0, cameras) / rig.radius_mm

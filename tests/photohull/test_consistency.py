@@ -6,6 +6,7 @@ import warp as wp
 
 from industnerf.config import load_params
 from industnerf.geometry.compiled import where
+from industnerf.geometry.silhouettes import outlines
 from industnerf.photohull import kernels
 from industnerf.photohull.lattice import depth_in_hull, rig_about
 from industnerf.photohull.sweeps import Sweeper, exposed, ranges
@@ -94,7 +95,7 @@ def test_a_gpu_measures_and_takes_off_the_same(monkeypatch):
         monkeypatch.setenv("INDUSTNERF_DEVICE", device)
         assert where() == device
         left = Sweeper(SOLID, RGB, RIG, ways(threshold=0.3, footprint=0.1)).carved(4)
-        found[device] = depth_in_hull(MASKS, RIG, 32), gaps(ways())[1], left
+        found[device] = depth_in_hull(outlines(MASKS), RIG, 32), gaps(ways())[1], left
     here, there = found.values()
     assert (here[1] > kernels.UNKNOWN).mean() > 0.5
     assert here[2].sum() < 0.9 * SOLID.sum()

@@ -29,7 +29,7 @@ class Posed:
 class Watch:
     def begin(self, level: str, steps: int) -> None: ...
 
-    def step(self, loss: float) -> None: ...
+    def step(self, loss: torch.Tensor) -> None: ...
 
     def wants_preview(self) -> bool:
         return False
@@ -65,7 +65,7 @@ def run(
         AT.get(step, lambda: None)()
         drawn = np.random.default_rng([seed, step]).uniform(-1, 1, (1, 3)) * posed.radius
         points = torch.cat([points, torch.tensor(posed.centre + drawn, dtype=torch.float32)])
-        watch.step(1.0 / (step + 1))
+        watch.step(torch.tensor(1.0 / (step + 1)))
         if watch.wants_preview():
             watch.preview(posed.rgb[0], 255 - posed.rgb[0])
         if watch.wants_checkpoint():

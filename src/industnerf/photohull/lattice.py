@@ -1,13 +1,13 @@
 """The first solid: how deep every cell of the lattice is in the visual hull."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int32
+from jaxtyping import Float, Float32, Int32
 
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
-from industnerf.geometry.silhouettes import TOUCHED, signed_distance
+from industnerf.geometry.compiled import handed, told
+from industnerf.geometry.silhouettes import TOUCHED
 
 HALVINGS = 3  # from the first lattice, whose cells are all measured, to the last
 # A child's centre is sqrt(3)/2 of its sides from its parent's, and a value counts within
@@ -48,13 +48,14 @@ def rig_about(cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float
 
 
 def depth_in_hull(
-    mask: Bool[np.ndarray, "n h w"], rig: Rig, grid_res: int
+    outlines: Float32[np.ndarray, "n h w"], rig: Rig, grid_res: int
 ) -> Float32[np.ndarray, "r r r"]:
     """Signed distance (cells, positive inside) from the hull of pixels that the part touches.
 
-    Exact near the surface alone; elsewhere of the right sign.
+    `outlines` are `geometry.silhouettes.outlines` of the pixels that show it.  Exact near the
+    surface alone; elsewhere of the right sign.
     """
-    distance = np.stack([signed_distance(one) for one in mask]) - np.float32(TOUCHED)
+    distance = outlines - np.float32(TOUCHED)
     side = grid_res >> HALVINGS
     every = np.arange(side**3, dtype=np.int32)
     depth = measured(every, side, distance, rig).reshape((side,) * 3)
@@ -81,23 +82,3 @@ def measured(
         handed(rig.focal, wp.float32),
     ]
     return told(kernels.measure_depth, cells, *inputs)
-
-
-def told(kernel: Any, cells: Int32[np.ndarray, "m"], *inputs: Any) -> Float32[np.ndarray, "m"]:
-    """What `kernel` says of each of `cells`, given `inputs`."""
-    import warp as wp
-
-    from industnerf.geometry.compiled import where
-
-    said = wp.empty(len(cells), wp.float32, device=where())
-    wp.launch(kernel, len(cells), [handed(cells, wp.int32), *inputs], [said], device=where())
-    return said.numpy()
-
-
-def handed(values: np.ndarray, dtype: type) -> Any:
-    """As a Warp array where the kernels run: on a CPU the same memory, on a GPU a copy."""
-    import warp as wp
-
-    from industnerf.geometry.compiled import where
-
-    return wp.array(values, dtype=dtype, device=where(), copy=False)

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
-from industnerf.photohull.lattice import Rig, handed, told
+from industnerf.geometry.compiled import handed, told
+from industnerf.photohull.lattice import Rig
 from industnerf.schema import SpaceCarvingSettings
 
 WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
@@ -37,11 +38,12 @@ def ranges(
     for extreme in (np.minimum, np.maximum):
         image = np.pad(rgb, rim, mode="edge")
         for axis in (1, 2):
-            kept = rgb.shape[axis]
-            shifted = (image.take(range(s, s + kept), axis) for s in range(width))
-            best = next(shifted)
-            for other in shifted:
-                extreme(best, other, out=best)
+            here, kept = [slice(None)] * 4, rgb.shape[axis]
+            here[axis] = slice(kept)
+            best = image[tuple(here)].copy()
+            for step in range(1, width):
+                here[axis] = slice(step, step + kept)
+                extreme(best, image[tuple(here)], out=best)
             image = best
         both.append(image)
     return both[0], both[1]

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float32, UInt8
 from PIL import Image
+from torch import Tensor
 
 from industnerf.artifacts.whole import written_whole
 from industnerf.errors import BadArtifact
@@ -43,8 +44,8 @@ class Watching(Watch):
     def begin(self, level: str, steps: int) -> None:
         self._display.begin(level, steps)
 
-    def step(self, loss: float) -> None:
-        self._display.step(loss)
+    def step(self, loss: Float32[Tensor, ""]) -> None:
+        self._display.step(loss.item())
 
     def wants_preview(self) -> bool:
         return self._next_preview.passed()

@@ -87,6 +87,24 @@ def halfway(found: wp.float32, T: wp.float32, tau: wp.float32, t: wp.float32, st
     return found
 
 
+@wp.func
+@no_type_check
+def mean_of(
+    met: Met,
+    first: wp.int32,
+    size: wp.int32,
+    values: wp.array(dtype=wp.float32),
+    rgb: wp.array(dtype=wp.vec3),
+):
+    """What a sample's neighbours hold in the mean, by weight, and their colour."""
+    value = wp.float32(0.0)
+    colour = wp.vec3(0.0, 0.0, 0.0)
+    for i in range(first, first + size):
+        value += met.weights[i] * values[met.ids[i]]
+        colour += met.weights[i] * rgb[met.ids[i]]
+    return value, colour
+
+
 @wp.kernel
 @no_type_check
 def forward(
@@ -131,14 +149,9 @@ def forward(
         else:
             q += 1
             slot = r * march.room + n
-            first = slot * cells.k
             size = nearest(cells, x, cell, slot, met)
             if size > 0:
-                s = wp.float32(0.0)
-                mean = wp.vec3(0.0, 0.0, 0.0)
-                for i in range(first, first + size):
-                    s += met.weights[i] * values[met.ids[i]]
-                    mean += met.weights[i] * rgb[met.ids[i]]
+                s, mean = mean_of(met, slot * cells.k, size, values, rgb)
                 met.at[slot] = t
                 n += 1
                 if march.stop <= T:
@@ -202,19 +215,14 @@ def backward(
     for q in range(met.count[r]):
         slot = r * march.room + q
         first = slot * k
-        last = first + met.sizes[slot]
-        s = wp.float32(0.0)
-        mean = wp.vec3(0.0, 0.0, 0.0)
-        for i in range(first, last):
-            s += met.weights[i] * values[met.ids[i]]
-            mean += met.weights[i] * rgb[met.ids[i]]
+        s, mean = mean_of(met, first, met.sizes[slot], values, rgb)
         kept = wp.exp(-density(march.beta, s) * march.step)
         share = T * (1.0 - kept)
         T = T * kept
         here = wp.dot(g, mean) + deeper * (met.at[slot] - depth[r])
         behind -= share * here
         ds = slope(march.beta, s) * march.step * (T * here - behind - ending)
-        for i in range(first, last):
+        for i in range(first, first + met.sizes[slot]):
             wp.atomic_add(d_values, met.ids[i], met.weights[i] * ds)
             wp.atomic_add(d_rgb, met.ids[i], (met.weights[i] * share) * g)
 

@@ -238,9 +238,14 @@ class _Look(torch.autograd.Function):
         return *ctx.renderer._backward(values, rgb, seen, d_seen), None, None
 
 
-def _numbers(values: Tensor) -> wp.array:
-    return wp.from_torch(values.detach().contiguous())
+def _numbers(values: Tensor) -> Any:
+    return _handed(values, wp.float32)
 
 
-def _vectors(values: Tensor) -> wp.array:
-    return wp.from_torch(values.detach().contiguous(), dtype=wp.vec3)
+def _vectors(values: Tensor) -> Any:
+    return _handed(values, wp.vec3)
+
+
+def _handed(values: Tensor, dtype: type) -> Any:
+    """For a kernel that is launched at once: where the numbers are, and no more."""
+    return wp.from_torch(values.detach().contiguous(), dtype, return_ctype=True)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
+from torch import Tensor
 
 from industnerf.methods.industnerf.run import Outcome, Watch
 from tests.methods.industnerf.scenes import CENTRE, Solid, ball, box, texture
@@ -45,8 +46,8 @@ class Recorder(Watch):
     def begin(self, level: str, steps: int) -> None:
         self.begun.append((level, steps))
 
-    def step(self, loss: float) -> None:
-        self.losses.append(loss)
+    def step(self, loss: Tensor) -> None:
+        self.losses.append(loss.item())
 
     def wants_preview(self) -> bool:
         return True

@@ -8,6 +8,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from industnerf.geometry.silhouettes import outlines, part_in
 from industnerf.methods.industnerf.scene import Posed, Scene, scene_of
 from tests.methods.industnerf.scenes import (
     CENTRE,
@@ -51,6 +52,13 @@ def test_nothing_near_the_solid_is_carved_away_where_pixels_are_not_square():
     seen = Posed(photographs(solid, flat), flat, np.ones((12, 3)), CENTRE, REACH)
     near = torch.from_numpy(solid.away(points.numpy() * REACH) <= slack * REACH)
     assert silhouettes_of(scene_of(seen, CPU)).may_hold(points, slack)[near].all()
+
+
+def test_outlines_are_those_of_the_images():
+    """Found from the distances that are known, and from the pixels: the same bytes."""
+    seen = scene(SOLIDS["box"], 12, 64)
+    part = part_in(seen.images.numpy(), seen.background.numpy(), TOLERANCE)
+    np.testing.assert_array_equal(silhouettes_of(seen).outlines(), outlines(part))
 
 
 def cone_excess(points: np.ndarray, eyes: np.ndarray, radius: float) -> np.ndarray:

@@ -24,7 +24,7 @@ def test_the_error_is_of_pixels_before_their_background():
 def test_emptiness_is_preferred_and_so_are_rays_that_end_or_pass():
     assert preference(seen(), emptiness=2.0, veil=0.0).item() == pytest.approx(2 * 2.5 / 4)
     assert preference(seen(), emptiness=0.0, veil=2.0).item() == pytest.approx(2 * 0.25 / 4)
-    assert preference(seen(), emptiness=0.0, veil=0.0).item() == 0
+    assert preference(seen(), emptiness=0.0, veil=0.0) == 0
 
 
 def test_what_is_seen_is_held_against_the_readings_of_depth():

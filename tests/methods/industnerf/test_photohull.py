@@ -30,8 +30,8 @@ def grey(points: np.ndarray) -> np.ndarray:
 
 def photo_hull(rgb: np.ndarray, **changed: float) -> PhotoHull:
     posed = Posed(rgb, CAMERAS, np.ones((len(CAMERAS), 3)), CENTRE, RADIUS)
-    part = silhouettes_of(scene_of(posed, torch.device("cpu"))).part
-    return PhotoHull(posed, part, replace(WAYS, **changed))
+    outlines = silhouettes_of(scene_of(posed, torch.device("cpu"))).outlines()
+    return PhotoHull(posed, outlines, replace(WAYS, **changed))
 
 
 def in_the_pocket() -> tuple[np.ndarray, torch.Tensor]:

@@ -6,7 +6,7 @@ from scipy.ndimage import gaussian_filter
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.geometry.silhouettes import part_in
+from industnerf.geometry.silhouettes import outlines, part_in
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
 from industnerf.photohull import Carved, carved, remarks
 from industnerf.photohull.lattice import rig_of
@@ -24,7 +24,7 @@ def reconstruct(given: Given, settings: CarveSettings, state: None, seed: int) -
     """
     rig = rig_of(given.cameras)
     mask = part_in(given.rgb, given.background, settings.tolerance)
-    cells = carved(mask, given.rgb, rig, settings)
+    cells = carved(outlines(mask), given.rgb, rig, settings)
     if not cells.hull.any():
         raise ReconstructionFailed(
             f"no volume: the silhouettes of {len(mask)} views have none in common, not one of "

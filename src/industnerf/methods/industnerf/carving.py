@@ -2,11 +2,11 @@
 
 import numpy as np
 import torch
-from edt import edt
 from jaxtyping import Bool, Float32
 from torch import Tensor
 
-from industnerf.geometry.silhouettes import part_in
+from industnerf.geometry.silhouettes import NEAR, part_in
+from industnerf.methods.industnerf.distances import distance_transform
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.scene import Scene
 
@@ -19,21 +19,21 @@ class Silhouettes:
     A pixel is background if no channel is farther than `tolerance` from the background's.
     """
 
-    part: Bool[np.ndarray, "n h w"]
-
     def __init__(self, scene: Scene, tolerance: float) -> None:
         self._eyes, self._focal = scene.eyes, scene.eyes.K[:, [0, 1], [0, 1]].amax(dim=1)
         images, background = scene.images.cpu().numpy(), scene.background.cpu().numpy()
-        part = self.part = part_in(images, background, tolerance)
-        self._outside, self._inside = (
-            torch.stack([_away(mask) for mask in masks]).to(scene.images.device)
-            for masks in (part, ~part)
-        )
+        part = torch.from_numpy(part_in(images, background, tolerance)).to(scene.images.device)
+        self._outside, self._inside = map(distance_transform, (part, ~part))
 
     @property
     def device(self) -> torch.device:
         """Where points must be."""
         return self._outside.device
+
+    def outlines(self) -> Float32[np.ndarray, "n h w"]:
+        """As `geometry.silhouettes.outlines` of the part, of what is known already."""
+        outside, inside = (x.clamp(max=NEAR) for x in (self._outside, self._inside))
+        return torch.where(outside > 0, 0.5 - outside, inside - 0.5).cpu().numpy()
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
         """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
@@ -73,10 +73,3 @@ class Silhouettes:
         mask = torch.zeros(len(points), dtype=torch.bool, device=points.device)
         mask[kept] = True
         return mask
-
-
-def _away(part: Bool[np.ndarray, "h w"]) -> Float32[Tensor, "h w"]:
-    """How many pixels each pixel is from the nearest of the part."""
-    if not part.any():
-        return torch.full(part.shape, float(sum(part.shape)))
-    return torch.from_numpy(edt(~part))

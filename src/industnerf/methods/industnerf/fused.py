@@ -9,7 +9,7 @@ looks at it, as the walls of a deep bore.
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Float32
-from scipy.spatial import cKDTree
+from pykdtree.kdtree import KDTree
 
 from industnerf.geometry.cameras import projections_from_ball
 from industnerf.geometry.fusion import UNKNOWN, fuse
@@ -29,19 +29,23 @@ def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -
     nothing.  Pixels less sure than `least_confidence` say nothing.  A point has the colour, the
     confidence and the view of the pixels next to it; if there are none, confidence 0 and view -1.
     """
-    surface = Surface(*(values.cpu() for values in vars(surface).values()))
+    grid_res, spacing = ways.fusion.grid_res, 2 / ways.fusion.grid_res
     sure = surface.confidence >= ways.least_confidence
-    seen = surface.only(sure)
+    seen = on_cpu(thinned(surface.only(sure), spacing))
     if not len(seen.points):
         return seen
-    depth, projections = depth_images(surface, sure.numpy(), posed, ways.surface_px)
-    grid_res, spacing = ways.fusion.grid_res, 2 / ways.fusion.grid_res
+    depth, projections = depth_images(on_cpu(surface), sure.cpu().numpy(), posed, ways.surface_px)
     reach = ways.fusion.truncation * spacing
     values = fuse(depth, projections, grid_res, reach)
     values[beyond_region(grid_res)] = -reach
     lo, rng = np.full(3, spacing / 2 - 1), np.random.default_rng(seed)
     points = isosurface_points(values, 0.0, lo, spacing, ways.fusion.points, rng)
-    return described(points, thinned(seen, spacing), reach)
+    return described(points, seen, reach)
+
+
+def on_cpu(surface: Surface) -> Surface:
+    """The same, where SciPy's kin can read it."""
+    return Surface(*(values.cpu() for values in vars(surface).values()))
 
 
 def beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
@@ -73,8 +77,8 @@ def described(points: Float[np.ndarray, "n 3"], pixels: Surface, reach: float) -
     """`points` with what the nearest of `pixels` says; beyond `reach` none is sure of anything."""
     if not len(points):
         return pixels.only(torch.zeros(len(pixels.points), dtype=torch.bool))
-    away, nearest = cKDTree(pixels.points.numpy()).query(points)
-    near, told = torch.from_numpy(away <= reach), torch.from_numpy(nearest)
+    away, nearest = KDTree(pixels.points.double().numpy()).query(points.astype(np.float64))
+    near, told = torch.from_numpy(away <= reach), torch.from_numpy(nearest.astype(np.int64))
     return Surface(
         torch.from_numpy(points).float(),
         pixels.rgb[told],

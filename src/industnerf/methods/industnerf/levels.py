@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from jaxtyping import Bool, Float32, Int64
-from scipy.spatial import cKDTree
+from pykdtree.kdtree import KDTree
 from torch import Tensor
 
 from industnerf.methods.industnerf.distribution import inverse_transform, stratified
@@ -85,6 +85,7 @@ def near_any(
     """Which points have a chosen one within `reach`."""
     if not chosen.any():
         return chosen
-    tree = cKDTree(points[chosen].cpu().numpy())
-    away, _ = tree.query(points.cpu().numpy(), distance_upper_bound=reach)
+    places = points.double().cpu().numpy()
+    tree = KDTree(places[chosen.cpu().numpy()])
+    away, _ = tree.query(places, distance_upper_bound=reach)
     return torch.from_numpy(np.isfinite(away)).to(points.device)

@@ -17,12 +17,14 @@ def error(
     return ((seen.over(background) - target) ** 2).mean()
 
 
-def preference(seen: Seen, emptiness: float, veil: float) -> Float32[Tensor, ""]:
+def preference(seen: Seen, emptiness: float, veil: float) -> Float32[Tensor, ""] | float:
     """Of fields that re-render alike, rather the emptier one, and the one without veils.
 
     Matter of the background's colour anywhere outside the part is as good as none; a thin
     veil of black before a white background is as good as grey.
     """
+    if not (emptiness or veil):
+        return 0.0
     matter = emptiness * (1 - seen.through).mean()
     return matter + veil * (seen.through * (1 - seen.through)).mean()
 

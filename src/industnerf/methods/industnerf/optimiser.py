@@ -13,7 +13,9 @@ class FieldAdam(torch.optim.Adam):
     """The optimiser of one level."""
 
     def __init__(self, field: Field) -> None:
-        super().__init__(field.groups(), betas=(0.9, 0.99), eps=1e-8)
+        groups = field.groups()
+        on_gpu = groups[0]["params"][0].is_cuda  # where a kernel for each of its sums takes longest
+        super().__init__(groups, betas=(0.9, 0.99), eps=1e-8, fused=on_gpu)
         self._field = field
         self._first = [group["lr"] for group in self.param_groups]
 

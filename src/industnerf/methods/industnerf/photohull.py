@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from edt import edt
 from jaxtyping import Bool, Float32
 from scipy.ndimage import map_coordinates
 from torch import Tensor
 
+from industnerf.device import device
+from industnerf.methods.industnerf.distances import distance_transform
 from industnerf.methods.industnerf.scene import Posed
 from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
@@ -19,10 +20,10 @@ class PhotoHull:
     """What the photographs leave of the hull; the hull itself, where they are not believed."""
 
     def __init__(
-        self, posed: Posed, part: Bool[np.ndarray, "n h w"], ways: SpaceCarvingSettings
+        self, posed: Posed, outlines: Float32[np.ndarray, "n h w"], ways: SpaceCarvingSettings
     ) -> None:
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
-        cells = carved(part, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
+        cells = carved(outlines, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
         self.believed = cells.believed
         self.remarks = remarks(cells, ways, "the result stays nearer to the visual hull")
         left = depth_in(cells.left) if cells.left.any() else np.inf
@@ -50,5 +51,6 @@ def of_two_pixels(ways: SpaceCarvingSettings, px: float) -> SpaceCarvingSettings
 
 def depth_in(solid: Bool[np.ndarray, "r r r"]) -> Float32[np.ndarray, "r r r"]:
     """Signed distance (cells) of the cells' centres from the faces of `solid`, positive inside."""
-    inside, outside = edt(solid), edt(~solid)
-    return np.where(solid, inside - 0.5, 0.5 - outside).astype(np.float32)
+    known = torch.from_numpy(solid).to(device())
+    inside, outside = distance_transform(torch.stack([~known, known]))
+    return torch.where(known, inside - 0.5, 0.5 - outside).cpu().numpy()

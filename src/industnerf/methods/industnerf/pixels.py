@@ -43,8 +43,9 @@ class Pixels:
     ) -> tuple[Int64[Tensor, "r 3"], Float32[Tensor, "r"]]:
         """Random pixels (view, row, column), and how far each one's samples are shifted."""
         which = torch.randint(len(self.shown), (count,), generator=generator)
-        offsets = torch.rand(count, generator=generator).to(self.colours.device)
-        return self.shown[which.to(self.shown.device)], offsets
+        offsets = torch.rand(count, generator=generator)
+        which, offsets = (x.to(self.shown.device, non_blocking=True) for x in (which, offsets))
+        return self.shown[which], offsets
 
     def rays(
         self, pixels: Int64[Tensor, "r 3"], offsets: Float32[Tensor, "r"]

@@ -9,6 +9,8 @@ R10.  The cloud of R11 `surface` is not touched, for the views have had their sa
 from collections.abc import Iterator
 
 import torch
+from jaxtyping import Float32
+from torch import Tensor
 
 from industnerf.methods.industnerf.losses import error
 from industnerf.methods.industnerf.optimiser import DECAY
@@ -17,7 +19,7 @@ from industnerf.methods.industnerf.training import Training
 BETAS = (0.0, 0.99)  # of Adam; no momentum: few of the rays of a step pass a given point
 
 
-def recolour(training: Training) -> Iterator[float]:
+def recolour(training: Training) -> Iterator[Float32[Tensor, ""]]:
     """Take the steps of `training.ways.recolour`; yields the mean squared error at each."""
     ways, field = training.ways.recolour, training.field
     adam = torch.optim.Adam([field.rgb], betas=BETAS)
@@ -30,4 +32,4 @@ def recolour(training: Training) -> Iterator[float]:
         loss.backward()
         adam.step()
         field.settle()
-        yield loss.item()
+        yield loss.detach()

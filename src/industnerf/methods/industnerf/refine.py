@@ -1,8 +1,9 @@
 """The points of the next level, section 3.2, and what they take over from the last."""
 
+import numpy as np
 import torch
 from jaxtyping import Float32, Int64
-from scipy.spatial import cKDTree
+from pykdtree.kdtree import KDTree
 from torch import Tensor
 
 from industnerf.methods.industnerf.beside import finer_surface
@@ -63,5 +64,6 @@ def _drawn(
 
 def nearest(points: Float32[Tensor, "m 3"], queries: Float32[Tensor, "q 3"]) -> Int64[Tensor, "q"]:
     """Which of `points` is nearest to every query."""
-    found = cKDTree(points.cpu().numpy()).query(queries.cpu().numpy())[1]
+    known, asked = (places.double().cpu().numpy() for places in (points, queries))
+    found = KDTree(known).query(asked)[1].astype(np.int64)
     return torch.from_numpy(found).to(points.device)

@@ -41,8 +41,8 @@ class Watch:
     def begin(self, level: str, steps: int) -> None:
         """`steps` steps follow."""
 
-    def step(self, loss: float) -> None:
-        """One of them is done."""
+    def step(self, loss: Float32[Tensor, ""]) -> None:
+        """One of them is done; to read its loss is to wait for the device."""
 
     def wants_preview(self) -> bool:
         """Whether `preview` is to be called."""
@@ -122,8 +122,8 @@ class Work:
         self._settings = settings
         self._photo_hull, self._remarks = None, ()
         if settings.relief.start.use:
-            part = self._silhouettes.part
-            self._photo_hull = PhotoHull(posed, part, settings.relief.start)
+            outlines = self._silhouettes.outlines()
+            self._photo_hull = PhotoHull(posed, outlines, settings.relief.start)
             self._remarks = self._photo_hull.remarks
         for text in self._remarks:
             watch.remark(text)
@@ -178,7 +178,7 @@ class Work:
         for loss in recolour(self.training):
             self._took(loss)
 
-    def _took(self, loss: float) -> None:
+    def _took(self, loss: Float32[Tensor, ""]) -> None:
         """A step is done."""
         self._losses.append(loss)
         self._watch.step(loss)
@@ -224,7 +224,7 @@ class Work:
             self._field.numbers(),
             self._in_world(points[dense]),
             self.told.confidence[dense].cpu().numpy(),
-            self._losses,
+            self._read(),
             self._first_steps,
             self.scene.background.cpu().numpy().astype(float),
             partial(pictures, self.training, self._posed),
@@ -234,6 +234,10 @@ class Work:
     def _in_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:
         world = points.double().cpu().numpy() * self._posed.radius + self._posed.centre
         return world.astype(np.float32)
+
+    def _read(self) -> list[float]:
+        """The losses so far."""
+        return [loss.item() for loss in self._losses]
 
     def _preview(self) -> tuple[np.ndarray, np.ndarray]:
         view = slice(0, 1)
@@ -245,7 +249,7 @@ class Work:
         """All that the rest of the run depends on."""
         return {
             "level": self._level,
-            "losses": self._losses,
+            "losses": self._read(),
             "first_steps": self._first_steps,
             "generator": self._generator.get_state(),
             "training": self.training.state(),
@@ -254,7 +258,8 @@ class Work:
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from `state`, whose tensors may lie on the CPU."""
         self._level = state["level"]
-        self._losses, self._first_steps = state["losses"], state["first_steps"]
+        self._losses = [torch.tensor(loss) for loss in state["losses"]]
+        self._first_steps = state["first_steps"]
         if self._level > self._first:
             self._prune()  # which weights, its state says
         trained, where = state["training"], self.scene.images.device

@@ -182,8 +182,11 @@ class Training:
         self._adam.keep(kept)
         return kept
 
-    def step(self) -> float:
-        """One step of Adam; returns the mean squared error of the pixels it looked at."""
+    def step(self) -> Float32[Tensor, ""]:
+        """One step of Adam; returns the mean squared error of the pixels it looked at.
+
+        Who reads that number waits for the device, which may else fall behind.
+        """
         self._adam.set_rates(self._share(), self._pace() if self.relief else None)
         self._harden()
         if self._encodes():
@@ -203,7 +206,7 @@ class Training:
         if self.taken % SWEEP == 0:
             self._sweep()
             self.field.encode_anew()
-        return loss.item()
+        return loss.detach()
 
     def glance(self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]) -> Glance:
         """Look along the rays of `rays` random pixels at points that hold these."""

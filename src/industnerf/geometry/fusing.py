@@ -1,0 +1,104 @@
+"""The inner loops of `fusion`, compiled (NVIDIA Warp): what all images say of a cell.
+
+Unit frame: n^3 cells tile the cube about the unit ball, and are given by their flat index.
+"""
+
+from typing import no_type_check  # compiled, not called: there is nothing to check
+
+import warp as wp
+
+from industnerf.geometry.compiled import start
+
+start()
+wp.set_module_options({"enable_backward": False})
+mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)
+
+BEHIND = wp.constant(0.5)  # truncations behind a surface, from where on an image knows nothing
+
+
+@wp.struct
+@no_type_check
+class Images:
+    """See `fusion.Images`."""
+
+    depth: wp.array3d(dtype=wp.float32)
+    nearest: wp.array3d(dtype=wp.float32)
+    cosine: wp.array3d(dtype=wp.float32)
+    projection: wp.array(dtype=mat34)
+
+
+@wp.func
+@no_type_check
+def centre_of(cell: int, n: int):
+    place = wp.vec3(float(cell // (n * n)), float((cell // n) % n), float(cell % n))
+    return (place + wp.vec3(0.5, 0.5, 0.5)) * (2.0 / float(n)) - wp.vec3(1.0, 1.0, 1.0)
+
+
+@wp.func
+@no_type_check
+def seen_in(images: Images, view: int, x: wp.vec3):
+    """Column, row and depth of a point; a depth of 0 if the view does not have it in frame."""
+    at = images.projection[view] * wp.vec4(x[0], x[1], x[2], 1.0)
+    column = wp.int32(0)
+    row = wp.int32(0)
+    depth = wp.float32(0.0)
+    if at[2] > 0.0 and at[0] >= 0.0 and at[1] >= 0.0:
+        column = int(at[0] / at[2])
+        row = int(at[1] / at[2])
+        if column < images.depth.shape[2] and row < images.depth.shape[1]:
+            depth = at[2]
+    return column, row, depth
+
+
+@wp.kernel
+@no_type_check
+def measure_unseen(
+    cells: wp.array(dtype=wp.int32),
+    n: int,
+    truncation: float,
+    images: Images,
+    left: wp.array(dtype=wp.float32),
+):
+    """1 for cells that no image sees empty: in front of all that is about its pixel; else 0."""
+    i = wp.tid()
+    x = centre_of(cells[i], n)
+    unseen = wp.float32(1.0)
+    for view in range(images.depth.shape[0]):
+        if unseen > 0.0:
+            column, row, depth = seen_in(images, view, x)
+            if depth > 0.0 and images.nearest[view, row, column] - depth > truncation:
+                unseen = 0.0
+    left[i] = unseen
+
+
+@wp.kernel
+@no_type_check
+def measure_mean(
+    cells: wp.array(dtype=wp.int32),
+    n: int,
+    truncation: float,
+    images: Images,
+    mean: wp.array(dtype=wp.float32),
+):
+    """Mean truncated signed distance from the tangent planes; `truncation` where none is known.
+
+    Along a slanted ray a distance is longer; cut off outside and left out inside, such would draw
+    the surface inwards.  The weight is the cosine between ray and normal, and fades to 0 behind
+    what is seen: an image knows nothing of there, and would push out the far side of a thin wall.
+    """
+    i = wp.tid()
+    x = centre_of(cells[i], n)
+    total = wp.float32(0.0)
+    weights = wp.float32(0.0)
+    for view in range(images.depth.shape[0]):
+        column, row, depth = seen_in(images, view, x)
+        if depth > 0.0:
+            cosine = images.cosine[view, row, column]
+            if cosine > 0.0:  # else there is no surface
+                behind = (depth - images.depth[view, row, column]) * cosine
+                faded = wp.clamp(2.0 - 2.0 * behind / (BEHIND * truncation), 0.0, 1.0)
+                total += cosine * faded * wp.max(behind, -truncation)
+                weights += cosine * faded
+    mean[i] = truncation
+    if weights > 0.0:
+        mean[i] = total / weights
