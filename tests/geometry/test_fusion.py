@@ -6,7 +6,8 @@ import warp as wp
 
 from industnerf.geometry import fusing, fusion
 from industnerf.geometry.cameras import projections_from_ball
-from industnerf.geometry.compiled import told, where
+from industnerf.geometry.cellwise import told
+from industnerf.geometry.compiled import where
 from tests.methods.solids import cameras_around
 
 CAMERAS = cameras_around(5, 192, 30.0)

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float32
 from scipy.ndimage import binary_dilation, minimum_filter
 
-from industnerf.geometry.compiled import handed, told
+from industnerf.geometry.cellwise import handed, told
 
 OUTLINE = 3  # px; within this square about a pixel, the part may cover what its centre does not
 STEEP = np.float32(1e6)  # depth of the background where slopes are measured: larger than any

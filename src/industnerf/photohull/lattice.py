@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int32
 
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
-from industnerf.geometry.compiled import handed, told
+from industnerf.geometry.cellwise import handed, told
 from industnerf.geometry.silhouettes import TOUCHED
 
 HALVINGS = 3  # from the first lattice, whose cells are all measured, to the last

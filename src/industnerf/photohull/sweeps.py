@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
-from industnerf.geometry.compiled import handed, told
+from industnerf.geometry.cellwise import handed, told
 from industnerf.photohull.lattice import Rig
 from industnerf.schema import SpaceCarvingSettings
 
