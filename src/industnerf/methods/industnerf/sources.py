@@ -1,5 +1,7 @@
 """What N is told of a point: pooled features of the source views (R3) and PosE (R1, R2)."""
 
+from collections.abc import Iterator
+
 import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor, nn
@@ -132,16 +134,23 @@ class Sources(nn.Module):
         With a generator the images are noisier than they are, if E is to learn from noisier ones.
         """
         eyes, rows, valid = self._scene.eyes, [], []
-        for view in views.tolist():
-            image = self._images[view][None]
-            if generator is not None:
-                image = noisier(image, self._noise, generator)
-            behind = self._scene.background[view][:, None, None]
+        for view, features in zip(views.tolist(), self._encoded(views, generator), strict=True):
             uv, depth = project(self._points, eyes.K[view], eyes.c2w[view])
             seen = in_view(uv, depth, eyes.width, eyes.height)
             uv = uv.masked_fill(~seen[:, None], 0.0)
-            rows.append(
-                sample_features(self.encoder(image, behind)[0], uv, eyes.width, eyes.height)
-            )
+            rows.append(sample_features(features, uv, eyes.width, eyes.height))
             valid.append(seen)
         return torch.stack(rows), torch.stack(valid)
+
+    def _encoded(
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None
+    ) -> Iterator[Float32[Tensor, "c th tw"]]:
+        """F = E(I), view by view; one after the other where images have to fit into a cache."""
+        images = [self._images[view][None] for view in views.tolist()]
+        if generator is not None:
+            images = [noisier(image, self._noise, generator) for image in images]
+        behind = self._scene.background[views][..., None, None].unbind(0)
+        if self._images.is_cuda:
+            images, behind = [torch.cat(images)], [torch.stack(behind)]
+        for some in map(self.encoder, images, behind):
+            yield from (some[which] for which in range(len(some)))
