@@ -23,6 +23,7 @@ def study(tmp_path):
             ("inspection", INSPECTION, inspection),
         ):
             (tmp_path / f"{name}.csv").write_text(csv_text(columns, rows))
+        (tmp_path / "made.json").write_text('{"interval": 0.9}')
         return in_words(tmp_path)
 
     return write
@@ -38,10 +39,10 @@ def test_who_is_better_by_how_much_and_how_sure_that_is(study):
     )
     better, worse = text.splitlines()
     assert better == (
-        "- `industnerf_plus` has an EMD 0.0123 lower than `hull` (interval -0.0200 to -0.0100; "
+        "- `industnerf_plus` has an EMD 0.0123 lower than `hull` (90 %: -0.0200 to -0.0100; "
         "p 0.004 after Holm's correction), and is better on 75 % of the parts."
     )
-    assert "0.0012 higher than `hull` (interval -0.0010 to +0.0030; p 0.2 after Holm's" in worse
+    assert "0.0012 higher than `hull` (90 %: -0.0010 to +0.0030; p 0.2 after Holm's" in worse
     assert "correction: not certain)" in worse
 
 

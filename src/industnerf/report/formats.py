@@ -44,6 +44,11 @@ def intervals_of(columns: Sequence[str], interval: float) -> list[str]:
     return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
 
 
+def rounded(cell: str | None) -> str:
+    """A number read from a CSV with three significant digits; nothing stays nothing."""
+    return f"{float(cell):#.3g}" if cell else ""
+
+
 def short(value: float | None, digits: int = 4) -> str:
     """`value` with so many decimals, or nothing."""
     return "" if value is None else f"{value:.{digits}f}"

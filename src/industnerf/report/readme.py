@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import fmean
 
 from industnerf.config import flat, read_yaml
-from industnerf.report.formats import csv_rows, markdown, markdown_rows, short
+from industnerf.report.formats import csv_rows, markdown, markdown_rows, rounded, short
 from industnerf.report.provenance import made_where
 from industnerf.report.table2 import LOSSES
 from industnerf.report.words import in_words
@@ -121,7 +121,7 @@ def _table2(rows: list[Cells]) -> str:
         return ""
     values = {(*_loss(row), row["subset"]): row["value"] for row in rows}
     lines = [
-        [*key, *(_digits(values.get((*key, name))) for name in ("all", "figure3")), _digits(paper)]
+        [*key, *(rounded(values.get((*key, name))) for name in ("all", "figure3")), rounded(paper)]
         for key, paper in {_loss(row): row["paper"] for row in rows}.items()
     ]
     return "\n" + markdown(["method", "loss", "all test parts", "one a family", "paper"], lines)
@@ -131,8 +131,3 @@ def _loss(row: Cells) -> tuple[str, str]:
     """The method, and the loss in words; in mm with its unit."""
     name = next(loss.name for loss in LOSSES if loss.metric == row["loss"])
     return row["method"], name + {"mm": ", mm", "mm^2": ", mm²"}.get(row["unit"], "")
-
-
-def _digits(value: str | None) -> str:
-    """Three of `value`, or nothing: of `figure3` no part may have been rendered."""
-    return f"{float(value):#.3g}" if value else ""

@@ -1,9 +1,10 @@
 """The published study in a few sentences, each made of its tables: what a reader asks first."""
 
+import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from industnerf.report.formats import csv_rows, markdown
+from industnerf.report.formats import csv_rows, markdown, rounded
 
 Cells = dict[str, str]
 ASKED = (  # pairs of comparisons.csv
@@ -23,8 +24,9 @@ def in_words(folder: Path) -> str:
 
     Empty if the study has none of it.
     """
+    interval = json.loads((folder / "made.json").read_text())["interval"]
     said = [
-        *_compared(csv_rows(folder / "comparisons.csv")),
+        *_compared(csv_rows(folder / "comparisons.csv"), f"{100 * interval:g} %"),
         *_nets(csv_rows(folder / "table1.csv")),
         *_inspected(csv_rows(folder / "inspection.csv")),
     ]
@@ -33,21 +35,21 @@ def in_words(folder: Path) -> str:
     return "\n".join(filter(None, [listed, goals]))
 
 
-def _compared(rows: Sequence[Cells]) -> Iterator[str]:
+def _compared(rows: Sequence[Cells], interval: str) -> Iterator[str]:
     known = {(row["method"], row["other"]): row for row in rows}
     for pair in ASKED:
         if row := known.get(pair):
-            yield _comparison(row)
+            yield _comparison(row, interval)
 
 
-def _comparison(row: Cells) -> str:
+def _comparison(row: Cells, interval: str) -> str:
     off, low, high, p, wins = (
         float(row[name]) for name in ("difference", "ci_low", "ci_high", "p_holm", "win_rate")
     )
     way = "lower" if off < 0 else "higher"
     sure = "" if p <= CERTAIN else ": not certain"
     return (
-        f"`{row['method']}` has an EMD {abs(off):.4f} {way} than `{row['other']}` (interval "
+        f"`{row['method']}` has an EMD {abs(off):.4f} {way} than `{row['other']}` ({interval}: "
         f"{low:+.4f} to {high:+.4f}; p {p:.2g} after Holm's correction{sure}), and is better on "
         f"{100 * wins:.0f} % of the parts."
     )
@@ -81,13 +83,8 @@ def _goals(rows: Sequence[Cells], link: str) -> str:
     if not rows:
         return ""
     lines = [
-        [f"`{row['method']}`", row["goal"], row["wanted"], *map(_digits, map(row.get, VALUES))]
+        [f"`{row['method']}`", row["goal"], row["wanted"], *map(rounded, map(row.get, VALUES))]
         for row in missed
     ]
     count = f"{len(missed)} of {len(rows)} goals are missed ([all of them]({link}))"
     return f"{count}:\n\n{markdown(GOALS, lines)}" if missed else f"{count}.\n"
-
-
-def _digits(value: str | None) -> str:
-    """Three of `value`, or nothing."""
-    return f"{float(value):#.3g}" if value else ""
