@@ -97,6 +97,13 @@ def test_a_pixel_of_which_nothing_is_known_says_nothing():
     assert 50 < unknown.sum() < len(at) - 50
 
 
+def test_cells_beside_the_plane_of_a_camera_are_out_of_frame():
+    """Their column, before it is bounded, is more than 32 bits hold."""
+    close = AHEAD * np.float32([[1], [1], [1e-12]])
+    values = fusion.fuse(np.ones((1, 8, 8), np.float32), close[None], N, 0.125)
+    assert (values == np.float32(0.125)).all()
+
+
 def test_images_that_show_nothing_say_nothing():
     values = fusion.fuse(np.zeros((2, 8, 8), np.float32), AHEAD[None].repeat(2, 0), N, 0.125)
     assert (values == np.float32(0.125)).all()

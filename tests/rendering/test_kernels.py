@@ -157,6 +157,17 @@ def test_the_way_back_is_refused_after_another_look(scene):
         seen.through.sum().backward()
 
 
+def test_rays_on_another_device_are_refused(scene):
+    """A kernel would take their addresses for its own."""
+    renderer, rays = compiled(scene)
+    values, rgb = (in_order(renderer, x) for x in (scene.sigma, scene.rgb))
+    elsewhere = Rays(*(x.to("meta") for x in (rays.origins, rays.directions, rays.offsets)))
+    with pytest.raises(RuntimeError, match="not all on one device"):
+        renderer.look(elsewhere, values, rgb)
+    with pytest.raises(RuntimeError, match="not all on one device"):
+        renderer.look(rays, values.to("meta"), rgb)
+
+
 def test_confidence_is_of_the_rays_last_looked_along(scene):
     renderer, rays = compiled(scene)
     values = in_order(renderer, scene.sigma)

@@ -23,8 +23,7 @@ def study(tmp_path):
             ("inspection", INSPECTION, inspection),
         ):
             (tmp_path / f"{name}.csv").write_text(csv_text(columns, rows))
-        (tmp_path / "made.json").write_text('{"interval": 0.9}')
-        return in_words(tmp_path)
+        return in_words(tmp_path, "90 %")
 
     return write
 

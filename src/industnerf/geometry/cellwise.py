@@ -1,4 +1,4 @@
-"""Compiled kernels that say something of every cell.
+"""Asking compiled kernels about cells.
 
 NVIDIA Warp is slow to import, so whoever may not need it does so late.
 """

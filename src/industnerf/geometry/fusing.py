@@ -34,19 +34,35 @@ def centre_of(cell: int, n: int):
     return (place + wp.vec3(0.5, 0.5, 0.5)) * (2.0 / float(n)) - wp.vec3(1.0, 1.0, 1.0)
 
 
+@wp.func_native("return fmaf(a, b, c);")
+def fma(a: wp.float32, b: wp.float32, c: wp.float32) -> wp.float32: ...
+
+
+@wp.func
+@no_type_check
+def row_of(matrix: mat34, row: int, x: wp.vec3):
+    """Of the matrix times (x, 1), rounded as a product of matrices is."""
+    first = fma(matrix[row, 1], x[1], matrix[row, 0] * x[0])
+    return fma(matrix[row, 2], x[2], first) + matrix[row, 3]
+
+
 @wp.func
 @no_type_check
 def seen_in(images: Images, view: int, x: wp.vec3):
     """Column, row and depth of a point; a depth of 0 if the view does not have it in frame."""
-    at = images.projection[view] * wp.vec4(x[0], x[1], x[2], 1.0)
+    u = row_of(images.projection[view], 0, x)
+    v = row_of(images.projection[view], 1, x)
+    depth = row_of(images.projection[view], 2, x)
     column = wp.int32(0)
     row = wp.int32(0)
-    depth = wp.float32(0.0)
-    if at[2] > 0.0 and at[0] >= 0.0 and at[1] >= 0.0:
-        column = int(at[0] / at[2])
-        row = int(at[1] / at[2])
-        if column < images.depth.shape[2] and row < images.depth.shape[1]:
-            depth = at[2]
+    # before the division: beside the plane of the camera a quotient is more than an integer holds
+    wide = float(images.depth.shape[2])
+    tall = float(images.depth.shape[1])
+    if depth > 0.0 and u >= 0.0 and v >= 0.0 and u < wide * depth and v < tall * depth:
+        column = wp.min(int(u / depth), images.depth.shape[2] - 1)
+        row = wp.min(int(v / depth), images.depth.shape[1] - 1)
+    else:
+        depth = 0.0
     return column, row, depth
 
 

@@ -76,11 +76,6 @@ def differs(
     return masks
 
 
-def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
-    """`signed_distance` of each."""
-    return np.stack([signed_distance(mask) for mask in masks])
-
-
 def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
     """Distance (px) to the outline, which runs half-way between unlike pixels."""
     half = np.float32(0.5)

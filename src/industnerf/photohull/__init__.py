@@ -36,17 +36,17 @@ class Carved:
 
 
 def carved(
-    outlines: Float32[np.ndarray, "n h w"],
+    distance: Float32[np.ndarray, "n h w"],
     rgb: UInt8[np.ndarray, "n h w 3"],
     rig: Rig,
     ways: SpaceCarvingSettings,
 ) -> Carved:
     """What photographs leave of the hull of their silhouettes.
 
-    `outlines` are `geometry.silhouettes.outlines` of the pixels that show the part.
+    `distance` is what `lattice.outlines` says of the pixels that show the part.
     """
-    mask = outlines > 0
-    depth = depth_in_hull(outlines, rig, ways.grid_res)
+    mask = distance > 0
+    depth = depth_in_hull(distance, rig, ways.grid_res)
     hull = depth > ANY
     rest = Sweeper(hull, rgb, rig, ways).carved(ways.sweeps) if hull.any() else hull
     of_hull, of_rest = (filled(solid, mask, rig) for solid in (hull, rest))

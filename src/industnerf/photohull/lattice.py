@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, Int32
+from jaxtyping import Bool, Float, Float32, Int32
 
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
 from industnerf.geometry.cellwise import handed, told
-from industnerf.geometry.silhouettes import TOUCHED
+from industnerf.geometry.silhouettes import TOUCHED, signed_distance
 
 HALVINGS = 3  # from the first lattice, whose cells are all measured, to the last
 # A child's centre is sqrt(3)/2 of its sides from its parent's, and a value counts within
@@ -47,15 +47,19 @@ def rig_about(cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float
     )
 
 
+def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
+    """Distance (px) of every pixel to the outline in its image, positive inside, to NEAR px."""
+    return np.stack([signed_distance(mask) for mask in masks])
+
+
 def depth_in_hull(
-    outlines: Float32[np.ndarray, "n h w"], rig: Rig, grid_res: int
+    distance: Float32[np.ndarray, "n h w"], rig: Rig, grid_res: int
 ) -> Float32[np.ndarray, "r r r"]:
     """Signed distance (cells, positive inside) from the hull of pixels that the part touches.
 
-    `outlines` are `geometry.silhouettes.outlines` of the pixels that show it.  Exact near the
-    surface alone; elsewhere of the right sign.
+    Exact near the surface alone; elsewhere of the right sign.
     """
-    distance = outlines - np.float32(TOUCHED)
+    distance = distance - np.float32(TOUCHED)
     side = grid_res >> HALVINGS
     every = np.arange(side**3, dtype=np.int32)
     depth = measured(every, side, distance, rig).reshape((side,) * 3)

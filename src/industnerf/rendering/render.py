@@ -163,6 +163,8 @@ class Renderer:
         return self._met[1]
 
     def _forward(self, values: Tensor, rgb: Tensor, rays: Rays) -> tuple[Tensor, ...]:
+        if {values.device, rays.origins.device} != {self.points.positions.device}:
+            raise RuntimeError("points, what they hold and rays are not all on one device")
         self._looks, self._rays = self._looks + 1, len(rays)
         colour = torch.empty_like(rays.origins)
         through, depth, median = (torch.empty_like(rays.offsets) for _ in range(3))

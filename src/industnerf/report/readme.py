@@ -48,8 +48,13 @@ def _scores(folder: Path) -> list[Cells]:
     return [row for row in csv_rows(folder / "scores.csv") if row["split"] == "test"]
 
 
+def _interval(folder: Path) -> str:
+    """How sure the intervals are."""
+    return f"{100 * json.loads((folder / 'made.json').read_text())['interval']:g} %"
+
+
 def _found(folder: Path) -> str:
-    words = in_words(folder)
+    words = in_words(folder, _interval(folder))
     return f"\n{words}" if words else ""
 
 
@@ -91,9 +96,9 @@ def _seconds(folder: Path, parts: set[str]) -> dict[str, float]:
 
 
 def _table1(folder: Path) -> str:
-    interval = json.loads((folder / "made.json").read_text())["interval"]
+    interval = _interval(folder)
     seconds = _seconds(folder, {row["part_id"] for row in _scores(folder)})
-    taken = ["inputs", "EMD (even)", f"{100 * interval:g} %", "EMD, mm", "x floor", "failed"]
+    taken = ["inputs", "EMD (even)", interval, "EMD, mm", "x floor", "failed"]
     texts = table1_texts(folder)
     lines = [
         [

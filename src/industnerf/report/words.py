@@ -1,6 +1,5 @@
 """The published study in a few sentences, each made of its tables: what a reader asks first."""
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -19,14 +18,13 @@ GOALS = ("method", "goal", "wanted", "measured", "`tsdf`", "`oracle`")
 COVERED = ("industnerf_plus", "industnerf", "hull", "oracle")
 
 
-def in_words(folder: Path) -> str:
+def in_words(folder: Path, interval: str) -> str:
     """What the study in `folder` found, as a list in Markdown, and a table of the goals missed.
 
-    Empty if the study has none of it.
+    Empty if the study has none of it.  `interval` is how sure its intervals are, as "95 %".
     """
-    interval = json.loads((folder / "made.json").read_text())["interval"]
     said = [
-        *_compared(csv_rows(folder / "comparisons.csv"), f"{100 * interval:g} %"),
+        *_compared(csv_rows(folder / "comparisons.csv"), interval),
         *_nets(csv_rows(folder / "table1.csv")),
         *_inspected(csv_rows(folder / "inspection.csv")),
     ]

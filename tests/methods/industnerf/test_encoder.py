@@ -30,6 +30,13 @@ def test_an_image_shifted_by_a_stride_shifts_its_features_by_one():
     torch.testing.assert_close(net(shifted, WHITE)[inside], expected[inside], rtol=0, atol=1e-12)
 
 
+def test_views_are_encoded_at_once_as_one_by_one():
+    """As a GPU does; each with its own background."""
+    behind, net = torch.rand(2, 3, 1, 1, dtype=torch.float64), encoder(rgb_skip=True)
+    each = [net(image[None], colour) for image, colour in zip(images(), behind, strict=True)]
+    torch.testing.assert_close(net(images(), behind), torch.cat(each), rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize("axis", [2, 3])
 def test_symmetric_kernels_mirror_features_with_the_image(axis):
     """Only if each texel's kernels are centred on the pixels that it stands for."""

@@ -34,7 +34,7 @@ class Encoder(nn.Module):
         self.channels = features + 4 * rgb_skip
 
     def forward(
-        self, images: Float[Tensor, "v 3 h w"], behind: Float[Tensor, "*v 3 1 1"]
+        self, images: Float[Tensor, "v 3 h w"], behind: Float[Tensor, "*one_or_v 3 1 1"]
     ) -> Float[Tensor, "v c th tw"]:
         """Features of images in [0, 1], a texel for every 4 x 4 px.
 

@@ -14,7 +14,7 @@ class FieldAdam(torch.optim.Adam):
 
     def __init__(self, field: Field) -> None:
         groups = field.groups()
-        on_gpu = groups[0]["params"][0].is_cuda  # where a kernel for each of its sums takes longest
+        on_gpu = groups[0]["params"][0].is_cuda  # where launching many kernels takes longest
         super().__init__(groups, betas=(0.9, 0.99), eps=1e-8, fused=on_gpu)
         self._field = field
         self._first = [group["lr"] for group in self.param_groups]

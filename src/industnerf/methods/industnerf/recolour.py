@@ -22,7 +22,7 @@ BETAS = (0.0, 0.99)  # of Adam; no momentum: few of the rays of a step pass a gi
 def recolour(training: Training) -> Iterator[Float32[Tensor, ""]]:
     """Take the steps of `training.ways.recolour`; yields the mean squared error at each."""
     ways, field = training.ways.recolour, training.field
-    adam = torch.optim.Adam([field.rgb], betas=BETAS)
+    adam = torch.optim.Adam([field.rgb], betas=BETAS, fused=field.rgb.is_cuda)
     for taken in range(ways.steps):
         adam.param_groups[0]["lr"] = ways.rate * DECAY ** (taken / ways.steps)
         values, rgb = field()

@@ -75,8 +75,7 @@ class Sources(nn.Module):
 
     @torch.no_grad()
     def _look_all(self) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
-        looks = [self._look(torch.tensor([view])) for view in range(len(self._scene))]
-        return torch.cat([features for features, _ in looks]), torch.cat([v for _, v in looks])
+        return self._look(torch.arange(len(self._scene)))
 
     def heed(self, trust: Float32[Tensor, "v m"]) -> None:
         """From now on trust each view as far as it was sure of the points; reading R3."""
@@ -145,7 +144,7 @@ class Sources(nn.Module):
     def _encoded(
         self, views: Int64[Tensor, "v"], generator: torch.Generator | None
     ) -> Iterator[Float32[Tensor, "c th tw"]]:
-        """F = E(I), view by view; one after the other where images have to fit into a cache."""
+        """F = E(I), view by view; on a GPU of all at once, else one has to fit into a cache."""
         images = [self._images[view][None] for view in views.tolist()]
         if generator is not None:
             images = [noisier(image, self._noise, generator) for image in images]

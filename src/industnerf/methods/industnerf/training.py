@@ -185,7 +185,7 @@ class Training:
     def step(self) -> Float32[Tensor, ""]:
         """One step of Adam; returns the mean squared error of the pixels it looked at.
 
-        Who reads that number waits for the device, which may else fall behind.
+        Who reads that number waits for the device, which may otherwise be some steps behind.
         """
         self._adam.set_rates(self._share(), self._pace() if self.relief else None)
         self._harden()
