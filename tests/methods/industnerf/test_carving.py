@@ -20,6 +20,7 @@ from tests.methods.industnerf.scenes import (
     ball,
     box,
     photographs,
+    posed,
     scene,
     silhouettes_of,
 )
@@ -60,6 +61,19 @@ def test_outlines_are_those_of_the_images():
     seen = scene(SOLIDS["box"], 12, 64)
     part = part_in(seen.images.numpy(), seen.background.numpy(), TOLERANCE)
     np.testing.assert_array_equal(silhouettes_of(seen).outlines(), outlines(part))
+
+
+@pytest.mark.skipif(
+    not torch.cuda.is_available(),
+    reason="no CUDA device: that it finds the distances that the CPU does is untested",
+)
+def test_a_gpu_finds_the_same_silhouettes():
+    """Roots of the same whole numbers, up to their last digit."""
+    given, points = posed(SOLIDS["box"], 12, 64), places(0)
+    here, there = (silhouettes_of(scene_of(given, torch.device(on))) for on in ("cpu", "cuda"))
+    np.testing.assert_allclose(there.outlines(), here.outlines(), rtol=0, atol=2e-6)
+    off = there.distance(points.cuda()).cpu() - here.distance(points)
+    assert off.abs().max() < 1e-4  # radii of the region of interest, where a pixel is 0.03
 
 
 def cone_excess(points: np.ndarray, eyes: np.ndarray, radius: float) -> np.ndarray:
