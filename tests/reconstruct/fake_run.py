@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Float32, Int16, UInt8
 
+from industnerf.artifacts.renderings import Renderings
 from industnerf.geometry.cameras import Cameras
 
 AT: dict[int, Callable[[], None]] = {}
@@ -52,6 +53,14 @@ class Outcome:
     view: Int16[np.ndarray, "n"]
     steps: int
     parameters: int
+    background: Float[np.ndarray, "n 3"]
+
+    def pictures(self, cameras: Cameras, background: Float[np.ndarray, "n 3"]) -> Renderings:
+        """Each image is full of a wall, nearer than what the cameras look at: a solid in walls."""
+        shape = (len(cameras), cameras.height, cameras.width)
+        away = np.linalg.norm(cameras.eyes - self.points.mean(axis=0), axis=1)
+        depth = np.broadcast_to(0.8 * away[:, None, None], shape).astype(np.float32)
+        return Renderings(np.zeros((*shape, 3), np.uint8), depth, np.full(shape, 255, np.uint8))
 
 
 def run(
@@ -78,4 +87,5 @@ def run(
         (np.arange(n) % len(posed.rgb)).astype(np.int16),
         settings.steps,
         4,
+        np.ones((len(posed.rgb), 3)),
     )

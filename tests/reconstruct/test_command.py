@@ -225,10 +225,11 @@ def test_a_file_that_is_no_checkpoint_is_never_replaced(desk):
     assert photo.read_bytes() == before
 
 
-@pytest.mark.parametrize("name", ["cloud.ply", "cloud.npz", "mine.png"])
+@pytest.mark.parametrize("name", ["cloud.ply", "cloud.npz", "mine.png", "mesh.stl"])
 def test_what_is_there_stays_unless_forced(desk, fake, name):
     (desk.folder / name).write_text("dear")
-    arguments = ("--npz", "--preview", desk.folder / "mine.png", "--preview-every", ALWAYS)
+    arguments = ("--mesh", desk.folder / "mesh.stl")
+    arguments += ("--npz", "--preview", desk.folder / "mine.png", "--preview-every", ALWAYS)
     code, _, errors = desk.run(*arguments)
     assert (code, f"{name} is there already; --force" in errors) == (2, True)
     assert (desk.folder / name).read_text() == "dear"
@@ -255,7 +256,7 @@ def test_a_fresh_start_has_no_preview_of_its_own(desk, fake):
     assert desk.run("--force", *arguments)[0] == 0
 
 
-@pytest.mark.parametrize("option", ["--out", "--checkpoint", "--preview"])
+@pytest.mark.parametrize("option", ["--out", "--checkpoint", "--preview", "--mesh"])
 def test_a_folder_is_refused_before_any_work(desk, fake, option):
     (desk.folder / "mine.ply").mkdir()
     for extra in ((), ("--force",)):
@@ -319,6 +320,7 @@ def test_points_that_are_not_finite_are_a_failure(desk, fake, monkeypatch):
     ("arguments", "complaint"),
     [
         (("--out", "cloud.obj"), "must end in .ply"),
+        (("--mesh", "part.step"), "must end in .stl, .ply or .obj"),
         (("--centre", "1", "2", "3"), "--centre needs --radius"),
         (("--radius", "-1"), "-1 is not above 0"),
         (("--radius", "nan"), "'nan' is no number"),

@@ -55,13 +55,18 @@ def reconstruct(
     return command.main()
 
 
-def test_the_cloud_lies_near_the_ball(ball_photographs, tmp_path, monkeypatch, capsys):
-    out = tmp_path / "cloud.ply"
-    assert reconstruct(ball_photographs, out, "industnerf_plus", monkeypatch) == 0
-    cloud = trimesh.load(out)
+def test_cloud_and_mesh_lie_near_the_ball(ball_photographs, tmp_path, monkeypatch, capsys):
+    out, mesh = tmp_path / "cloud.ply", tmp_path / "mesh.stl"
+    more = ("--mesh", str(mesh))
+    assert reconstruct(ball_photographs, out, "industnerf_plus", monkeypatch, *more) == 0
+    cloud, surface = trimesh.load(out), trimesh.load(mesh)
+    surface.merge_vertices()
     off = np.linalg.norm(cloud.vertices - CENTRE, axis=1) - RADIUS
     # cells of 3 mm and pixels of 2.7 mm; points all over the ball that is in frame are 8 mm off
     assert np.abs(off).mean() < 2
+    # as far off as the cloud: three times that of the radius, and again as far, of the volume
+    assert surface.is_watertight
+    assert surface.volume == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=3 * 2 * 2 / RADIUS)
     assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
     assert "120 steps" in capsys.readouterr().out
 

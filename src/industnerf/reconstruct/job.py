@@ -11,6 +11,7 @@ from rich.console import Console
 from industnerf.artifacts.ply import write_ply
 from industnerf.artifacts.whole import check_folder, written_whole
 from industnerf.errors import BadArtifact
+from industnerf.geometry.cameras import Cameras
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.gather import Album, gather
 from industnerf.reconstruct.options import Options
@@ -33,9 +34,10 @@ def check_outputs(options: Options) -> None:
     outputs = {"--out": options.out, "--checkpoint": options.checkpoint}
     outputs |= {"--preview": options.preview} if options.preview_every else {}
     outputs |= {"--npz": options.npz} if options.npz else {}
+    outputs |= {"--mesh": options.mesh} if options.mesh else {}
     if len({path.resolve() for path in outputs.values()}) < len(outputs):
         raise BadArtifact(f"{', '.join(outputs)} must be different files")
-    in_the_way = [options.out, *([options.npz] if options.npz else [])]
+    in_the_way = [path for path in (options.out, options.npz, options.mesh) if path]
     goes_on = options.checkpoint.exists() and not options.fresh  # then the preview is its own
     if options.preview_named and options.preview_every and not goes_on:
         in_the_way.append(options.preview)
@@ -61,6 +63,8 @@ def _reconstruct(options: Options, display: Display) -> str:
 
     outcome = work(options, album, centre, radius, chosen, display)
     write_cloud(options, outcome, album.photos)
+    if options.mesh:
+        display.say(write_mesh(options.mesh, outcome, album.cameras, centre, radius))
     options.checkpoint.unlink(missing_ok=True)
     return (
         f"{options.out}: {len(outcome.points)} points, {outcome.steps} steps, "
@@ -103,6 +107,21 @@ def write_cloud(options: Options, outcome: Any, photos: Sequence[Path]) -> None:
                 view=outcome.view,
                 photos=[str(photo) for photo in photos],
             )
+
+
+def write_mesh(
+    path: Path, outcome: Any, cameras: Cameras, centre: Float[np.ndarray, "3"], radius: float
+) -> str:
+    """Write the surface of the outcome as triangles; says what it is."""
+    from industnerf.reconstruct import mesh  # late: it takes trimesh
+
+    surface = mesh.surface(outcome, cameras, centre, radius)
+    with written_whole(path) as draft:
+        mesh.write(draft, surface, path.suffix.lower())
+    return (
+        f"{path}: {len(surface.faces)} triangles, area {surface.area:.5g}, volume "
+        f"{surface.volume:.5g}, in the cameras' unit"
+    )
 
 
 def _listed(point: Float[np.ndarray, "3"]) -> str:

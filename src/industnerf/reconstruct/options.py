@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 METHODS = ("industnerf", "industnerf_plus")
+MESHES = (".stl", ".ply", ".obj")
 COLOURS = {
     "white": (1.0, 1.0, 1.0),
     "grey": (128 / 255, 128 / 255, 128 / 255),
@@ -24,6 +25,7 @@ class Options:
     images: Path
     out: Path
     npz: Path | None
+    mesh: Path | None
     checkpoint: Path
     preview: Path
     preview_named: bool  # by the user, so that what stands there may be anything
@@ -58,6 +60,9 @@ def parse(arguments: Sequence[str], description: str) -> Options:
     out, cameras, npz, preview = (given.pop(key) for key in ("out", "cameras", "npz", "preview"))
     if out.suffix.lower() != ".ply":
         parser.error(f"--out {out}: must end in .ply")
+    mesh = given["mesh"]
+    if mesh is not None and mesh.suffix.lower() not in MESHES:
+        parser.error(f"--mesh {mesh}: must end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
     if given["centre"] is not None and given["radius"] is None:
         parser.error("--centre needs --radius beside it")
     return Options(
@@ -109,6 +114,12 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
 def _add_outputs(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("what to write")
     group.add_argument("--out", required=True, type=Path, metavar="cloud.ply")
+    group.add_argument(
+        "--mesh",
+        type=Path,
+        metavar="surface.stl",
+        help="the surface as triangles, closed: .stl, .ply or .obj",
+    )
     group.add_argument("--npz", action="store_true", help="the same as .npz beside it")
     group.add_argument("--force", action="store_true", help="overwrite what is there")
     group.add_argument("--checkpoint", type=Path, metavar="FILE", help="default: OUT.checkpoint")

@@ -65,15 +65,15 @@ def read_view(stand: Stand, path: Path, background: Float[np.ndarray, "3"], long
     K = intrinsics(stand.shot.lens, *camera, where)
     if stand.bent:  # between pixels twice as fine: what is interpolated there is hardly blurred
         fine = reduced_size(*photo.size, 2 * longest)
-        rgb, K = straightened(shrink(rgb, *fine), _scaled(K, camera, fine), stand.bent, where)
+        rgb, K = straightened(shrink(rgb, *fine), scaled(K, camera, fine), stand.bent, where)
         camera = fine
-    return View(shrink(rgb, *size), _scaled(K, camera, size), stand, photo)
+    return View(shrink(rgb, *size), scaled(K, camera, size), stand, photo)
 
 
-def _scaled(
-    K: Float[np.ndarray, "3 3"], old: tuple[int, int], new: tuple[int, int]
-) -> Float[np.ndarray, "3 3"]:
-    """K of the same image in another size."""
+def scaled(
+    K: Float[np.ndarray, "*n 3 3"], old: tuple[int, int], new: tuple[int, int]
+) -> Float[np.ndarray, "*n 3 3"]:
+    """K of the same images in another size, (width, height)."""
     # the image's corner is the origin of px, so the principal point scales as the lengths do
     return np.diag([new[0] / old[0], new[1] / old[1], 1.0]) @ K
 
