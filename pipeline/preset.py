@@ -7,19 +7,24 @@ import os
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 from hydra import compose, initialize_config_dir
+from hydra.errors import HydraException
 from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
 from industnerf.doctor.places import Places
 from industnerf.errors import BadParams, SuiteError
+from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
 from industnerf.tracking import home, is_on
 
+HEADER = "# @package _global_"
 SETTINGS = {"core.analytics": "false", "cache.type": "hardlink,copy"}
 CODE = ("src", "pipeline", "conf", "dvc.yaml")
 SHARED = (*CODE, "data/embedded", "data/organic", "results/grid", "results/seeds")
@@ -31,7 +36,7 @@ def main(preset: str) -> None:
     known = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
     if preset not in known:
         raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(known)}")
-    settings = read_yaml(root / "conf/experiment" / f"{preset}.yaml")
+    settings = read_preset(root / "conf/experiment" / f"{preset}.yaml")
     if settings.get("hydra", {}).get("mode") == "MULTIRUN":
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
     project = root / "runs" / preset
@@ -41,17 +46,34 @@ def main(preset: str) -> None:
     os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
     if is_on():
         os.environ["INDUSTNERF_MLFLOW"] = str(home())
-    if subprocess.run(["dvc", "repro"], cwd=project).returncode:
+    # a `dvc` that outlives its parent would keep the next one out
+    if subprocess.run(["dvc", "repro"], cwd=project, preexec_fn=die_with_parent).returncode:
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
     print(f"open {project.relative_to(root) / 'reports' / 'report.html'}")
+
+
+def read_preset(path: Path) -> dict[str, Any]:
+    """The values of a preset; raises BadParams if they would be a group's and change nothing."""
+    if HEADER not in path.read_text().splitlines():
+        raise BadParams(f"{path} has no line {HEADER!r}: its values would change nothing")
+    return read_yaml(path)
+
+
+def composed(root: Path, overrides: list[str]) -> Any:
+    """params.yaml with `overrides`; raises BadParams with Hydra's reason if they do not fit."""
+    try:
+        with initialize_config_dir(str(root / "conf"), version_base="1.3"):
+            return OmegaConf.to_container(compose("config", overrides))
+    except (HydraException, OmegaConfBaseException) as error:
+        reason = " ".join(str(error).split())
+        raise BadParams(f"{' '.join(overrides)}: {reason}") from None
 
 
 def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     """A DVC project that shares code and catalogue with `root` and has a params.yaml of its own."""
     (project / "data").mkdir(parents=True, exist_ok=True)
     os.environ["INDUSTNERF_ROOT"] = str(root)  # where conf/config.yaml looks for params.yaml
-    with initialize_config_dir(str(root / "conf"), version_base="1.3"):
-        values = OmegaConf.to_container(compose("config", overrides))
+    values = composed(root, overrides)
     build(Params, values, " ".join(overrides))
     OmegaConf.save(values, project / "params.yaml")
     for name in SHARED:

@@ -11,19 +11,21 @@ from pathlib import Path
 
 from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.cli import run_command
+from industnerf.errors import BadArtifact
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
 from industnerf.report.spread import seed_0, spreads, with_mm
 from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.sweep_points import preset_of
 
+PRESETS = ("seeds", "seeds_nets")
 OUT, STUDY = Path("results/seeds"), Path("results/study")
 
 
 def main(*sweeps: str) -> None:
     folders = [Path(sweep) for sweep in sweeps]
     # of each sweep, which is whole: another day and commit than today's may have made it
-    made = {preset_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
+    made = {seeds_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
     rows = spreads(folders) if folders else read_seeds(OUT)
     reports = [path for folder in folders for path in folder.glob("*/reports")] or [STUDY]
     rows = with_mm(
@@ -34,6 +36,15 @@ def main(*sweeps: str) -> None:
     if folders:
         write_json(OUT / "made.json", {"schema": 1, "sweeps": made})
     print(seeds_md(rows), end="")
+
+
+def seeds_of(sweep: Path) -> str:
+    """The preset of a sweep over seeds; raises BadArtifact if it is another, or unfinished."""
+    preset = preset_of(sweep)
+    if preset not in PRESETS:
+        wanted = " or ".join(f"experiment={name}" for name in PRESETS)
+        raise BadArtifact(f"{sweep} is of preset {preset!r}, not of {wanted}")
+    return preset
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ python -m pipeline.sweep experiment=demo seed=1
 import shutil
 import sys
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,16 @@ from omegaconf import DictConfig, OmegaConf
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
 from industnerf.config import build
-from industnerf.errors import SuiteError
+from industnerf.errors import BadArtifact, BadParams, SuiteError
 from industnerf.report.provenance import origin
 from industnerf.report.sweep import write_sweep
+from industnerf.report.sweep_index import TABLES
 from industnerf.schema import Params
 from industnerf.tracking import label, log_report, prepare
 from pipeline.chain import run_chain
+
+CONF = Path(__file__).parents[1] / "conf"
+GROUPS = ("experiment", "reading", "without")  # folders of conf
 
 
 class SweepEnd(Callback):
@@ -34,10 +39,11 @@ class SweepEnd(Callback):
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         folder = Path(config.hydra.sweep.dir)
-        for params in folder.glob("[0-9]*/params.yaml"):  # of an earlier sweep into this folder
-            shutil.rmtree(params.parent)  # what it made is in the store
-        for table in folder.glob("*.csv"):
-            table.unlink()
+        try:
+            clear(folder)
+        except BadArtifact as error:  # of which Hydra would make a warning
+            print(f"error: {error}", file=sys.stderr)
+            sys.exit(1)
         write_json(folder / "made.json", origin())
         prepare()
 
@@ -51,12 +57,37 @@ class SweepEnd(Callback):
             sys.exit(1)
 
 
+def clear(folder: Path) -> None:
+    """Remove what an earlier sweep into `folder` left: what it made is in the store.
+
+    Raises BadArtifact if something lies there, and no sweep has.
+    """
+    there = {path.name for path in folder.iterdir()} if folder.exists() else set()
+    if not there - {"made.json"}:
+        return
+    if "multirun.yaml" not in there:  # which Hydra writes
+        raise BadArtifact(f"{folder} holds something else than a sweep; name another folder")
+    for params in folder.glob("[0-9]*/params.yaml"):
+        shutil.rmtree(params.parent)
+    for _, table in TABLES:
+        (folder / table).unlink(missing_ok=True)
+
+
+def require_known(choices: Mapping[str, str | None]) -> None:
+    """Raise BadParams if a group's choice has no file: Hydra skips what is optional and missing."""
+    for group in GROUPS:
+        known = sorted(path.stem for path in (CONF / group).glob("*.yaml"))
+        if (name := choices.get(group)) not in (None, "null", *known):
+            raise BadParams(f"{group}={name} is unknown, known are {', '.join(known)}")
+
+
 @hydra.main(version_base="1.3", config_path="../conf", config_name="config")
 def main(config: DictConfig) -> None:
     run = HydraConfig.get()
     folder, overrides = Path(run.runtime.output_dir), " ".join(run.overrides.task)
     values = OmegaConf.to_container(config, resolve=True)
     try:
+        require_known(run.runtime.choices)
         _point(folder, values, overrides)
     except Exception as error:
         if not isinstance(error, SuiteError):

@@ -62,7 +62,7 @@ def redraw(folder: Path) -> None:
     if swept[0] == SELECT:
         raise BadArtifact(f"{folder / 'sweep.csv'} does not say how many faces the parts have")
     lines = series(points, swept)
-    plot(lines, trends(lines), swept[0], folder / "sweep.png")
+    plot(lines, trends(lines, swept[0]), swept[0], folder / "sweep.png")
     _shrink(folder / "sweep.png", folder / "sweep.png")
 
 

@@ -83,7 +83,8 @@ def log_report(report: Path, params: Mapping[str, Any]) -> None:
     except Exception as error:  # whatever MLflow or SQLite throws, the results are on disk
         print(
             f"MLflow: not logged ({type(error).__name__}: {error}). The result is safe in {report};"
-            " `make ui` logs it later.",
+            " `make ui` logs it later; if that fails too, `python -m industnerf.doctor database`"
+            " says what mends it.",
             file=sys.stderr,
         )
 
@@ -98,12 +99,13 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
     )
     if same:
         return
+    table = per_part(report)  # first: what cannot be read leaves no run behind
     mlflow.set_experiment(experiment_id=experiment)
     with mlflow.start_run(run_name=tags.get("point", summary["preset"])) as run:
         mlflow.set_tags(tags)
         mlflow.log_params(flat(params))
         mlflow.log_metrics(summary["metrics"] | mean_costs(report))
-        mlflow.log_table(per_part(report), "per_part.json")
+        mlflow.log_table(table, "per_part.json")
         mlflow.log_artifacts(str(report), "report")
         _log_methods(mlflow, run.info.run_id, report.parent / "data")
         mlflow.set_tag("results", results)  # last: what is half logged is logged anew

@@ -4,7 +4,9 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from industnerf.store import Cost, Store
 from tests.doctor.conftest import WorkingCopy
@@ -14,7 +16,8 @@ KEY = 32 * "a"
 
 def make(out: Path) -> Cost:
     (out / "rgb").mkdir()
-    (out / "rgb" / "000.png").write_bytes(b"a picture")
+    Image.fromarray(np.zeros((40, 40, 3), np.uint8)).save(out / "rgb" / "000.png")
+    np.savez_compressed(out / "cloud.npz", points=np.zeros((9, 3)))
     (out / "cameras.json").write_text("{}")
     return Cost(2.0, 70.0, "cpu")
 
@@ -32,9 +35,17 @@ def rewrite(path: Path, text: str) -> None:
     path.chmod(0o444)
 
 
+def halve(path: Path) -> None:
+    path.chmod(0o644)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    path.chmod(0o444)
+
+
 TORN = {
     "out": (lambda entry: shutil.rmtree(entry / "out"), "has nothing in out/"),
-    "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 2 files are empty"),
+    "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 3 files are empty"),
+    "half a cloud": (lambda entry: halve(entry / "out/cloud.npz"), "1 of 3 files are cut short"),
+    "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as 000.png"),
     "no cost": (lambda entry: (entry / "cost.json").unlink(), "has no cost.json"),
     "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "cost.json is torn"),
     "another cost": (lambda entry: rewrite(entry / "cost.json", '{"s": 1}'), "cost.json is torn"),
@@ -66,8 +77,9 @@ def test_what_is_not_the_stores_is_left_alone(plain: WorkingCopy):
 
 def test_a_file_that_can_be_written_to_is_found_and_closed(plain: WorkingCopy, entry: Path):
     picture = entry / "out/rgb/000.png"
+    before = picture.read_bytes()
     picture.chmod(0o644)
     (finding,) = plain.find("stored")
-    assert finding.what == "1 of 2 files can be written to, such as 000.png (-rw-r--r--)"
+    assert finding.what == "1 of 3 files can be written to, such as 000.png (-rw-r--r--)"
     plain.mend("stored")
-    assert picture.read_bytes() == b"a picture"
+    assert picture.read_bytes() == before

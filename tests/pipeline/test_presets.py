@@ -1,6 +1,13 @@
 """Every preset composes to parameters that are complete and right."""
 
+import os
+import re
 import shlex
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import get_args, get_type_hints
@@ -65,6 +72,59 @@ def test_a_sweep_is_no_preset_to_be_run_once(monkeypatch):
     monkeypatch.chdir(CONF.parent)
     with pytest.raises(BadParams, match=r"pipeline\.sweep experiment=sweep-noise"):
         run_preset("sweep-noise")
+
+
+def preset_of(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run a preset of one's own with this text, in a project that shares the suite's conf."""
+    shutil.copytree(CONF, tmp_path / "conf")
+    shutil.copy(CONF.parent / "params.yaml", tmp_path)
+    (tmp_path / "conf/experiment/mine.yaml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    run_preset("mine")
+
+
+MISTAKES = {
+    "no header": ("preset: mine\n", "mine.yaml has no line '# @package _global_'"),
+    "a list": ("# @package _global_\nmethod: [hull]\n", "Cannot merge DictConfig with ListConfig"),
+    "no base": ("# @package _global_\ndefaults: [fuor, _self_]\n", "Could not load"),
+}
+
+
+@pytest.mark.parametrize(("text", "said"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_in_a_preset_is_one_sentence(tmp_path, text, said, monkeypatch):
+    with pytest.raises(BadParams, match=re.escape(said)) as refusal:
+        preset_of(tmp_path, text, monkeypatch)
+    assert "\n" not in str(refusal.value)
+
+
+DVC = """#!/bin/sh
+[ "$1" = repro ] || exit 0
+echo $$ > "$PIDS"
+exec sleep 60
+"""
+
+
+def test_dvc_ends_with_the_preset_that_started_it(root, tmp_path):
+    """Else the next one finds its project locked, and nobody knows by whom."""
+    dvc, pids = tmp_path / "dvc", tmp_path / "pid"
+    dvc.write_text(DVC)
+    dvc.chmod(0o755)
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "PIDS": str(pids)}
+    for name in ("src", "pipeline", "conf", "data", "params.yaml", "dvc.yaml", ".dvcignore"):
+        (tmp_path / name).symlink_to(root / name)
+    command = [sys.executable, "-m", "pipeline.preset", "smoke"]
+    preset = subprocess.Popen(command, cwd=tmp_path, env=environment)
+    wait_until(lambda: pids.exists() and pids.read_text().strip())
+    preset.kill()
+    preset.wait()
+    wait_until(lambda: not Path(f"/proc/{pids.read_text().strip()}").exists())
+
+
+def wait_until(holds: Callable[[], object]) -> None:
+    deadline = time.monotonic() + 60
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
 
 
 def of_reading(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:

@@ -41,6 +41,14 @@ def test_a_sweep_of_which_a_point_failed_is_refused(seeds, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
+def test_a_sweep_of_something_else_is_refused(seeds, tmp_path):
+    (seeds / "0/params.yaml").write_text("preset: smoke\n")
+    (seeds / "1/params.yaml").write_text("preset: smoke\n")
+    with pytest.raises(BadArtifact, match="is of preset 'smoke', not of experiment=seeds"):
+        spread.main(str(seeds))
+    assert not (tmp_path / "results").exists()
+
+
 def test_the_committed_tables_are_written_anew_as_they_are(monkeypatch, tmp_path):
     """If not: python -m pipeline.spread"""
     for name in ("seeds/seeds.csv", "seeds/seeds.md", "study/scores.csv"):

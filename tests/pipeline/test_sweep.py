@@ -63,3 +63,32 @@ def test_an_unknown_key_ends_at_once(project):
     assert code != 0
     assert "views.cuont" in output
     assert "Traceback" not in output
+
+
+@pytest.mark.parametrize("choice", ["reading=frame-wrold", "without=photohull"])
+def test_a_choice_that_has_no_file_is_refused(project, choice):
+    """Hydra would go on without it, and the point bear a name that it does not deserve."""
+    code, output = sweep(project, choice, "methods=[ball]")
+    assert code != 0
+    assert f"{choice} is unknown, known are" in output
+    assert not list(project.folder.glob("runs/sweeps/*/0/reports"))
+
+
+def test_a_folder_of_something_else_stays_as_it_is(project):
+    mine = project.folder / "mine"
+    mine.mkdir()
+    for name in ("table1.csv", "made.json", "sweep.csv"):
+        (mine / name).write_text("dear")
+    code, output = sweep(project, "methods=[ball]", "hydra.sweep.dir=mine")
+    assert (code, "mine holds something else than a sweep" in output) == (1, True)
+    assert [path.read_text() for path in sorted(mine.iterdir())] == ["dear"] * 3
+
+
+def test_a_sweep_into_the_folder_of_an_earlier_one_replaces_it_alone(project):
+    line = ("methods=[ball]", "hydra.sweep.dir=mine")
+    assert sweep(project, "seed=1,2", *line)[0] == 0
+    (project.folder / "mine" / "notes.csv").write_text("dear")
+    assert sweep(project, "seed=1", *line)[0] == 0
+    there = {path.name for path in (project.folder / "mine").iterdir()}
+    assert {"0", "notes.csv"} <= there
+    assert "1" not in there

@@ -162,7 +162,7 @@ def test_parts_stand_by_how_many_faces_they_have(tmp_path: Path):
     points = read_points(tmp_path)
     (line,) = series(points, swept_keys(points))
     assert line.x == [100, 300, 800]
-    assert trends([line])[0].law.exponent == pytest.approx(2.0)
+    assert trends([line], "parts.select")[0].law.exponent == pytest.approx(2.0)
 
 
 def test_words_are_swept_in_their_order_and_without_trends(tmp_path: Path):

@@ -24,7 +24,7 @@ def test_what_is_read_back_grows_as_was_published(table):
     factor of four or more that is swept, is 0.01 / ln 4 in an exponent.
     """
     points, swept = reread_sweep(table.parent)
-    found = {(t.label, t.quantity): t.law.exponent for t in trends(series(points, swept))}
+    found = {(t.label, t.quantity): t.law.exponent for t in trends(series(points, swept), swept[0])}
     wanted = {
         (row["series"], row["quantity"]): float(row["exponent"])
         for row in csv_rows(table.with_name("trend.csv"))

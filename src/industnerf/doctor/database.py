@@ -31,7 +31,8 @@ def find(places: Places) -> list[Finding]:
     wanted = newest_version()
     if version != wanted:
         what = f"has tables of version {version}, the installed MLflow wants {wanted}"
-        return [Finding(path, what, f"mlflow db upgrade sqlite:///{places.words(path)}")]
+        upgrade = f"mlflow db upgrade sqlite:///{places.words(path)}"
+        return [Finding(path, what, f"{upgrade} || ({replace})")]  # a migration may have been cut
     return []
 
 

@@ -14,6 +14,9 @@ from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
 from industnerf.store import KEY, Cost
 
+# the last bytes of a whole file: PNG's end chunk, and where the directory of a zip begins to end
+ENDS = {".png": (12, b"IEND"), ".npz": (22, b"PK\x05\x06")}
+
 
 def find(places: Places) -> list[Finding]:
     """One finding a spoilt result.  What has no key is not the store's, and left alone."""
@@ -26,11 +29,15 @@ def _faults(places: Places, entry: Path) -> Iterator[Finding]:
     remove = f"rm -rf {places.words(entry)}"
     files = list(_files(entry / "out"))
     empty = [path for path, status in files if status.st_size == 0]
+    cut = [path for path, _ in files if is_cut_short(path)]
     writable = [(path, status) for path, status in files if status.st_mode & 0o222]
     if not files:
         yield Finding(entry, "has nothing in out/: no run can finish or use it", remove)
     elif empty:
         what = f"{len(empty)} of {len(files)} files are empty, such as {empty[0].name}"
+        yield Finding(entry, what, remove)
+    elif cut:
+        what = f"{len(cut)} of {len(files)} files are cut short, such as {cut[0].name}"
         yield Finding(entry, what, remove)
     elif fault := _cost_fault(entry / "cost.json"):
         yield Finding(entry, fault, remove)
@@ -45,6 +52,16 @@ def _files(out: Path) -> Iterator[tuple[Path, os.stat_result]]:
     for folder, _, names in os.walk(out):
         for path in (Path(folder, name) for name in names):
             yield path, path.stat()
+
+
+def is_cut_short(path: Path) -> bool:
+    """Whether the end of a file is not what its kind ends in; of other kinds nothing is known."""
+    if path.suffix not in ENDS:
+        return False
+    length, mark = ENDS[path.suffix]
+    with path.open("rb") as file:
+        file.seek(-min(length, path.stat().st_size), os.SEEK_END)
+        return mark not in file.read()
 
 
 def _cost_fault(path: Path) -> str:

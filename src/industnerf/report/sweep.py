@@ -47,7 +47,7 @@ def write_sweep(folder: Path) -> int:
     if points:
         swept = swept_keys(points)
         lines = series(points, swept)
-        found = trends(lines)
+        found = trends(lines, swept[0])
         table, growth = _table(points, swept), _growth(found)
         changes = sweep_steps.table(sweep_steps.steps(lines, points))
         write_text(folder / "sweep.csv", csv_text(table[0], table[1:]))

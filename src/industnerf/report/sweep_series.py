@@ -52,8 +52,10 @@ def _ordered(label: str, pairs: list[tuple[Any, Result]]) -> Series:
     return Series(label, [str(x) for x in found.x], found.results)
 
 
-def trends(lines: list[Series]) -> list[Trend]:
-    """The power law of every cost of every series over numbers that has one."""
+def trends(lines: list[Series], key: str) -> list[Trend]:
+    """The power law of every cost of every series over numbers of `key` that has one."""
+    if key == "seed":  # which is no size
+        return []
     found = []
     for line in lines:
         for quantity in COSTS if line.numeric else ():

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from industnerf.schema.rules import CountOr0, Positive, at_least, within
+from industnerf.schema.rules import CountOr0, Positive, Rule, at_least, within
 
 Units = Literal["mm", "cm", "m", "inch"]
+QUOTABLE = Rule(lambda path: "'" not in path, "a path without an apostrophe: DVC gives it a shell")
 SmallShare = Annotated[float, within("[0, 0.5)")]
 
 
@@ -24,7 +25,7 @@ class CleanParams:
 @dataclass(frozen=True)
 class PartsParams:
     source: Literal["embedded", "path"]
-    path: str
+    path: Annotated[str, QUOTABLE]
     pattern: str
     units: Units
     select: list[str]

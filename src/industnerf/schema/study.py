@@ -82,4 +82,6 @@ class Params:
 
     def __post_init__(self) -> None:
         most, given = self.views.count, self.reconstruct.views
+        once = len(set(self.methods)) == len(self.methods)
+        require(once, "methods", self.methods, "a list of methods, each of them once")
         require(given <= most, "reconstruct.views", given, f"at most the {most} of views.count")
