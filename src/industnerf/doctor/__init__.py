@@ -19,6 +19,7 @@ CHECKS = {
     "disk": "room for what params.yaml asks for",
     "database": "the MLflow database: readable, and of the installed version",
     "environment": "installed packages against constraints.txt",
+    "variables": "INDUSTNERF_*: known, and of values that commands take",
     "gpu": "whether torch and warp see one; slow, hence only when asked for",
 }
 QUICK = [name for name in CHECKS if name != "gpu"]

@@ -1,0 +1,72 @@
+"""INDUSTNERF_* variables that are misspelt, or hold what no command takes."""
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from industnerf.doctor.variables import KNOWN, PREFIX
+from tests.doctor.conftest import WorkingCopy, doctor
+
+ROOT = Path(__file__).parents[2]
+FAULTS = {
+    "WORKES": ("2", "and does nothing; did you mean INDUSTNERF_WORKERS?"),
+    "COLOUR": ("red", "and does nothing; there are INDUSTNERF_DEBUG, "),
+    "WORKERS": ("abc", "is 'abc', must be a number of processes, at least 1"),
+    "SLURM_JOBS": ("0", "is '0', must be a number of jobs, at least 1"),
+    "DEVICE": ("gpu", "is 'gpu', must be cpu, cuda or cuda:N"),
+    "RUNNER": ("slurm", "is 'slurm', must be one of process, serial, submitit"),
+    "STORE": ("mine.txt/store", "mine.txt is no folder"),
+    "MLFLOW": ("mine.txt", "mine.txt is no folder"),
+}
+
+
+@pytest.fixture(autouse=True)
+def unset(monkeypatch):
+    for name in os.environ:
+        if name.startswith(PREFIX):
+            monkeypatch.delenv(name)
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_each_fault_is_said_and_taken_out_of_the_environment(plain: WorkingCopy, name, monkeypatch):
+    value, said = FAULTS[name]
+    (plain.folder / "mine.txt").write_text("dear")
+    monkeypatch.chdir(plain.folder)
+    monkeypatch.setenv(PREFIX + name, value)
+    (finding,) = plain.find("variables")
+    assert said in finding.what
+    assert finding.what.startswith(PREFIX + name)
+    assert finding.mend == f"unset {PREFIX + name}"
+    monkeypatch.delenv(PREFIX + name)
+    assert plain.find("variables") == []
+
+
+def test_in_the_local_file_it_is_to_be_mended_there(plain: WorkingCopy):
+    (plain.folder / ".industnerf.env").write_text("INDUSTNERF_WORKES=2\n")
+    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "variables")
+    assert code == 1
+    assert ".industnerf.env: INDUSTNERF_WORKES is no variable" in output
+    assert "mend" not in output
+
+
+def test_what_commands_take_is_right(plain: WorkingCopy, monkeypatch):
+    right = {"WORKERS": "2", "DEVICE": "cuda:1", "RUNNER": "serial", "MLFLOW": "off", "STORE": ""}
+    for name, value in right.items():
+        monkeypatch.setenv(PREFIX + name, value)
+    assert plain.find("variables") == []
+
+
+def test_every_variable_that_the_suite_reads_is_known():
+    files = [*ROOT.glob("src/**/*.py"), *ROOT.glob("pipeline/*.py")]
+    text = "\n".join(path.read_text() for path in files)
+    said = set(re.findall(r"INDUSTNERF_[A-Z_]*[A-Z]\b(?!_)", text)) - {"INDUSTNERF_SLURM"}
+    of_slurm = re.search(r'"""What SLURM is asked for.*?"""', text, re.DOTALL)[0]
+    listed = {
+        f"INDUSTNERF_SLURM_{name}"
+        for line in re.findall(r"^    ([A-Z][A-Z_, ]+?)  ", of_slurm, re.MULTILINE)
+        for name in line.split(", ")
+    }
+    assert listed >= {"INDUSTNERF_SLURM_GRES", "INDUSTNERF_SLURM_FOLDER"}
+    assert said | listed == set(KNOWN)
