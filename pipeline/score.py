@@ -9,7 +9,6 @@ Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, XY
 and counts as one; a part without a file does not count.  Resumable; the truth is in the store.
 """
 
-import shutil
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +24,7 @@ from industnerf.cli import run_command
 from industnerf.config import Masked, load_params, read_yaml, stage
 from industnerf.outside.files import baked, clouds_at, own
 from industnerf.outside.points import take_over
+from industnerf.outside.reports import begin, folder_for
 from industnerf.outside.table import HEADS, Known, known_of, part_lines, summary
 from industnerf.schema import Params
 from industnerf.stage import Task, read_failures, read_index, run_stage
@@ -36,7 +36,9 @@ OUT, STUDY = Path("runs/score"), Path("results/study")
 def main(place: str, part: str = "") -> None:
     params, clouds = asked(load_params(), Path(place), part)
     named = Path(place).resolve()
-    out = OUT / (named.name if named.is_dir() else named.stem)
+    of = str(Path(part).resolve()) if Path(part).is_file() else part
+    out = folder_for(OUT, named, of, (named, Path(params.parts.path), *clouds.values()))
+    begin(out, named, of)
     score(params, clouds, out)
     show(params, out)
 
@@ -55,9 +57,8 @@ def asked(params: Params, place: Path, part: str) -> tuple[Params, dict[str, Pat
 def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
     """The stages of the study up to its scores, with the files in the place of a method.
 
-    `out` is emptied first: of what was scored before under its name, the store has the results.
+    `out` holds no report; of what was scored before, the store has the results.
     """
-    shutil.rmtree(out, ignore_errors=True)
     source, solid, part, known, cloud = (
         params.parts.path,
         *(str(out / name) for name in ("solids", "parts", "truth", "clouds")),

@@ -69,13 +69,42 @@ def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
     assert "1 failed" in said
 
 
-def test_what_was_scored_before_by_that_name_is_not_shown_again(place, capsys):
+def test_what_was_asked_before_is_made_anew_and_nothing_else_is_removed(place):
     trimesh.creation.box(SIDES).export(place / "same.ply")
     score.main("same.ply", "block.stl")
-    (place / "block.stl").rename(place / "brick.stl")
+    out = place / "runs/score/same"
+    (out / "notes.txt").write_text("mine")
+    (out / "scores/gone.txt").touch()
+    score.main("same.ply", "block.stl")
+    assert (out / "notes.txt").read_text() == "mine"
+    assert not (out / "scores/gone.txt").exists()
+    assert [path.name for path in (place / "runs/score").iterdir()] == ["same"]
+
+
+def test_another_part_or_another_place_of_one_name_leaves_the_report_that_is_there(place, capsys):
+    trimesh.creation.box(SIDES).export(place / "same.ply")
+    score.main("same.ply", "block.stl")
+    trimesh.creation.box(SIDES).export(place / "brick.stl")
     score.main("same.ply", "brick.stl")
-    assert {path.name for path in (place / "runs/score/same/scores").glob("*/")} == {"brick"}
-    assert "1 parts of 1 families" in capsys.readouterr().out.split("brick")[-1]
+    of = {"same": "block", "same-2": "brick"}
+    for name, part in of.items():
+        scores = place / "runs/score" / name / "scores"
+        assert [path.name for path in scores.glob("*/")] == [part]
+    assert "every metric: runs/score/same-2/scores/scores.csv" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("lies_there", ["cloud", "part"])
+def test_nothing_is_removed_where_what_is_to_be_scored_lies(place, lies_there):
+    there = place / "runs/score/same"
+    (there / "clouds").mkdir(parents=True)
+    cloud, part = place / "same.ply", place / "block.stl"
+    trimesh.creation.box(SIDES).export(cloud)
+    moved = {"cloud": cloud, "part": part}[lies_there]
+    moved = moved.rename(there / "clouds" / moved.name)
+    asked = {"cloud": cloud, "part": part} | {lies_there: moved}
+    with pytest.raises(BadParams, match="lies in runs/score/same, where its own report would go"):
+        score.main(str(asked["cloud"]), str(asked["part"]))
+    assert moved.is_file()
 
 
 def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_why(monkeypatch):
