@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from industnerf.artifacts.cloud import load_remarks
+from industnerf.artifacts.part import Mesh, save_part
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
-from industnerf.outside.points import oddities, read_points
+from industnerf.outside.points import read_points, take_over
 from tests import solids
+from tests.samples import unit_part
 
 RNG = np.random.default_rng(0)
 POINTS = RNG.normal(size=(50, 3))
@@ -15,7 +18,7 @@ MANY = 20_000  # drawn of a mesh
 
 
 def read(path):
-    return read_points(path, MANY, np.random.default_rng(0))
+    return read_points(path, MANY, np.random.default_rng(0))[0]
 
 
 def test_points_of_every_kind_of_file_are_those_that_were_written(tmp_path):
@@ -58,10 +61,19 @@ def test_points_that_are_not_finite_are_counted(tmp_path):
         read(tmp_path / "a.npz")
 
 
-def test_another_unit_and_another_place_are_remarked_on():
-    truth = solids.box(20, 30, 40).vertices
-    assert oddities(truth * 1.1, truth) == []
-    assert "0.001 times as large" in oddities(truth / 1000, truth)[0]
-    assert "25.4 times as large" in oddities(truth * 25.4, truth)[0]
-    assert "another order" in oddities(truth[:, [0, 2, 1]], truth)[0]
-    assert "diagonals from the part's" in oddities(truth + np.array([60, 0, 0]), truth)[0]
+def test_points_that_float32_cannot_hold_are_refused_by_name(tmp_path):
+    np.savez(tmp_path / "a.npz", points_mm=np.vstack([POINTS, [[1e300, 0, 0]]]))
+    with pytest.raises(BadArtifact, match=r"a\.npz: 1 of 51 points are too large: .* of 1e\+300"):
+        read(tmp_path / "a.npz")
+
+
+def test_what_is_remarked_on_is_the_file_s_points_not_the_rounded_ones(tmp_path):
+    """At 1e7 float32 has steps of 1 mm: no side of 0.4 mm is left, and only the step is odd."""
+    mesh = solids.box(0.2, 0.3, 0.4)
+    mesh = Mesh.plain(mesh.vertices + 1e7, mesh.faces)
+    save_part(tmp_path / "block", unit_part("block"), mesh)
+    np.savez(tmp_path / "far.npz", points_mm=mesh.vertices)
+    (tmp_path / "out").mkdir()
+    take_over(tmp_path / "far.npz", tmp_path / "block", MANY, 0, tmp_path / "out")
+    (said,) = load_remarks(tmp_path / "out")
+    assert "has steps of 1 mm, 2 of the part's diagonal" in said

@@ -1,0 +1,89 @@
+"""Meshes and clouds in the formats of meshes."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from industnerf.artifacts.ply import write_ply
+from industnerf.errors import BadArtifact
+from industnerf.outside.points import read_points
+
+POINTS = np.random.default_rng(0).normal(size=(20_000, 3))
+CORNER = "0 0 0\n1 0 0\n0 1 0\n"
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+)
+
+
+def read(path):
+    return read_points(path, 500, np.random.default_rng(0))
+
+
+def write_obj(path, faces):
+    rows = [f"v {x} {y} {z}" for x, y, z in POINTS.tolist()]
+    path.write_text("\n".join([*rows, *faces]))
+
+
+def write_off(path, faces):
+    rows = [f"{x} {y} {z}" for x, y, z in POINTS.tolist()]
+    path.write_text("\n".join([f"OFF\n{len(POINTS)} {len(faces)} 0", *rows, *faces]))
+
+
+def test_a_cloud_with_a_single_face_is_a_cloud(tmp_path):
+    write_ply(tmp_path / "a.ply", POINTS, faces=np.array([[0, 1, 2]], np.int32))
+    write_obj(tmp_path / "a.obj", ["f 1 2 3"])
+    write_off(tmp_path / "a.off", ["3 0 1 2"])
+    for name in ("a.ply", "a.obj", "a.off"):
+        points, (said,) = read(tmp_path / name)
+        np.testing.assert_allclose(points, POINTS, atol=1e-6)  # PLY is float32
+        assert "19997 of its 20000 vertices belong to no face" in said
+        assert "without its faces (1)" in said
+
+
+def test_clouds_without_a_face_are_read_from_obj_and_off_too(tmp_path):
+    write_obj(tmp_path / "a.obj", [])
+    write_off(tmp_path / "a.off", [])
+    for name in ("a.obj", "a.off"):
+        points, remarks = read(tmp_path / name)
+        np.testing.assert_allclose(points, POINTS)
+        assert remarks == []
+
+
+def test_a_mesh_with_a_vertex_too_many_is_a_mesh(tmp_path):
+    (tmp_path / "a.off").write_text(f"OFF\n4 1 0\n{CORNER}9 9 9\n3 0 1 2\n")
+    points, remarks = read(tmp_path / "a.off")
+    assert (len(points), points.max() < 1) == (500, True)
+    assert remarks == ["1 of its 4 vertices belong to no face and do not count"]
+
+
+def test_what_is_the_matter_with_a_mesh_is_said_by_name(tmp_path):
+    (tmp_path / "index.ply").write_text(f"{PLY}{CORNER}3 0 1 7\n")
+    (tmp_path / "short.ply").write_text(f"{PLY.replace('vertex 3', 'vertex 300')}{CORNER}")
+    vertices = "".join(f"v {row}\n" for row in CORNER.splitlines())
+    (tmp_path / "nan.obj").write_text(f"{vertices}v nan 0 0\nf 1 2 3\nf 1 2 4\n")
+    (tmp_path / "index.obj").write_text(f"{vertices}f 1 2 9\n")
+    (tmp_path / "flat.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")
+    trimesh.creation.box().export(tmp_path / "whole.stl")
+    (tmp_path / "short.stl").write_bytes((tmp_path / "whole.stl").read_bytes()[:300])
+    (tmp_path / "empty.stl").touch()
+    for name, why in (
+        ("index.ply", r"1 of 1 faces name a vertex that is not there; .* \[0, 1, 7\] of 3"),
+        ("short.ply", "cut short"),
+        ("nan.obj", "1 of its 2 faces have a corner that is not finite"),
+        ("index.obj", "line 4, 'f 1 2 9': vertex 9, and so far there are 3"),
+        ("flat.off", "a mesh of 1 faces and no area"),
+        ("short.stl", "header promises 12 triangles, the file holds 4: it is cut short"),
+        ("empty.stl", "the file is empty"),
+    ):
+        with pytest.raises(BadArtifact, match=f"{name} cannot be read: .*{why}"):
+            read(tmp_path / name)
+
+
+def test_what_a_reader_remarks_on_is_said(tmp_path):
+    trimesh.creation.box().export(tmp_path / "a.stl", file_type="stl_ascii")
+    text = (tmp_path / "a.stl").read_text()
+    (tmp_path / "a.stl").write_text(text.replace("endsolid", ""))
+    assert read(tmp_path / "a.stl")[1] == [
+        "the text does not end with `endsolid`: it may be cut short"
+    ]
