@@ -72,7 +72,7 @@ def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
             part_id,
             partial(take_over, clouds[part_id], Path(part) / part_id, cap, params.seed),
             [cap, params.seed, part_id],
-            (clouds[part_id], Path(part) / part_id / "mesh.npz"),
+            (clouds[part_id], *(Path(part) / part_id / name for name in ("mesh.npz", "part.json"))),
         )
         for part_id in read_index(Path(part))
     ]

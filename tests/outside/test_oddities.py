@@ -21,7 +21,7 @@ def test_points_that_float32_rounds_are_remarked_on():
     assert oddities(truth + 1000, truth + 1000) == []
     (said,) = oddities(truth + 1e6, truth + 1e6)
     assert "reach 1e+06 mm" in said
-    assert "steps of 0.062 mm, 0.001 of the part's diagonal" in said
+    assert "steps of 0.062 mm, 0.001 of the diagonal" in said
 
 
 def test_the_middle_of_many_points_far_from_the_origin_is_where_they_are():
@@ -29,3 +29,24 @@ def test_the_middle_of_many_points_far_from_the_origin_is_where_they_are():
     truth = solids.box(20, 30, 40).vertices + 1e4
     points = np.tile(truth, (125_000, 1)).astype(np.float32)
     assert not [said for said in oddities(points, truth) if "middle" in said]
+
+
+def test_stray_points_are_not_taken_for_another_unit():
+    """Of 10 001 points of a box one is a hundred boxes away; the others fill it."""
+    truth = solids.box(20, 30, 40).vertices
+    inside = np.random.default_rng(0).uniform(truth.min(axis=0), truth.max(axis=0), (10_000, 3))
+    points = np.vstack([inside, [[5385.2, 0, 0]]])
+    (said,) = oddities(points, truth)
+    assert "stray points: its box is 100 times as large" in said
+    assert "all but 1 of its 10001 points 1 times" in said
+    assert "in mm" not in said
+    strays, moved = oddities(points + np.array([60, 0, 0]), truth)
+    assert (strays, "middle is 1.1 diagonals" in moved) == (said, True)
+    scaled = oddities(np.vstack([inside * 25.4, [[1e4, 0, 0]]]), truth)
+    assert ["in mm?" in said for said in scaled] == [True]
+
+
+def test_of_a_cad_file_of_one_s_own_the_unit_may_be_wrong_too():
+    truth = solids.box(20, 30, 40).vertices
+    assert "parts.units in params.yaml" in oddities(truth * 25.4, truth, own=True)[0]
+    assert "parts.units" not in oddities(truth * 25.4, truth)[0]

@@ -76,4 +76,4 @@ def test_what_is_remarked_on_is_the_file_s_points_not_the_rounded_ones(tmp_path)
     (tmp_path / "out").mkdir()
     take_over(tmp_path / "far.npz", tmp_path / "block", MANY, 0, tmp_path / "out")
     (said,) = load_remarks(tmp_path / "out")
-    assert "has steps of 1 mm, 2 of the part's diagonal" in said
+    assert "has steps of 1 mm, 2 of the diagonal" in said

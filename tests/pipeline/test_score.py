@@ -60,6 +60,12 @@ def test_a_cloud_elsewhere_scores_about_how_far_it_was_moved(place, capsys):
     assert "is it in the cameras' frame?" in capsys.readouterr().out
 
 
+def test_the_unit_of_the_cad_file_is_suspected_too(place, capsys):
+    trimesh.creation.box(SIDES / 1000).export(place / "metres.ply")
+    score.main("metres.ply", "block.stl")
+    assert "in mm, and the CAD file too (parts.units" in capsys.readouterr().out
+
+
 def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
     (place / "torn.ply").touch()
     score.main("torn.ply", "block.stl")
