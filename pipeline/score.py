@@ -6,7 +6,8 @@ python -m pipeline.score cloud.ply bracket.step        one cloud of a CAD file o
 
 Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, XYZ, or npz with
 `points_mm`; of a mesh (PLY, OBJ, STL, OFF) points are drawn.  A file without points is a failure,
-and counts as one; a part without a file does not count.  Resumable; the truth is in the store.
+and counts as one; a part without a file does not count.  Where all fail, the exit code is 1.
+Resumable; the truth is in the store.
 """
 
 from dataclasses import asdict, replace
@@ -22,7 +23,8 @@ from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.scores import load_method_scores
 from industnerf.cli import run_command
 from industnerf.config import Masked, load_params, read_yaml, stage
-from industnerf.outside.files import baked, clouds_at, own
+from industnerf.errors import PartsFailed
+from industnerf.outside.files import baked, cad_file, clouds_at, own
 from industnerf.outside.points import take_over
 from industnerf.outside.reports import begin, folder_for
 from industnerf.outside.table import HEADS, Known, known_of, part_lines, summary
@@ -36,17 +38,19 @@ OUT, STUDY = Path("runs/score"), Path("results/study")
 def main(place: str, part: str = "") -> None:
     params, clouds = asked(load_params(), Path(place), part)
     named = Path(place).resolve()
-    of = str(Path(part).resolve()) if Path(part).is_file() else part
+    cad = cad_file(part)
+    of = str(cad.resolve()) if cad else part
     out = folder_for(OUT, named, of, (named, Path(params.parts.path), *clouds.values()))
     begin(out, named, of)
     score(params, clouds, out)
     show(params, out)
+    require_one(out)
 
 
 def asked(params: Params, place: Path, part: str) -> tuple[Params, dict[str, Path]]:
     """The parameters that bring in the parts, and the file of the cloud of each."""
-    if Path(part).is_file():  # "" is the current folder
-        chosen, part_id = own(params.parts, Path(part))
+    if cad := cad_file(part):
+        chosen, part_id = own(params.parts, cad)
         clouds = clouds_at(place, part_id)
     else:
         clouds = clouds_at(place, part)
@@ -100,6 +104,8 @@ def show(params: Params, out: Path) -> None:
     Console().print(table)
     for part_id, why in read_failures(out / "clouds").items():
         print(f"{part_id} failed: {why}")
+    for part_id, why in read_failures(out / "scores").items():
+        print(f"{part_id} counts as failed, it could not be scored: {why}")
     for part_id in read_index(out / "clouds"):
         for remark in load_remarks(out / "clouds" / part_id):
             print(f"{part_id}: {remark}")
@@ -109,6 +115,13 @@ def show(params: Params, out: Path) -> None:
     if why:
         print(f"not set beside the study: {why}")
     print(f"every metric: {out / 'scores' / 'scores.csv'}")
+
+
+def require_one(out: Path) -> None:
+    """Raise PartsFailed if not one cloud below `out` was read and scored."""
+    failed = read_failures(out / "clouds") | read_failures(out / "scores")
+    if not read_index(out / "clouds").keys() - failed.keys():
+        raise PartsFailed(f"not one of {len(failed)} clouds could be scored; reasons stand above")
 
 
 def published(params: Params) -> tuple[Known, str]:

@@ -1,11 +1,13 @@
 """Which file is a cloud of which part."""
 
+from pathlib import Path
+
 import pytest
 import trimesh
 
 from industnerf.config import load_params
 from industnerf.errors import BadParams
-from industnerf.outside.files import baked, clouds_at, own
+from industnerf.outside.files import baked, cad_file, clouds_at, own
 from industnerf.parts.catalogue import EMBEDDED
 from tests import solids
 from tests.conftest import ROOT
@@ -62,3 +64,26 @@ def test_a_cad_file_is_a_part_by_its_name(tmp_path):
     chosen, part_id = own(PARTS, tmp_path / "My Bracket.stl")
     assert part_id == "my-bracket"
     assert (chosen.source, chosen.path) == ("path", str(tmp_path / "My Bracket.stl"))
+
+
+def test_what_looks_like_a_path_is_a_file_that_exists(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.step").touch()
+    (tmp_path / "b.stp").mkdir()
+    assert cad_file("a.step") == Path("a.step")
+    assert (cad_file(GEAR), cad_file("")) == (None, None)
+    for name in ("nosuch.step", "nosuch.STL", "sub/nosuch"):
+        with pytest.raises(BadParams, match=f"^{name} does not exist; give one CAD file"):
+            cad_file(name)
+    for name in ("b.stp", str(tmp_path)):
+        with pytest.raises(BadParams, match=f"^{name} is a folder; give one CAD file"):
+            cad_file(name)
+
+
+def test_a_folder_by_its_bare_name_is_called_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("drawings", GEAR):
+        (tmp_path / name).mkdir()
+    assert cad_file(GEAR) is None  # the part of the suite
+    with pytest.raises(BadParams, match=r"^drawings is a folder"):
+        cad_file("drawings")

@@ -9,8 +9,8 @@ import trimesh
 
 from industnerf.artifacts.ply import write_ply
 from industnerf.config import load_params
-from industnerf.errors import BadParams
-from pipeline import score
+from industnerf.errors import BadParams, MetricError, PartsFailed
+from pipeline import evaluate, score
 from tests.conftest import ROOT
 
 SIDES = np.array([20.0, 30.0, 40.0])
@@ -68,11 +68,44 @@ def test_the_unit_of_the_cad_file_is_suspected_too(place, capsys):
 
 def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
     (place / "torn.ply").touch()
-    score.main("torn.ply", "block.stl")
+    with pytest.raises(PartsFailed, match="not one of 1 clouds could be scored"):
+        score.main("torn.ply", "block.stl")
     assert emd(place, "torn")[2] == "failed"
     said = capsys.readouterr().out
     assert "block failed: torn.ply cannot be read" in said
     assert "1 failed" in said
+
+
+def test_where_one_of_two_clouds_is_read_all_is_well(place, capsys):
+    (place / "two").mkdir()
+    ids = ("nut-square-din557-m12", "gear-spur-m2-z24")
+    trimesh.creation.box(SIDES).export(place / "two" / f"{ids[0]}.ply")
+    (place / "two" / f"{ids[1]}.ply").touch()
+    score.main("two")
+    assert f"{ids[1]} failed: " in capsys.readouterr().out
+
+
+def test_what_could_not_be_scored_is_said_at_the_end_and_counts_as_failed(
+    place, capsys, monkeypatch
+):
+    def torn(*_, **__):
+        raise MetricError("no proof that the distance is exact")
+
+    torn.__module__ = evaluate.score_part.__module__  # by which its code is looked up
+    monkeypatch.setattr(evaluate, "score_part", torn)
+    trimesh.creation.box(SIDES).export(place / "same.ply")
+    with pytest.raises(PartsFailed, match="not one of 1 clouds could be scored"):
+        score.main("same.ply", "block.stl")
+    assert emd(place, "same")[2] == "failed"
+    last = capsys.readouterr().out.split("outside the study")[0]
+    assert "block counts as failed, it could not be scored: no proof" in last
+
+
+def test_a_cad_file_that_does_not_exist_is_called_that(place):
+    (place / "a.ply").touch()
+    with pytest.raises(BadParams, match=r"^nosuch\.step does not exist"):
+        score.main("a.ply", "nosuch.step")
+    assert not (place / "runs").exists()
 
 
 def test_what_was_asked_before_is_made_anew_and_nothing_else_is_removed(place):
@@ -126,7 +159,7 @@ def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_w
 
 
 def test_a_part_of_the_suite_is_brought_in_by_its_name(place):
-    (place / "nut-square-din557-m12.ply").touch()
+    trimesh.creation.box(SIDES).export(place / "nut-square-din557-m12.ply")
     params, _ = score.asked(score.load_params(), place / "nut-square-din557-m12.ply", "")
     assert params.parts.select == ["nut-square-din557-m12"]
     score.main("nut-square-din557-m12.ply")

@@ -7,6 +7,7 @@ from pathlib import Path
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.files import find_files
+from industnerf.parts.reading.formats import SUFFIXES as CAD
 from industnerf.parts.sets import FOLDERS
 from industnerf.schema.parts import PartsParams
 
@@ -50,6 +51,26 @@ def baked(parts: PartsParams, wanted: Iterable[str]) -> PartsParams:
         f"no part is called {missing[fewest][0]!r}: name the cloud after its part, or give the "
         f"part's name or CAD file too; `python -m industnerf.parts list --set {fewest}`"
     )
+
+
+def cad_file(part: str) -> Path | None:
+    """The CAD file that `part` names, None if it is the id of a part.
+
+    Raises BadParams if it looks like a path, by a slash or a suffix, and no file is there, or if
+    it is a folder that no part is called after.
+    """
+    path = Path(part)
+    if path.is_file():  # "" is the current folder
+        return path
+    folder = part and path.is_dir() and not _is_baked(part)
+    if folder or "/" in part or path.suffix.lower() in CAD:
+        what = "is a folder" if path.is_dir() else "does not exist"
+        raise BadParams(f"{part} {what}; give one CAD file, or the name of a part of the suite")
+    return None
+
+
+def _is_baked(part: str) -> bool:
+    return any(entry.id == part for folder in FOLDERS.values() for entry in catalogue(folder))
 
 
 def own(parts: PartsParams, cad: Path) -> tuple[PartsParams, str]:
