@@ -47,6 +47,18 @@ def test_test_parts_dev_parts_and_others_are_told_apart_and_compared_on_the_same
     assert "hull" not in others
 
 
+def test_of_one_family_there_is_no_interval():
+    """Two parts of a family: EMD 0.02 and 0.04, hull 0.03 on both and 0.0 in the mean change."""
+    parts = {name: unit_part(name, family="nuts") for name in "ab"}
+    scores = [*scores_of("a", 0.02), *scores_of("b", 0.04)]
+    known = Known({"a": "test", "b": "test"}, {"hull": {"a": 0.03, "b": 0.03}})
+    for some, mean, change in ((scores, "0.0300", "+0.0000"), (scores[:3], "0.0200", "-0.0100")):
+        (text,) = summary(some, parts, known, WAYS, seed=0)
+        assert f"EMD (even) {mean}, " in text
+        assert f"hull 0.0300 on these: {change}, lower on 1 of" in text
+        assert " to " not in text
+
+
 def test_failures_are_counted():
     parts = {"a": unit_part("a")}
     (text,) = summary(scores_of("a", 0.5, "failed"), parts, Known({}, {}), WAYS, seed=0)

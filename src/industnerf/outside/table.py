@@ -89,21 +89,26 @@ def _paragraph(
 ) -> list[str]:
     values = {part: score.value for part, score in scores.items()}
     of = [families[part] for part in values]
+    several = len(set(of)) > 1  # of one family there is nothing to draw an interval from
     low, high = bootstrap_interval(list(values.values()), of, ways, seed)
+    interval = f" ({low:.4f} to {high:.4f})" if several else ""
     mean, floor = fmean(values.values()), fmean(score.floor for score in scores.values())
     failed = sum(score.status != "ok" for score in scores.values())
     all_of_it = sum(one == split for one in known.splits.values())
     count = f"{len(values)} of {all_of_it}" if all_of_it else str(len(values))
     lines = [
         f"{split}: {count} parts of {len(set(of))} families, {failed} failed",
-        f"  EMD (even) {mean:.4f} ({low:.4f} to {high:.4f}), {mean / floor:.2f} x floor",
+        f"  EMD (even) {mean:.4f}{interval}, {mean / floor:.2f} x floor",
     ]
     for method, theirs in known.values.items():
         change = paired_change(theirs, values, families, ways, seed)
         if change is not None:
-            level = fmean(theirs[part] for part in values.keys() & theirs.keys())
+            both = values.keys() & theirs.keys()
+            level = fmean(theirs[part] for part in both)
+            several = len({families[part] for part in both}) > 1
+            interval = f" ({change.low:+.4f} to {change.high:+.4f})" if several else ""
             lines.append(
-                f"  {method} {level:.4f} on these: {change.mean:+.4f} ({change.low:+.4f} to "
-                f"{change.high:+.4f}), lower on {change.lower} of {change.parts}"
+                f"  {method} {level:.4f} on these: {change.mean:+.4f}{interval}, lower on "
+                f"{change.lower} of {change.parts}"
             )
     return lines
