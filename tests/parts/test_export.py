@@ -183,6 +183,17 @@ def test_a_file_that_is_there_is_left_alone(tmp_path, form, name):
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"mine"]
 
 
+@pytest.mark.parametrize(
+    ("below", "said"),
+    [("", "is a file; give a folder"), ("sub", "cannot be made: Not a directory")],
+)
+def test_a_file_as_the_folder_is_refused_and_left_alone(tmp_path, below, said):
+    (tmp_path / "mine").write_text("mine")
+    with pytest.raises(BadParams, match=f"export: --out .*mine.* {said}"):
+        export(QUIET, "organic", [PART], "stl", tmp_path / "mine" / below)
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
 def test_all_is_the_whole_set(tmp_path):
     export(QUIET, "organic", None, "stl", tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {f"{part_id}.stl" for part_id in ENTRIES}

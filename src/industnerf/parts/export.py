@@ -29,14 +29,14 @@ def export(
 ) -> None:
     """Write parts of the set `name`, or all of them, into the folder `out`.
 
-    Raises BadParams if a part is unknown or a file is there already, and PartsFailed if some could
-    not be written; the others are.
+    Raises BadParams if a part is unknown, a file is there already or `out` cannot be a folder, and
+    PartsFailed if some could not be written; the others are.
     """
     entries = _chosen(name, part_ids)
     if form == "step" and find_spec("OCP") is None:
         raise SuiteError("STEP needs the CAD libraries: `pip install -e '.[cad]'`")
     _require_absent([path for entry in entries for path in _paths(out, entry.id, form)])
-    out.mkdir(parents=True, exist_ok=True)
+    _make_folder(out)
     works = [partial(export_part, name, entry, form, out) for entry in entries]
     outcomes = runner_from_environment().map(works, PATIENCE_S)
     done = list(track(outcomes, "Exporting", total=len(works), console=console))
@@ -71,6 +71,15 @@ def _require_absent(paths: list[Path]) -> None:
             f"export: {there[0]} is there already, {len(there)} files in all; remove them, or "
             "give another --out"
         )
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadParams(f"export: --out {out} is a file; give a folder for the parts") from None
+    except OSError as error:  # a file above it, a disk that is full or may not be written to
+        raise BadParams(f"export: --out {out} cannot be made: {error.strerror}") from None
 
 
 def _report(
