@@ -217,7 +217,8 @@ def test_a_torn_checkpoint_is_refused(desk, fake):
 
 
 def test_a_file_that_is_no_checkpoint_is_never_replaced(desk):
-    photo = desk.folder / "set/rgb/000.png"
+    photo = desk.folder / "mine.png"
+    Image.fromarray(scene.photographs()[0]).save(photo)
     before = photo.read_bytes()
     for extra in ((), ("--fresh",)):
         code, _, errors = desk.run("--checkpoint", photo, *extra)
@@ -262,6 +263,31 @@ def test_a_folder_is_refused_before_any_work(desk, fake, option):
     for extra in ((), ("--force",)):
         code, _, errors = desk.run(option, desk.folder / "mine.ply", *extra)
         assert (code, "mine.ply: is a folder" in errors) == (2, True)
+    assert fake.SEEN == {}
+
+
+@pytest.mark.parametrize("option", ["--out", "--checkpoint", "--preview", "--mesh"])
+@pytest.mark.parametrize("said", ["shared", "held out", "cameras", "settings", "a link"])
+def test_an_input_is_never_overwritten(desk, fake, option, said):
+    """Each is given a name that the option takes, which may be a link to it."""
+    scene.rewrite(
+        desk.transforms,
+        json.loads(desk.transforms.read_text())
+        | {"train_filenames": [f"rgb/{i:03d}.png" for i in range(4)]},
+    )
+    files = {
+        "shared": desk.folder / "set/rgb/000.png",
+        "held out": desk.folder / "set/rgb/004.png",
+        "cameras": desk.transforms,
+        "settings": desk.folder / "params.yaml",
+        "a link": desk.folder / "set/rgb/000.png",
+    }
+    name = desk.folder / "mine.ply"
+    (name.hardlink_to if said == "a link" else name.symlink_to)(files[said])
+    before = files[said].read_bytes()
+    code, _, errors = desk.run(option, name, "--force")
+    assert (code, f"{option} {name}: is an input of this run" in errors) == (2, True)
+    assert files[said].read_bytes() == before
     assert fake.SEEN == {}
 
 

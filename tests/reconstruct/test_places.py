@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.places import find_photo, find_photos, unnamed
+from industnerf.reconstruct.places import find_photo, find_photos, owned, unnamed
 from industnerf.reconstruct.transforms import Shot
 
 
@@ -68,3 +68,13 @@ def test_images_beside_the_photographs_are_unnamed_if_no_frame_has_them(folders,
     assert unnamed(photos, shots[:1], folders) == [
         tmp_path / f"images/{n}" for n in ("0.JPG", "2.png")
     ]
+
+
+def test_an_image_that_another_goes_before_is_named_all_the_same(folders, tmp_path):
+    """Frame 0's is in both folders, and that of `beside` has frame 1's for a neighbour."""
+    shots = [shot("rgb/1.png"), shot("rgb/3.0", 1)]
+    photos = find_photos(shots, folders)
+    both = [tmp_path / "images/1.png", tmp_path / "beside/rgb/1.png"]
+    assert owned(shots[:1], folders) == both
+    assert photos == [both[0], tmp_path / "beside/rgb/3.0.jpeg"]
+    assert unnamed(photos, shots, folders) == []

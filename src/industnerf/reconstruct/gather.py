@@ -9,7 +9,7 @@ from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
-from industnerf.reconstruct.places import find_photos, unnamed
+from industnerf.reconstruct.places import find_photos, owned, unnamed
 from industnerf.reconstruct.remarks import remarks
 from industnerf.reconstruct.transforms import read_shots
 from industnerf.reconstruct.views import View, in_px, read_view, stand
@@ -25,6 +25,7 @@ class Album:
     cameras: Cameras  # in the frame and the unit of the file
     background: Float[np.ndarray, "n 3"] | None  # None: unknown
     photos: tuple[Path, ...]
+    owned: tuple[Path, ...]  # those of frames that are not used, too
     remarks: tuple[str, ...]
 
 
@@ -60,6 +61,7 @@ def gather(
         _cameras(views),
         np.tile(colour, (len(views), 1)) if known else None,
         tuple(photos),
+        tuple(owned(frames, folders)),
         tuple(remarks(views, len(frames), colour, unnamed(photos, frames, folders))),
     )
 

@@ -9,12 +9,12 @@ from jaxtyping import Float
 from rich.console import Console
 
 from industnerf.artifacts.ply import write_ply
-from industnerf.artifacts.whole import check_folder, written_whole
-from industnerf.errors import BadArtifact
+from industnerf.artifacts.whole import written_whole
 from industnerf.geometry.cameras import Cameras
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.gather import Album, gather
 from industnerf.reconstruct.options import Options
+from industnerf.reconstruct.outputs import check_apart, check_outputs
 from industnerf.reconstruct.region import region
 from industnerf.reconstruct.settings import choose
 from industnerf.stage import measured
@@ -29,31 +29,13 @@ def reconstruct(options: Options, console: Console | None = None) -> None:
         display.say(f"{said[0]}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
 
 
-def check_outputs(options: Options) -> None:
-    """Raise BadArtifact if a file is in the way, or cannot be written, before any work is done."""
-    outputs = {"--out": options.out, "--checkpoint": options.checkpoint}
-    outputs |= {"--preview": options.preview} if options.preview_every else {}
-    outputs |= {"--npz": options.npz} if options.npz else {}
-    outputs |= {"--mesh": options.mesh} if options.mesh else {}
-    if len({path.resolve() for path in outputs.values()}) < len(outputs):
-        raise BadArtifact(f"{', '.join(outputs)} must be different files")
-    in_the_way = [path for path in (options.out, options.npz, options.mesh) if path]
-    goes_on = options.checkpoint.exists() and not options.fresh  # then the preview is its own
-    if options.preview_named and options.preview_every and not goes_on:
-        in_the_way.append(options.preview)
-    for path in in_the_way:
-        if path.exists() and not (options.force or path.is_dir()):
-            raise BadArtifact(f"{path} is there already; --force overwrites it")
-    for option, path in outputs.items():
-        check_folder(path, option)
-
-
 def _reconstruct(options: Options, display: Display) -> str:
     chosen = choose(options.method, options.overrides, options.params)
     if options.show:
         for line in chosen.lines():
             display.say(line)
     album = _read(options, display)
+    check_apart(options, [chosen.source, *album.owned])
     centre, radius = region(album.cameras, album.photos, options.centre, options.radius)
     display.say(
         f"{len(album.photos)} photographs of {album.cameras.width} x {album.cameras.height} px; "

@@ -37,11 +37,17 @@ def unnamed(photos: Sequence[Path], shots: Sequence[Shot], folders: Sequence[Pat
 
     A frame that is not used may well have no photograph, but the one that it has is no stranger.
     """
-    owned = {photo.resolve() for shot in shots if (photo := _found(shot, folders))}
+    ours = {photo.resolve() for photo in owned(shots, folders)}
     folders_used = {photo.parent.resolve() for photo in photos}
     beside = [path for folder in folders_used for path in folder.iterdir()]
     images = [path for path in beside if path.suffix in SUFFIXES and path.is_file()]
-    return sorted(path for path in images if path.resolve() not in owned)
+    return sorted(path for path in images if path.resolve() not in ours)
+
+
+def owned(shots: Sequence[Shot], folders: Sequence[Path]) -> list[Path]:
+    """Every file that is a photograph of `shots`, or would be if another did not go before it."""
+    places = (place for shot in shots for place in _places(shot.name, folders))
+    return [place for place in places if place.is_file()]
 
 
 def _found(shot: Shot, folders: Sequence[Path]) -> Path | None:
