@@ -50,6 +50,12 @@ def test_the_ply_says_what_it_holds(desk):
     assert len(body) == 6 * (3 * 4 + 3 + 2 * 4 + 2)
 
 
+@pytest.mark.parametrize("word", ["white", "White", "WHITE", "#FFFFFF"])
+def test_a_colour_is_one_however_it_is_written(desk, fake, word):
+    desk.run("--background", word)
+    np.testing.assert_array_equal(fake.SEEN["posed"].background, np.ones((5, 3)))
+
+
 def test_the_method_gets_what_the_user_gave(desk, fake):
     desk.run("--set", "method.industnerf.rate=2e-3", "seed=9", "--background", "#0000ff")
     posed = fake.SEEN["posed"]
@@ -76,6 +82,40 @@ def test_images_may_lie_elsewhere(desk, fake):
     code, *_ = desk.run("--images", desk.folder / "photos")
     assert code == 0
     np.testing.assert_array_equal(fake.SEEN["posed"].rgb, scene.photographs())
+
+
+@pytest.mark.parametrize(
+    ("name", "complaint"),
+    [
+        ("none", "does not exist"),
+        ("params.yaml", "is no folder"),
+        ("empty", "none of the 5 photographs is found there, the first is "),
+        ("others", "none of the 5 photographs is found there"),
+    ],
+)
+def test_a_folder_that_was_named_is_not_passed_over(desk, fake, name, complaint):
+    """Though all photographs are beside the cameras."""
+    (desk.folder / "empty").mkdir()
+    (desk.folder / "others").mkdir()
+    (desk.folder / "others/7.png").touch()
+    code, _, errors = desk.run("--images", desk.folder / name)
+    assert (code, f"--images {desk.folder / name}: {complaint}" in errors) == (2, True)
+    assert fake.SEEN == {}
+
+
+def test_photographs_from_beside_the_cameras_are_counted(desk, fake):
+    """The folder has three; what it goes before is no stranger."""
+    (desk.folder / "photos").mkdir()
+    for i in range(3):
+        flat = np.full((scene.HEIGHT, scene.WIDTH, 3), i, np.uint8)
+        Image.fromarray(flat).save(desk.folder / f"photos/{i:03d}.png")
+    code, text, _ = desk.run("--images", desk.folder / "photos")
+    assert code == 0
+    said = " ".join(text.split())
+    assert f"2 of 5 photographs are not in --images {desk.folder / 'photos'}: taken from" in said
+    assert f"the first as {desk.folder / 'set/rgb/003.png'}" in said
+    assert "no frame names" not in said
+    assert fake.SEEN["posed"].rgb[:, 0, 0, 0].tolist()[:3] == [0, 1, 2]
 
 
 def test_settings_are_shown_on_request(desk):

@@ -29,7 +29,7 @@ def read(folder, change=None, longest=512, **options):
         said = json.loads(path.read_text())
         change(said)
         scene.rewrite(path, said)
-    return gather(path, [folder], longest=longest, **options)
+    return gather(path, None, longest=longest, **options)
 
 
 def put(folder, i, pixels, **options):

@@ -9,8 +9,8 @@ from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
-from industnerf.reconstruct.places import find_photos, owned, unnamed
-from industnerf.reconstruct.remarks import remarks
+from industnerf.reconstruct.places import check_images, elsewhere, find_photos, owned, unnamed
+from industnerf.reconstruct.remarks import found_elsewhere, remarks
 from industnerf.reconstruct.transforms import read_shots
 from industnerf.reconstruct.views import View, in_px, read_view, stand
 
@@ -31,14 +31,16 @@ class Album:
 
 def gather(
     transforms: Path,
-    folders: Sequence[Path],
+    images: Path | None,
     *,
     longest: int,
     background: tuple[float, float, float] | None = None,
     every: bool = False,
     tick: Callable[[int, int], None] = lambda done, of: None,
 ) -> Album:
-    """Read what `transforms` names from `folders`, no long edge above `longest` px.
+    """Read what `transforms` names, no long edge above `longest` px.
+
+    A photograph is looked for in `images`, if that is given, and then beside `transforms`.
 
     See-through pixels show `background` (sRGB in [0, 1]; None: white), which counts as known if
     it was given, or if every photograph is see-through.  `tick(done, of)` is called after each
@@ -48,7 +50,10 @@ def gather(
     if len(shots) < 2:
         raise BadArtifact(f"{transforms}: {len(shots)} view to work on, it takes at least 2")
     stands = [stand(shot) for shot in shots]  # cheap, so before any pixel is read
+    folders = list(dict.fromkeys([images, transforms.parent])) if images else [transforms.parent]
+    check_images(images)
     photos = find_photos(shots, folders)
+    strays = elsewhere(photos, images)
     colour = np.array(background or WHITE)
     views: list[View] = []
     for where, path in zip(stands, photos, strict=True):
@@ -62,7 +67,10 @@ def gather(
         np.tile(colour, (len(views), 1)) if known else None,
         tuple(photos),
         tuple(owned(frames, folders)),
-        tuple(remarks(views, len(frames), colour, unnamed(photos, frames, folders))),
+        (
+            *found_elsewhere(strays, len(photos), images),
+            *remarks(views, len(frames), colour, unnamed(photos, frames, folders)),
+        ),
     )
 
 

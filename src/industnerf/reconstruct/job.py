@@ -57,7 +57,7 @@ def _reconstruct(options: Options, display: Display) -> str:
 def _read(options: Options, display: Display) -> Album:
     album = gather(
         options.cameras,
-        list(dict.fromkeys([options.images, options.cameras.parent])),
+        options.images,
         longest=options.longest,
         background=options.background,
         every=options.every,

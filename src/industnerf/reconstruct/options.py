@@ -19,10 +19,10 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Options:
-    """What was asked for; every path is settled."""
+    """What was asked for; every path to write to is settled."""
 
     cameras: Path
-    images: Path
+    images: Path | None  # None: beside the cameras
     out: Path
     npz: Path | None
     mesh: Path | None
@@ -67,7 +67,6 @@ def parse(arguments: Sequence[str], description: str) -> Options:
         parser.error("--centre needs --radius beside it")
     return Options(
         cameras=cameras,
-        images=given.pop("images") or cameras.parent,
         out=out,
         npz=out.with_suffix(".npz") if npz else None,
         checkpoint=given.pop("checkpoint") or Path(f"{out}.checkpoint"),
@@ -168,8 +167,8 @@ def _add_settings(parser: argparse.ArgumentParser) -> None:
 
 
 def _colour(text: str) -> Triple:
-    if text in COLOURS:
-        return COLOURS[text]
+    if text.lower() in COLOURS:
+        return COLOURS[text.lower()]
     if not re.fullmatch(r"#[0-9a-fA-F]{6}", text):
         raise argparse.ArgumentTypeError(f"{text!r} is not {', '.join(COLOURS)} or #rrggbb")
     red, green, blue = bytes.fromhex(text[1:])

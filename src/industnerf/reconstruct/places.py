@@ -32,6 +32,31 @@ def find_photo(shot: Shot, folders: Sequence[Path]) -> Path:
     raise BadArtifact(f"{shot}: no such photograph in {looked}")
 
 
+def check_images(images: Path | None) -> None:
+    """Raise BadArtifact if the folder that the user named is none."""
+    if images is not None and not images.is_dir():
+        word = "is no folder" if images.exists() else "does not exist"
+        raise BadArtifact(f"--images {images}: {word}")
+
+
+def elsewhere(photos: Sequence[Path], images: Path | None) -> list[Path]:
+    """Those of `photos` that were not found in `images`; raises BadArtifact if that is all."""
+    if images is None:
+        return []
+    whole = images.resolve()
+    strays = [
+        photo
+        for photo in photos  # a link in the folder is in it, wherever it leads
+        if not (photo.is_relative_to(images) or photo.resolve().is_relative_to(whole))
+    ]
+    if len(strays) == len(photos):
+        raise BadArtifact(
+            f"--images {images}: none of the {len(photos)} photographs is found there, the first "
+            f"is {strays[0]}; without --images they are taken from where the cameras are"
+        )
+    return strays
+
+
 def unnamed(photos: Sequence[Path], shots: Sequence[Shot], folders: Sequence[Path]) -> list[Path]:
     """Images that lie beside `photos` and belong to none of `shots`, which are all the frames.
 

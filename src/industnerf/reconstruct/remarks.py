@@ -53,6 +53,16 @@ def remarks(
     return [f"{chosen}; --all takes every one", *said]
 
 
+def found_elsewhere(strays: Sequence[Path], total: int, images: Path | None) -> list[str]:
+    """A sentence on those of `total` photographs that are not in the folder `images`, if any."""
+    if not strays:
+        return []
+    return [
+        f"{len(strays)} of {total} photographs are not in --images {images}: taken from where the "
+        f"cameras are, the first as {strays[0]}"
+    ]
+
+
 def left_out(unnamed: Sequence[Path]) -> str:
     """How many they are, and the names of the first."""
     names = ", ".join(path.name for path in unnamed[:NAMED])
