@@ -11,6 +11,7 @@ from rich.console import Console
 from industnerf.artifacts.ply import write_ply
 from industnerf.artifacts.whole import written_whole
 from industnerf.geometry.cameras import Cameras
+from industnerf.reconstruct.digits import check_digits
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.gather import Album, gather
 from industnerf.reconstruct.options import Options
@@ -37,6 +38,7 @@ def _reconstruct(options: Options, display: Display) -> str:
     album = _read(options, display)
     check_apart(options, [chosen.source, *album.owned])
     centre, radius = region(album.cameras, album.photos, options.centre, options.radius)
+    check_digits(centre, radius)
     display.say(
         f"{len(album.photos)} photographs of {album.cameras.width} x {album.cameras.height} px; "
         f"region of interest: centre {_listed(centre)}, radius {radius:.5g}"
