@@ -415,6 +415,18 @@ def test_a_bad_photograph_is_named_with_its_frame(desk):
     assert errors.startswith(f"error: frame 2 (rgb/002.png): {photo} cannot be read as an image")
 
 
+@pytest.mark.parametrize(
+    "change", [{"fl_x": 10**400}, {"k4": [1, [2]]}, {"w": 512.9}, {"k1": 10**400}]
+)
+def test_a_camera_that_is_none_is_named(desk, change):
+    said = json.loads(desk.transforms.read_text())
+    said["frames"][2] |= change
+    scene.rewrite(desk.transforms, said)
+    code, _, errors = desk.run()
+    assert (code, errors.startswith("error: frame 2 (rgb/002.png): ")) == (2, True)
+    assert next(iter(change)) in errors
+
+
 def test_a_photograph_without_a_camera_is_said_to_be_left_out(desk, fake):
     (desk.folder / "set/rgb/005.jpg").write_text("not even an image: nobody opens it")
     code, text, errors = desk.run()

@@ -45,6 +45,12 @@ def test_a_frames_own_words_go_before_the_shared_ones():
     assert merged(shared, {"cx": 1.0}) == {"fl_x": 500.0, "fl_y": 510.0, "cx": 1.0, "w": W}
 
 
+def test_null_is_as_if_nothing_were_said():
+    assert merged({"k4": None, "camera_model": None, "fl_x": 5.0}, {"k1": None}) == {"fl_x": 5.0}
+    # a frame that says null has what all have
+    assert merged({"k4": 0.1, "fl_x": 5.0}, {"k4": None, "fl_y": None}) == {"k4": 0.1, "fl_x": 5.0}
+
+
 @pytest.mark.parametrize(
     ("lens", "complaint"),
     [
@@ -55,6 +61,7 @@ def test_a_frames_own_words_go_before_the_shared_ones():
         ({"fl_x": math.nan}, "fl_x is nan"),
         ({"fl_x": math.inf}, "fl_x is inf"),
         ({"fl_x": True}, "fl_x is True"),
+        ({"fl_x": 10**400}, "fl_x is 10000"),
         ({"camera_angle_x": 50.0}, "must be radians below pi"),
         ({"fl_x": 5.0, "cx": 640.0}, "principal point (640, 240) is outside the image of 640 x"),
     ],
@@ -70,6 +77,11 @@ def test_what_is_no_lens_is_refused(lens, complaint):
     "lens",
     [
         {"k4": 1.0},
+        {"k4": [1, [2]]},
+        {"k4": [0, [0]]},
+        {"k4": 10**400},
+        {"k4": "0"},
+        {"camera_model": ["OPENCV"]},
         {"distortion_params": [0, 0, 0.1]},
         {"camera_model": "OPENCV_FISHEYE", "k1": 0.1},
         {"is_fisheye": True},
@@ -85,9 +97,10 @@ def test_how_a_lens_bends_lines_is_read():
     lens = {"camera_model": "OPENCV", "k1": 0.01, "k2": -2e-3, "p1": 0, "p2": -1e-4, "k4": 0.0}
     assert distortion(lens, "frame 0") == Distortion(k1=0.01, k2=-2e-3, p2=-1e-4)
     assert distortion({"camera_model": "SIMPLE_RADIAL", "k1": 1}, "frame 0") == Distortion(k1=1.0)
+    assert distortion({"camera_model": "opencv", "k1": 1}, "frame 0") == Distortion(k1=1.0)
 
 
-@pytest.mark.parametrize("value", ["0.1", None, True, math.nan])
+@pytest.mark.parametrize("value", ["0.1", None, True, math.nan, 10**400, [1, [2]]])
 def test_a_coefficient_that_is_no_number_is_refused(value):
     with pytest.raises(BadArtifact, match=r"frame 0: k1 is .*, must be a number"):
         distortion({"k1": value}, "frame 0")
@@ -103,3 +116,9 @@ def test_the_size_is_stated_whole_or_not_at_all():
     assert stated_size({"w": 640.0, "h": 480}, "frame 0") == (640, 480)
     with pytest.raises(BadArtifact, match="frame 0: h is None"):
         stated_size({"w": 640}, "frame 0")
+
+
+@pytest.mark.parametrize("width", [0.5, 512.9])
+def test_a_part_of_a_pixel_is_no_size(width):
+    with pytest.raises(BadArtifact, match=rf"frame 0: w is {width}, must be a whole number of at"):
+        stated_size({"w": width, "h": 480}, "frame 0")

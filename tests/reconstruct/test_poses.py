@@ -83,3 +83,11 @@ def test_what_is_no_camera_is_refused(wrong, complaint):
 def test_a_ragged_matrix_is_refused():
     with pytest.raises(BadArtifact, match="no matrix of numbers"):
         pose([[1, 0], [0]], "frame 0")
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_number_of_400_digits_is_refused(sign):
+    matrix = np.eye(4).tolist()
+    matrix[1][3] = sign * 10**400
+    with pytest.raises(BadArtifact, match="frame 0: a number of transform_matrix is above 1e308"):
+        pose(matrix, "frame 0")

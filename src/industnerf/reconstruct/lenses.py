@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from reprlib import repr as short  # of what may be nested or long without end
 from typing import Any
 
 import numpy as np
@@ -22,10 +23,15 @@ def merged(shared: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """What is said of one frame's lens: its own words before those that all frames share.
 
     A frame that states a focal length in one way silences the shared one stated in another.
+    `null` is as if nothing were said.
     """
+    shared, own = _said(shared), _said(own)
     hushed = FOCAL if any(key in own for key in FOCAL) else ()
-    lens = {key: shared[key] for key in KEYS if key in shared and key not in hushed}
-    return lens | {key: own[key] for key in KEYS if key in own}
+    return {key: value for key, value in shared.items() if key not in hushed} | own
+
+
+def _said(words: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: words[key] for key in KEYS if words.get(key) is not None}
 
 
 def distortion(lens: Mapping[str, Any], where: str) -> Distortion | None:
@@ -35,28 +41,44 @@ def distortion(lens: Mapping[str, Any], where: str) -> Distortion | None:
     """
     remedy = "undistort the photographs first and give the pinhole cameras that belong to them"
     model = lens.get("camera_model", "PINHOLE")
-    if lens.get("is_fisheye") or model not in MODELS:
-        raise BadArtifact(f"{where}: camera model {model!r} is not known here; {remedy}")
+    known = isinstance(model, str) and model.upper() in MODELS
+    if lens.get("is_fisheye") or not known:
+        raise BadArtifact(f"{where}: camera model {short(model)} is not known here; {remedy}")
     for key in UNKNOWN:
-        if key in lens and np.any(np.asarray(lens[key]) != 0):
-            raise BadArtifact(f"{where}: {key} = {lens[key]} is not known here; {remedy}")
+        if not _nought(lens.get(key, 0)):
+            raise BadArtifact(f"{where}: {key} = {short(lens[key])} is not known here; {remedy}")
     bent = {key: _coefficient(lens, key, where) for key in BENT if key in lens}
     return Distortion(**bent) if any(bent.values()) else None
 
 
+def _nought(value: Any) -> bool:
+    """0, or a list of nothing else."""
+    return all(each == 0 for each in value) if isinstance(value, list) else value == 0
+
+
 def _coefficient(lens: Mapping[str, Any], key: str, where: str) -> float:
-    value = lens[key]
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BadArtifact(f"{where}: {key} is {value!r}, must be a number")
-    return float(value)
+    value = _finite(lens[key])
+    if value is None:
+        raise BadArtifact(f"{where}: {key} is {short(lens[key])}, must be a number")
+    return value
+
+
+def _finite(value: Any) -> float | None:
+    """`value` as a float; None if it is no number, or above all that a float can be."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:  # JSON's whole numbers have no end
+        return None
+    return number if math.isfinite(number) else None
 
 
 def stated_size(lens: Mapping[str, Any], where: str) -> tuple[int, int] | None:
     """(width, height) in px for which the intrinsics hold, or None if the file is silent."""
     if "w" not in lens and "h" not in lens:
         return None
-    width, height = _number(lens, "w", where), _number(lens, "h", where)
-    return int(width), int(height)
+    return _whole(lens, "w", where), _whole(lens, "h", where)
 
 
 def intrinsics(
@@ -90,9 +112,16 @@ def _focal(lens: Mapping[str, Any], axis: str, side: int, where: str) -> float:
     return side / 2 / math.tan(angle / 2)
 
 
+def _whole(lens: Mapping[str, Any], key: str, where: str) -> int:
+    value = _number(lens, key, where)
+    if not value.is_integer():
+        raise BadArtifact(f"{where}: {key} is {value:g}, must be a whole number of at least 1")
+    return int(value)
+
+
 def _number(lens: Mapping[str, Any], key: str, where: str) -> float:
-    value = lens.get(key)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not number or not 0 < value < math.inf:
-        raise BadArtifact(f"{where}: {key} is {value!r}, must be a number above 0")
-    return float(value)
+    value = _finite(lens.get(key))
+    if value is None or value <= 0:
+        said = short(lens.get(key))
+        raise BadArtifact(f"{where}: {key} is {said}, must be a number above 0, and finite")
+    return value

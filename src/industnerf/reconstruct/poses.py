@@ -43,6 +43,8 @@ def _matrix(matrix: Any, where: str) -> Float[np.ndarray, "4 4"]:
         c2w = np.array(matrix, float)
     except (TypeError, ValueError):
         raise BadArtifact(f"{where}: transform_matrix is no matrix of numbers") from None
+    except OverflowError:  # JSON's whole numbers have no end
+        raise BadArtifact(f"{where}: a number of transform_matrix is above 1e308") from None
     if c2w.shape != (4, 4):
         raise BadArtifact(f"{where}: transform_matrix has shape {c2w.shape}, must be (4, 4)")
     if not np.isfinite(c2w).all():
