@@ -46,6 +46,21 @@ def test_what_cannot_be_is_refused(override, complaint):
     assert complaint in str(refusal.value)
 
 
+@pytest.mark.parametrize("key", ["levels[0].steps", "levels[0]", "levels.0.steps"])
+def test_a_list_is_given_as_a_whole(key):
+    with pytest.raises(BadParams) as refusal:
+        choose("industnerf_plus", [f"method.industnerf_plus.{key}=5"], PARAMS)
+    assert (
+        "method.industnerf_plus.levels is a list, which is given as a whole, as JSON: --set "
+        in (str(refusal.value))
+    )
+
+
+def test_what_there_is_beside_an_unknown_section_is_listed():
+    with pytest.raises(BadParams, match=r"hull.hul.points is unknown; there are cell_px, "):
+        choose("hull", ["method.hull.hul.points=5"], PARAMS)
+
+
 def test_elsewhere_the_shipped_values_hold(tmp_path, monkeypatch):
     """In any folder of photographs; a params.yaml that is there goes first."""
     monkeypatch.chdir(tmp_path)
@@ -53,5 +68,5 @@ def test_elsewhere_the_shipped_values_hold(tmp_path, monkeypatch):
     (tmp_path / "params.yaml").write_text("seed: 1")
     with pytest.raises(BadParams, match=r"params.yaml: \w+ is missing"):
         choose("hull", [])
-    with pytest.raises(BadParams, match=r"none.yaml is missing"):
+    with pytest.raises(BadParams, match=r"--params .*none.yaml is missing$"):
         choose("hull", [], tmp_path / "none.yaml")

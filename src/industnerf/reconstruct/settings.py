@@ -32,8 +32,11 @@ def choose(method: str, overrides: Sequence[str], params: Path | None = None) ->
     """The settings of `method` from `params`, with `overrides` such as `method.hull.points=9`.
 
     `params` is by default params.yaml of the current folder, else the one that came with the
-    code.  Raises BadParams that names the key if one is unknown, mistyped or out of range.
+    code.  Raises BadParams that names the key if one is unknown, mistyped or out of range, or
+    `params` if it is not there.
     """
+    if params and not params.exists():
+        raise BadParams(f"--params {params} is missing")
     path = params or (PARAMS if PARAMS.exists() else SHIPPED)
     values = read_yaml(path)
     for override in overrides:
@@ -50,13 +53,33 @@ def _apply(values: dict[str, Any], override: str, method: str) -> None:
         raise BadParams(f"--set {override}: only seed and method.{method}.* have a say here")
     *sections, name = key.split(".")
     place = values
-    for section in sections:
-        place = place.get(section, {})
+    for depth, section in enumerate(sections):
+        place = _entry(place, section, override, sections[:depth])
+        if isinstance(place, list):
+            raise BadParams(_whole_list(override, [*sections[:depth], section]))
         if not isinstance(place, dict):
             raise BadParams(f"--set {override}: {section} is a value, not a section")
-    if name not in place:
-        raise BadParams(f"--set {override}: {key} is unknown; there are {', '.join(place)}")
+    _entry(place, name, override, sections)
     place[name] = _value(text)
+
+
+def _entry(place: dict[str, Any], name: str, override: str, within: Sequence[str]) -> Any:
+    """What `place`, the section `within`, has as `name`; raises BadParams if there is nothing."""
+    if name in place:
+        return place[name]
+    bare = name.partition("[")[0]
+    if isinstance(place.get(bare), list):
+        raise BadParams(_whole_list(override, [*within, bare]))
+    key = override.partition("=")[0]
+    raise BadParams(f"--set {override}: {key} is unknown; there are {', '.join(place)}")
+
+
+def _whole_list(override: str, sections: Sequence[str]) -> str:
+    key = ".".join(sections)
+    return (
+        f"--set {override}: {key} is a list, which is given as a whole, as JSON: --set "
+        f"'{key}=[...]'; --show prints it as it is"
+    )
 
 
 def _value(text: str) -> Any:
