@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.geometry.cameras import Cameras, framed_ball, project
+from industnerf.geometry.cameras import Cameras, framed_ball
+from industnerf.reconstruct.conventions import ASKED, likely_mistake
+from industnerf.reconstruct.framing import SAME_WAY, in_frame, spread
 
-SAME_WAY = np.radians(2.0)  # optical axes that spread less give no point where they meet
+NEARLY_ALL = 0.9  # cameras that look away are no accident
 REMEDY = "state the region of interest as --centre X Y Z --radius R, in the unit of the cameras"
 
 
@@ -38,22 +40,15 @@ def region(
     return middle, radius
 
 
-def in_frame(cameras: Cameras, point: Float[np.ndarray, "3"]) -> Bool[np.ndarray, "n"]:
-    """Which cameras have `point` before them and in their image."""
-    seen = np.zeros(len(cameras), bool)
-    for i, (K, c2w) in enumerate(zip(cameras.K, cameras.c2w, strict=True)):
-        if (point - c2w[:3, 3]) @ c2w[:3, 2] > 0:
-            u, v = project(point[None], K, c2w)[0][0]
-            seen[i] = 0 <= u <= cameras.width and 0 <= v <= cameras.height
-    return seen
-
-
 def _check_given(cameras: Cameras, centre: Float[np.ndarray, "3"]) -> None:
     seen = int(in_frame(cameras, centre).sum())
     if seen < 2:
+        remedy = likely_mistake(cameras, centre) or (
+            f"is it in the frame and the unit of the cameras? If so, {ASKED}"
+        )
         raise BadArtifact(
-            f"{seen} of {len(cameras)} cameras have the given --centre in frame, it takes 2: is "
-            "it in the frame and the unit of the cameras?"
+            f"{seen} of {len(cameras)} cameras have the given --centre in frame, it takes 2: "
+            f"{remedy}"
         )
 
 
@@ -68,13 +63,11 @@ def _check_outside(cameras: Cameras, centre: Float[np.ndarray, "3"], radius: flo
 
 def _check_spread(cameras: Cameras) -> None:
     """Axes that are all but parallel meet nowhere, or anywhere."""
-    axes = cameras.c2w[:, :3, 2]
-    # 1 - the largest eigenvalue of the mean of a a^T: the mean squared sine to one direction
-    spread = 1 - float(np.linalg.eigvalsh(axes.T @ axes / len(axes))[-1])
-    if spread < np.sin(SAME_WAY) ** 2:
+    sine = spread(cameras)
+    if sine < np.sin(SAME_WAY):
         raise BadArtifact(
             "the cameras do not look at a common point: their optical axes are parallel to "
-            f"within {np.degrees(np.sqrt(max(spread, 0.0))):.2g} degrees; {REMEDY}"
+            f"within {np.degrees(sine):.2g} degrees; {likely_mistake(cameras, None) or REMEDY}"
         )
 
 
@@ -85,5 +78,12 @@ def _check_common(cameras: Cameras, photos: Sequence[Path], centre: Float[np.nda
         raise BadArtifact(
             f"the cameras do not look at a common point: {len(missing)} of {len(cameras)}, the "
             f"first that of {photos[missing[0]]}, do not have ({point}) in frame, to which their "
-            f"optical axes come nearest; {REMEDY}"
+            f"optical axes come nearest; {_remedy(cameras, len(missing))}"
         )
+
+
+def _remedy(cameras: Cameras, missing: int) -> str:
+    """What to do about `missing` of `cameras` that do not have the common point in frame."""
+    if mistake := likely_mistake(cameras, None):
+        return mistake
+    return ASKED if missing >= NEARLY_ALL * len(cameras) else REMEDY
