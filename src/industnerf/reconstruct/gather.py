@@ -9,6 +9,7 @@ from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
+from industnerf.reconstruct.doubts import doubts
 from industnerf.reconstruct.places import check_images, elsewhere, find_photos, owned, unnamed
 from industnerf.reconstruct.remarks import found_elsewhere, remarks
 from industnerf.reconstruct.transforms import read_shots
@@ -70,6 +71,7 @@ def gather(
         (
             *found_elsewhere(strays, len(photos), images),
             *remarks(views, len(frames), colour, unnamed(photos, frames, folders)),
+            *doubts(views, None if background is None else colour),
         ),
     )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from industnerf.reconstruct.doubts import hexed
 from industnerf.reconstruct.poses import SCALED
 from industnerf.reconstruct.views import View, in_px
 
@@ -23,12 +24,11 @@ def remarks(
     `unnamed` are images beside theirs that no frame names.
     """
     height, width = views[0].rgb.shape[:2]
-    hexed = "#" + "".join(f"{round(255 * value):02x}" for value in colour)
     counted = {
         "have another size than their cameras state: the intrinsics were scaled": [
             view.rescaled for view in views
         ],
-        f"are see-through: shown over {hexed}": [view.photo.see_through for view in views],
+        f"are see-through: shown over {hexed(colour)}": [view.photo.see_through for view in views],
         "were turned by their EXIF orientation, as their cameras are": [
             view.photo.turned for view in views
         ],
