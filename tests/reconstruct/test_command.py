@@ -416,7 +416,7 @@ def test_a_bad_photograph_is_named_with_its_frame(desk):
 
 
 @pytest.mark.parametrize(
-    "change", [{"fl_x": 10**400}, {"k4": [1, [2]]}, {"w": 512.9}, {"k1": 10**400}]
+    "change", [{"fl_x": 10**400}, {"k4": [1, [2]]}, {"w": 48.9}, {"k1": 10**400}]
 )
 def test_a_camera_that_is_none_is_named(desk, change):
     said = json.loads(desk.transforms.read_text())
@@ -424,7 +424,7 @@ def test_a_camera_that_is_none_is_named(desk, change):
     scene.rewrite(desk.transforms, said)
     code, _, errors = desk.run()
     assert (code, errors.startswith("error: frame 2 (rgb/002.png): ")) == (2, True)
-    assert next(iter(change)) in errors
+    assert f"{next(iter(change))} " in errors
 
 
 def test_a_photograph_without_a_camera_is_said_to_be_left_out(desk, fake):
