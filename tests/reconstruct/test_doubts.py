@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.reconstruct.doubts import border
 from industnerf.reconstruct.gather import gather
 from tests.reconstruct import scene
 
@@ -30,13 +29,6 @@ def put(folder, i, pixels):
 
 def said(folder, **options):
     return gather(folder / "transforms.json", None, longest=512, **options).remarks
-
-
-def test_the_border_is_every_pixel_at_an_edge_once():
-    rgb = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)
-    at_edges = np.ones((4, 5), bool)
-    at_edges[1:-1, 1:-1] = False
-    assert sorted(map(tuple, border(rgb))) == sorted(map(tuple, rgb[at_edges]))
 
 
 def test_a_background_that_the_border_does_not_have_is_doubted(folder):

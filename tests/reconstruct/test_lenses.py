@@ -62,7 +62,8 @@ def test_null_is_as_if_nothing_were_said():
         ({"fl_x": math.inf}, "fl_x is inf"),
         ({"fl_x": True}, "fl_x is True"),
         ({"fl_x": 10**400}, "fl_x is 10000"),
-        ({"camera_angle_x": 50.0}, "must be radians below pi"),
+        ({"camera_angle_x": 50.0}, "must be radians above 0 and below pi"),
+        ({"camera_angle_x": 5e-324}, "must be radians above 0 and below pi"),
         ({"fl_x": 5.0, "cx": 640.0}, "principal point (640, 240) is outside the image of 640 x"),
     ],
 )

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from industnerf.geometry.silhouettes import border
 from industnerf.reconstruct.views import View
 
 UNLIKE = 255 / 8  # in a channel: more than light that falls off, or compression
@@ -34,11 +35,6 @@ def _other_background(
         f"{hexed(background)}, in the median {hexed(colour / 255)}: give the colour behind the "
         "part, or leave --background out"
     )
-
-
-def border(rgb: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "n 3"]:
-    """The pixels at the edges."""
-    return np.concatenate([rgb[0], rgb[-1], rgb[1:-1, 0], rgb[1:-1, -1]])
 
 
 def _differs(edge: UInt8[np.ndarray, "n 3"], colour: Float[np.ndarray, "3"]) -> bool:

@@ -107,8 +107,10 @@ def _focal(lens: Mapping[str, Any], axis: str, side: int, where: str) -> float:
     if f"camera_angle_{axis}" not in lens:
         raise BadArtifact(f"{where}: neither fl_{axis} nor camera_angle_{axis} is given")
     angle = _number(lens, f"camera_angle_{axis}", where)
-    if angle >= math.pi:
-        raise BadArtifact(f"{where}: camera_angle_{axis} is {angle:g}, must be radians below pi")
+    if angle >= math.pi or not math.tan(angle / 2):  # half of the least number is 0
+        raise BadArtifact(
+            f"{where}: camera_angle_{axis} is {angle:g}, must be radians above 0 and below pi"
+        )
     return side / 2 / math.tan(angle / 2)
 
 
