@@ -4,8 +4,10 @@ python -m pipeline.preset demo
 """
 
 import os
+import re
 import shutil
 import subprocess
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +26,7 @@ from industnerf.schema import Params
 from industnerf.store import Store
 from industnerf.tracking import home, is_on
 
-HEADER = "# @package _global_"
+HEADER = re.compile(r"#\s*@package\s+_global_")
 SETTINGS = {"core.analytics": "false", "cache.type": "hardlink,copy"}
 CODE = ("src", "pipeline", "conf", "dvc.yaml")
 SHARED = (*CODE, "data/embedded", "data/organic", "results/grid", "results/seeds")
@@ -54,9 +56,18 @@ def main(preset: str) -> None:
 
 def read_preset(path: Path) -> dict[str, Any]:
     """The values of a preset; raises BadParams if they would be a group's and change nothing."""
-    if HEADER not in path.read_text().splitlines():
-        raise BadParams(f"{path} has no line {HEADER!r}: its values would change nothing")
+    if not any(map(HEADER.fullmatch, head_of(path.read_text()))):
+        raise BadParams(
+            f"{path} does not begin with the line '# @package _global_': its values would change "
+            "nothing"
+        )
     return read_yaml(path)
+
+
+def head_of(text: str) -> list[str]:
+    """The lines that Hydra looks for directives in: up to the first that is something else."""
+    lines = [line.strip() for line in text.splitlines()]
+    return list(takewhile(lambda line: not line or re.match(r"#\s*@", line), lines))
 
 
 def composed(root: Path, overrides: list[str]) -> Any:

@@ -29,6 +29,7 @@ from industnerf.tracking import label, log_report, prepare
 from pipeline.chain import run_chain
 
 CONF = Path(__file__).parents[1] / "conf"
+PICTURE = "sweep.png"
 GROUPS = ("experiment", "reading", "without")  # folders of conf
 
 
@@ -69,8 +70,8 @@ def clear(folder: Path) -> None:
         raise BadArtifact(f"{folder} holds something else than a sweep; name another folder")
     for params in folder.glob("[0-9]*/params.yaml"):
         shutil.rmtree(params.parent)
-    for _, table in TABLES:
-        (folder / table).unlink(missing_ok=True)
+    for name in (*(table for _, table in TABLES), PICTURE):
+        (folder / name).unlink(missing_ok=True)
 
 
 def require_known(choices: Mapping[str, str | None]) -> None:

@@ -52,7 +52,7 @@ def test_params_yaml_is_a_whole_set_of_values(values):
         ("parts.source", "cloud", "parts.source is 'cloud', must be one of embedded, path"),
         ("parts.select", "gear", "parts.select is 'gear', must be a list"),
         ("methods", ["hull", "box", "hull"], "must be a list of methods, each of them once"),
-        ("parts.path", "it's mine", "must be a path without an apostrophe"),
+        ("parts.path", "it's mine", "must be a path without an apostrophe, in which DVC"),
         ("methods", ["hul"], "methods[0] is 'hul', must be one of industnerf"),
         ("methods", [], "methods is [], must be a list of at least one method"),
         ("on_failure", True, "on_failure is True, must be one of strict, report"),

@@ -14,9 +14,11 @@ FAULTS = {
     "WORKES": ("2", "and does nothing; did you mean INDUSTNERF_WORKERS?"),
     "COLOUR": ("red", "and does nothing; there are INDUSTNERF_DEBUG, "),
     "WORKERS": ("abc", "is 'abc', must be a number of processes, at least 1"),
-    "SLURM_JOBS": ("0", "is '0', must be a number of jobs, at least 1"),
+    "SLURM_JOBS": ("0", "is '0', must be a number of jobs that may run at a time, at least 1"),
+    "SLURM_MINUTES": ("3", "is 3, must be at least 5"),
+    "SLURM_POLL_S": ("often", "is 'often', must be a number of seconds"),
     "DEVICE": ("gpu", "is 'gpu', must be cpu, cuda or cuda:N"),
-    "RUNNER": ("slurm", "is 'slurm', must be one of process, serial, submitit"),
+    "RUNNER": ("slurm", "is 'slurm', must be process, serial or submitit"),
     "STORE": ("mine.txt/store", "mine.txt is no folder"),
     "MLFLOW": ("mine.txt", "mine.txt is no folder"),
 }
@@ -49,6 +51,15 @@ def test_in_the_local_file_it_is_to_be_mended_there(plain: WorkingCopy):
     assert code == 1
     assert ".industnerf.env: INDUSTNERF_WORKES is no variable" in output
     assert "mend" not in output
+
+
+@pytest.mark.parametrize("line", ["# INDUSTNERF_DEVICE=gpu is gone", "INDUSTNERF_DEVICE=cpu"])
+def test_the_environment_is_blamed_for_what_it_says_itself(plain: WorkingCopy, line, monkeypatch):
+    """It wins over the file, whatever this says of the same name."""
+    (plain.folder / ".industnerf.env").write_text(f"{line}\n")
+    monkeypatch.setenv(f"{PREFIX}DEVICE", "gpu")
+    (finding,) = plain.find("variables")
+    assert finding.mend == f"unset {PREFIX}DEVICE"
 
 
 def test_what_commands_take_is_right(plain: WorkingCopy, monkeypatch):

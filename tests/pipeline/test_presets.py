@@ -84,7 +84,8 @@ def preset_of(tmp_path: Path, text: str, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 MISTAKES = {
-    "no header": ("preset: mine\n", "mine.yaml has no line '# @package _global_'"),
+    "no header": ("preset: mine\n", "does not begin with the line '# @package _global_'"),
+    "too late": ("# mine\n# @package _global_\npreset: mine\n", "does not begin with the line"),
     "a list": ("# @package _global_\nmethod: [hull]\n", "Cannot merge DictConfig with ListConfig"),
     "no base": ("# @package _global_\ndefaults: [fuor, _self_]\n", "Could not load"),
 }
@@ -114,10 +115,18 @@ def test_dvc_ends_with_the_preset_that_started_it(root, tmp_path):
         (tmp_path / name).symlink_to(root / name)
     command = [sys.executable, "-m", "pipeline.preset", "smoke"]
     preset = subprocess.Popen(command, cwd=tmp_path, env=environment)
-    wait_until(lambda: pids.exists() and pids.read_text().strip())
-    preset.kill()
-    preset.wait()
-    wait_until(lambda: not Path(f"/proc/{pids.read_text().strip()}").exists())
+    try:
+        wait_until(lambda: pids.exists() and pids.read_text().strip())
+    finally:
+        preset.kill()
+        preset.wait()
+    wait_until(lambda: has_ended(pids.read_text().strip()))
+
+
+def has_ended(pid: str) -> bool:
+    """It may wait for a parent that never asks for it."""
+    state = Path(f"/proc/{pid}/stat")
+    return not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z"
 
 
 def wait_until(holds: Callable[[], object]) -> None:

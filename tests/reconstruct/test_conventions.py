@@ -59,6 +59,14 @@ def test_right_cameras_look_like_nothing_else():
     assert likely_mistake(CAMERAS, scene.CENTRE) is None
 
 
+def test_a_centre_behind_right_cameras_is_no_mistake_of_theirs():
+    """Turned about, all of these would have it in frame."""
+    eyes = np.array([[x, y, 9.0] for x in (-2.0, 0, 2) for y in (-2.0, -1, 1, 2)])
+    cameras = Cameras(CAMERAS.K, look_at(eyes, np.zeros(3)), scene.WIDTH, scene.HEIGHT)
+    with pytest.raises(BadArtifact, match="is it in the frame and the unit of the cameras"):
+        region(cameras, PHOTOS, (0.0, 0.0, 30.0), 1.0)
+
+
 def test_cameras_that_look_anywhere_are_asked_about():
     """Eyes about the part that look along the ring, so that no reading has it in frame."""
     angle = np.linspace(0, 2 * np.pi, 12, endpoint=False)

@@ -62,13 +62,12 @@ def test_a_ball_is_a_closed_ball_of_its_size_in_its_place():
 
 
 def test_a_pocket_stays_open():
-    """The convex hull of the cup has a third more volume; its own is known."""
+    """Closed, it would have four fifths more volume; its own is known."""
     cameras = around(VIEWS, 512)
     found = mesh.surface(outcome(cup(), TWO_SIDES, RED_BLUE), cameras, CENTRE, REACH)
     own = 32 * 32 * 20 - 24 * 24 * 16
     walls = 2 * (32 * 32 + 2 * 32 * 20) + 4 * 24 * 16  # mm^2
     assert found.volume == pytest.approx(own, abs=walls * CELL / 2)
-    assert found.volume < 0.75 * 32 * 32 * 20
 
 
 def test_a_vertex_has_the_colour_of_the_nearest_point():

@@ -64,9 +64,10 @@ def test_cloud_and_mesh_lie_near_the_ball(ball_photographs, tmp_path, monkeypatc
     off = np.linalg.norm(cloud.vertices - CENTRE, axis=1) - RADIUS
     # cells of 3 mm and pixels of 2.7 mm; points all over the ball that is in frame are 8 mm off
     assert np.abs(off).mean() < 2
-    # as far off as the cloud: three times that of the radius, and again as far, of the volume
     assert surface.is_watertight
-    assert surface.volume == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=3 * 2 * 2 / RADIUS)
+    assert surface.volume > 0
+    off = np.linalg.norm(surface.vertices - CENTRE, axis=1) - RADIUS
+    assert np.abs(off).mean() < 2
     assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
     assert "120 steps" in capsys.readouterr().out
 

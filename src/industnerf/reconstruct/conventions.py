@@ -30,8 +30,11 @@ ASKED = (
 def likely_mistake(cameras: Cameras, centre: Float[np.ndarray, "3"] | None) -> str | None:
     """What the matrices look like, if all of `cameras` then have the point in frame; else None.
 
-    The point is `centre`, or where the optical axes come nearest to each other.
+    The point is `centre`, or where the optical axes come nearest to each other.  Cameras that have
+    such a point in frame as they are look like nothing else, wherever `centre` is.
     """
+    if _all_see(cameras, None):
+        return None
     for words, read in READINGS.items():
         otherwise = replace(cameras, c2w=read(cameras.c2w @ OPENGL))
         if _all_see(otherwise, centre):

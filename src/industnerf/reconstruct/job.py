@@ -48,6 +48,7 @@ def _reconstruct(options: Options, display: Display) -> str:
     outcome = work(options, album, centre, radius, chosen, display)
     write_cloud(options, outcome, album.photos)
     if options.mesh:
+        display.say(f"{options.out} is written")  # whatever becomes of the mesh
         display.say(write_mesh(options.mesh, outcome, album.cameras, centre, radius))
     options.checkpoint.unlink(missing_ok=True)
     return (

@@ -117,7 +117,8 @@ def _focal(lens: Mapping[str, Any], axis: str, side: int, where: str) -> float:
 def _whole(lens: Mapping[str, Any], key: str, where: str) -> int:
     value = _number(lens, key, where)
     if not value.is_integer():
-        raise BadArtifact(f"{where}: {key} is {value:g}, must be a whole number of at least 1")
+        said = short(lens[key])
+        raise BadArtifact(f"{where}: {key} is {said}, must be a whole number of at least 1")
     return int(value)
 
 

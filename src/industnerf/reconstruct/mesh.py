@@ -37,11 +37,11 @@ def surface(
     seen_from = smaller(cameras)
     seen = outcome.pictures(seen_from, outcome.background)
     depth = np.where(seen.foreground, seen.depth_mm / np.float32(radius), np.float32(0))
+    if not depth.any():
+        raise ReconstructionFailed("no mesh: the cameras see no surface of what was learned")
     spacing = 2 / GRID_RES
     values = signed_distances(depth, projections_from_ball(seen_from, centre, radius))
     vertices, faces = isosurface(values, 0.0, np.full(3, spacing / 2 - 1), spacing)
-    if not depth.any() or not len(faces):
-        raise ReconstructionFailed("no mesh: the cameras see no surface of what was learned")
     placed = centre + radius * vertices
     _, nearest = KDTree(outcome.points.astype(np.float64)).query(placed)
     colours = outcome.colours[nearest.astype(np.int64)]

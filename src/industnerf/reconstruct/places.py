@@ -1,5 +1,6 @@
 """Where the photographs are that transforms.json names."""
 
+import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path, PurePosixPath
 
@@ -43,18 +44,19 @@ def elsewhere(photos: Sequence[Path], images: Path | None) -> list[Path]:
     """Those of `photos` that were not found in `images`; raises BadArtifact if that is all."""
     if images is None:
         return []
-    whole = images.resolve()
-    strays = [
-        photo
-        for photo in photos  # a link in the folder is in it, wherever it leads
-        if not (photo.is_relative_to(images) or photo.resolve().is_relative_to(whole))
-    ]
+    strays = [photo for photo in photos if not _lies_in(photo, images)]
     if len(strays) == len(photos):
         raise BadArtifact(
             f"--images {images}: none of the {len(photos)} photographs is found there, the first "
             f"is {strays[0]}; without --images they are taken from where the cameras are"
         )
     return strays
+
+
+def _lies_in(photo: Path, folder: Path) -> bool:
+    """A link in the folder is in it, wherever it leads; `..` leads out."""
+    inside = Path(os.path.abspath(photo)).is_relative_to(os.path.abspath(folder))
+    return inside or photo.resolve().is_relative_to(folder.resolve())
 
 
 def unnamed(photos: Sequence[Path], shots: Sequence[Shot], folders: Sequence[Path]) -> list[Path]:

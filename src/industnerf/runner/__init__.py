@@ -27,20 +27,34 @@ __all__ = [
 ]
 
 
+RUNNERS = ("process", "serial", "submitit")
+
+
 def runner_from_environment() -> Runner:
     """The runner that INDUSTNERF_RUNNER names.
 
     Raises BadParams for an unknown one, and for a device that INDUSTNERF_DEVICE names in vain.
     """
-    name = environment.text("INDUSTNERF_RUNNER") or "process"
+    name = runner_name()
     check_device(here=name != "submitit")
     if name == "serial":
         return SerialRunner()
     if name == "process":
         cores = len(os.sched_getaffinity(0))
-        return ProcessRunner(environment.number("INDUSTNERF_WORKERS", "processes") or cores)
-    if name == "submitit":
-        from industnerf.runner.slurm import slurm_from_environment
+        return ProcessRunner(workers() or cores)
+    from industnerf.runner.slurm import slurm_from_environment
 
-        return slurm_from_environment()
-    raise BadParams(f"INDUSTNERF_RUNNER is {name!r}, must be process, serial or submitit")
+    return slurm_from_environment()
+
+
+def workers() -> int | None:
+    """How many processes INDUSTNERF_WORKERS asks for; raises BadParams if that is no number."""
+    return environment.number("INDUSTNERF_WORKERS", "processes")
+
+
+def runner_name() -> str:
+    """What INDUSTNERF_RUNNER names; raises BadParams for an unknown one."""
+    name = environment.text("INDUSTNERF_RUNNER") or "process"
+    if name not in RUNNERS:
+        raise BadParams(f"INDUSTNERF_RUNNER is {name!r}, must be process, serial or submitit")
+    return name

@@ -6,7 +6,9 @@ from typing import Annotated, Literal
 from industnerf.schema.rules import CountOr0, Positive, Rule, at_least, within
 
 Units = Literal["mm", "cm", "m", "inch"]
-QUOTABLE = Rule(lambda path: "'" not in path, "a path without an apostrophe: DVC gives it a shell")
+QUOTABLE = Rule(
+    lambda path: "'" not in path, "a path without an apostrophe, in which DVC hands it to a shell"
+)
 SmallShare = Annotated[float, within("[0, 0.5)")]
 
 
