@@ -80,6 +80,32 @@ def test_what_is_the_matter_with_a_mesh_is_said_by_name(tmp_path):
             read(tmp_path / name)
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_line_of_an_obj_that_goes_on_counts_as_those_it_takes(tmp_path, end):
+    lines = ["v 0 0 0", "v 1 \\", "  0 \\", "0", "v 0 1 0", "f 1 \\", "2 9"]
+    (tmp_path / "a.obj").write_bytes(end.join(lines).encode())
+    with pytest.raises(BadArtifact, match=r"line 6, 'f 1  2 9': vertex 9, and so far there are 3"):
+        read(tmp_path / "a.obj")
+    (tmp_path / "b.obj").write_bytes(end.join([*lines[:-1], "2 3 \\"]).encode())
+    assert len(read(tmp_path / "b.obj")[0]) == 500
+
+
+def test_faces_that_are_lines_are_dropped_with_a_word(tmp_path):
+    write_obj(tmp_path / "a.obj", ["f 1 2", "f 3"])
+    points, remarks = read(tmp_path / "a.obj")
+    np.testing.assert_allclose(points, POINTS)
+    assert remarks == ["faces of fewer than 3 corners dropped: 2"]
+
+
+def test_faces_whose_area_overflows_are_refused_with_their_largest_coordinate(tmp_path):
+    far = CORNER.replace("0 1 0", "0 -1e200 0")
+    (tmp_path / "a.off").write_text(f"OFF\n4 2 0\n{CORNER}0 -1e200 0\n3 0 1 2\n3 0 1 3\n")
+    (tmp_path / "b.off").write_text(f"OFF\n3 1 0\n{far}3 0 1 2\n")
+    for name, count in (("a.off", "1 of its 2"), ("b.off", "1 of its 1")):
+        with pytest.raises(BadArtifact, match=rf"{count} faces .* too large: .* -1e\+200, and"):
+            read(tmp_path / name)
+
+
 def test_what_a_reader_remarks_on_is_said(tmp_path):
     trimesh.creation.box().export(tmp_path / "a.stl", file_type="stl_ascii")
     text = (tmp_path / "a.stl").read_text()

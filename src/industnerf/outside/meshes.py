@@ -1,6 +1,6 @@
 """The points in a PLY, OBJ, STL or OFF file: its vertices, or drawn of its faces."""
 
-import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from industnerf.parts.reading.stl import read_stl
 
 # vertices, faces, and remarks on the file
 Shape = tuple[Float64[np.ndarray, "n 3"], Int64[np.ndarray, "m 3"], list[str]]
+LARGEST = float(np.finfo(np.float32).max)  # clouds are kept as float32
 
 
 def read_mesh(
@@ -26,7 +27,7 @@ def read_mesh(
     """`cap` points drawn evenly by area of the faces, or else the vertices; and remarks.
 
     Where most vertices belong to no face, the file is a cloud.  Raises BadPart if it cannot be
-    read, or its faces have no finite area.
+    read, or its faces have no area, or a corner that is not finite as float32.
     """
     if not file.stat().st_size:
         raise BadPart("the file is empty (0 bytes)")
@@ -50,14 +51,20 @@ def read_mesh(
 def _drawn(
     vertices: np.ndarray, faces: np.ndarray, cap: int, rng: np.random.Generator
 ) -> Float64[np.ndarray, "n 3"]:
-    finite = np.isfinite(vertices[faces]).all(axis=(1, 2))
+    corners = vertices[faces]
+    finite = np.isfinite(corners).all(axis=(1, 2))
     if not finite.all():
         raise BadPart(
             f"{(~finite).sum()} of its {len(faces)} faces have a corner that is not finite"
         )
+    if far := int((np.abs(corners) > LARGEST).any(axis=(1, 2)).sum()):  # areas may overflow
+        largest = corners.flat[np.abs(corners).argmax()]
+        raise BadPart(
+            f"{far} of its {len(faces)} faces have a corner that is too large: a coordinate of "
+            f"{largest:.3g}, and float32 ends at {LARGEST:.3g}"
+        )
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            return sample_surface(vertices, faces, cap, rng)[0]
+        return sample_surface(vertices, faces, cap, rng)[0]
     except ValueError as error:
         raise BadPart(str(error)) from None
 
@@ -74,15 +81,27 @@ def _ply(file: Path) -> Shape:
 def _obj(file: Path) -> Shape:
     """By lines: readers of meshes leave out vertices that belong to no face."""
     scene = Scene()
-    text = re.sub(r"\\\r?\n", " ", text_of(file.read_bytes()))  # a line that goes on in the next
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in _obj_lines(text_of(file.read_bytes())):
         try:
             take(scene, line.split())
         except (ValueError, IndexError) as error:
             raise BadPart(f"OBJ: line {number}, {line.strip()[:60]!r}: {error}") from None
     corners = [corner for each in scene.objects for corner in each.corners]
     vertices = np.array(scene.points, np.float64).reshape(-1, 3)
-    return vertices, np.array(corners, np.int64).reshape(-1, 3), []
+    remarks = [f"faces of fewer than 3 corners dropped: {scene.stubs}"] if scene.stubs else []
+    return vertices, np.array(corners, np.int64).reshape(-1, 3), remarks
+
+
+def _obj_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Each line, and the number at which it begins: after a backslash it goes on in the next."""
+    begun: list[str] = []
+    last = 0
+    for last, line in enumerate(text.splitlines(), start=1):
+        begun.append(line.removesuffix("\\"))
+        if not line.endswith("\\"):
+            yield last - len(begun) + 1, " ".join(begun)
+            begun = []
+    yield last - len(begun) + 1, " ".join(begun)  # the file ends with a backslash
 
 
 def _joined(content: Content) -> Shape:

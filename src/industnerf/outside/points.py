@@ -9,12 +9,10 @@ from industnerf.artifacts.cloud import Cloud, save_remarks
 from industnerf.artifacts.part import load_mesh, load_part
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.outside.arrays import read_array
-from industnerf.outside.meshes import read_mesh
+from industnerf.outside.meshes import LARGEST, read_mesh
 from industnerf.outside.oddities import oddities
 from industnerf.outside.xyz import read_xyz
 from industnerf.seeds import generator
-
-LARGEST = float(np.finfo(np.float32).max)  # clouds are kept as float32
 
 
 def take_over(file: Path, part: Path, cap: int, seed: int, target: Path) -> None:
