@@ -66,7 +66,9 @@ def read_points(
 
 
 def _read(file: Path, cap: int, rng: np.random.Generator) -> tuple[np.ndarray, list[str]]:
-    readers = {".npz": read_array, ".xyz": read_xyz}
-    if reader := readers.get(file.suffix.lower()):
-        return reader(file), []
+    suffix = file.suffix.lower()
+    if suffix == ".npz":
+        return read_array(file), []
+    if suffix == ".xyz":
+        return read_xyz(file)
     return read_mesh(file, cap, rng)
