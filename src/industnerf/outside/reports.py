@@ -16,7 +16,8 @@ def folder_for(root: Path, place: Path, part: str, sources: Iterable[Path]) -> P
     """The folder below `root` for the report of the clouds at `place`, of `part` if it is named.
 
     That of the same question, if it was asked before; else the first of `clouds`, `clouds-2`, ...
-    that holds no report: files of one name from two places do not replace each other's.
+    that is not there.  It is made, and notes at once of what it is: of two that ask at the same
+    time each has its own, and files of one name from two places do not replace each other's.
     Raises BadParams if one of the `sources`, which are read, lies where the report would go.
     """
     sources = tuple(sources)
@@ -25,7 +26,10 @@ def folder_for(root: Path, place: Path, part: str, sources: Iterable[Path]) -> P
             return _apart(folder, sources)
     name = (place.name if place.is_dir() else place.stem) or "root"
     names = (name if number == 1 else f"{name}-{number}" for number in count(1))
-    return next(folder for one in names if _is_free(folder := _apart(root / one, sources)))
+    root.mkdir(parents=True, exist_ok=True)
+    folder = next(folder for one in names if _claim(folder := _apart(root / one, sources)))
+    _note(folder, place, part)
+    return folder
 
 
 def _apart(folder: Path, sources: Iterable[Path]) -> Path:
@@ -42,11 +46,15 @@ def begin(folder: Path, place: Path, part: str) -> None:
     """Remove the report in `folder`, and nothing else there, and note what the next is of."""
     for name in MADE:
         shutil.rmtree(folder / name, ignore_errors=True)
+    _note(folder, place, part)
+
+
+def _note(folder: Path, place: Path, part: str) -> None:
     write_json(folder / ASKED, {"schema": 1, "place": str(place), "part": part})
 
 
 def _asked(folder: Path) -> tuple[str, str] | None:
-    """What `begin` noted in `folder`; None where it did not, or what is there is not its."""
+    """Of what the report in `folder` is; None where that is not noted, or not as it is here."""
     try:
         said = read_json(folder / ASKED, 1, "score")
     except BadArtifact:
@@ -54,8 +62,10 @@ def _asked(folder: Path) -> tuple[str, str] | None:
     return said.get("place"), said.get("part")
 
 
-def _is_free(folder: Path) -> bool:
-    """Whether a report may go to `folder`: one of before `ASKED` was written stays, too."""
-    if folder.exists() and not folder.is_dir():
+def _claim(folder: Path) -> bool:
+    """Make `folder`; False if something is there, also if it came to be this very moment."""
+    try:
+        folder.mkdir()
+    except FileExistsError:
         return False
-    return not any((folder / name).exists() for name in (ASKED, *MADE))
+    return True
