@@ -89,9 +89,7 @@ def _paragraph(
 ) -> list[str]:
     values = {part: score.value for part, score in scores.items()}
     of = [families[part] for part in values]
-    several = len(set(of)) > 1  # of one family there is nothing to draw an interval from
-    low, high = bootstrap_interval(list(values.values()), of, ways, seed)
-    interval = f" ({low:.4f} to {high:.4f})" if several else ""
+    interval = _interval(*bootstrap_interval(list(values.values()), of, ways, seed), of, ".4f")
     mean, floor = fmean(values.values()), fmean(score.floor for score in scores.values())
     failed = sum(score.status != "ok" for score in scores.values())
     all_of_it = sum(one == split for one in known.splits.values())
@@ -105,10 +103,15 @@ def _paragraph(
         if change is not None:
             both = values.keys() & theirs.keys()
             level = fmean(theirs[part] for part in both)
-            several = len({families[part] for part in both}) > 1
-            interval = f" ({change.low:+.4f} to {change.high:+.4f})" if several else ""
+            drawn_from = [families[part] for part in both]
+            spread = _interval(change.low, change.high, drawn_from, "+.4f")
             lines.append(
-                f"  {method} {level:.4f} on these: {change.mean:+.4f}{interval}, lower on "
+                f"  {method} {level:.4f} on these: {change.mean:+.4f}{spread}, lower on "
                 f"{change.lower} of {change.parts}"
             )
     return lines
+
+
+def _interval(low: float, high: float, families: Sequence[str], form: str) -> str:
+    """The interval in brackets; of one family there is nothing to draw it from, and it is ""."""
+    return f" ({low:{form}} to {high:{form}})" if len(set(families)) > 1 else ""
