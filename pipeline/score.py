@@ -36,9 +36,9 @@ OUT, STUDY = Path("runs/score"), Path("results/study")
 
 
 def main(place: str, part: str = "") -> None:
-    params, clouds = asked(load_params(), Path(place), part)
-    named = Path(place).resolve()
     cad = cad_file(part)
+    params, clouds = asked(load_params(), Path(place), part, cad)
+    named = Path(place).resolve()
     of = str(cad.resolve()) if cad else part
     out = folder_for(OUT, named, of, (named, Path(params.parts.path), *clouds.values()))
     begin(out, named, of)
@@ -47,9 +47,14 @@ def main(place: str, part: str = "") -> None:
     require_one(out)
 
 
-def asked(params: Params, place: Path, part: str) -> tuple[Params, dict[str, Path]]:
-    """The parameters that bring in the parts, and the file of the cloud of each."""
-    if cad := cad_file(part):
+def asked(
+    params: Params, place: Path, part: str, cad: Path | None
+) -> tuple[Params, dict[str, Path]]:
+    """The parameters that bring in the parts, and the file of the cloud of each.
+
+    `cad` is the file that `part` names, if it names one.
+    """
+    if cad:
         chosen, part_id = own(params.parts, cad)
         clouds = clouds_at(place, part_id)
     else:
@@ -121,7 +126,9 @@ def require_one(out: Path) -> None:
     """Raise PartsFailed if not one cloud below `out` was read and scored."""
     failed = read_failures(out / "clouds") | read_failures(out / "scores")
     if not read_index(out / "clouds").keys() - failed.keys():
-        raise PartsFailed(f"not one of {len(failed)} clouds could be scored; reasons stand above")
+        if len(failed) == 1:
+            raise PartsFailed("the cloud could not be scored; the reason stands above")
+        raise PartsFailed(f"none of {len(failed)} clouds could be scored; the reasons stand above")
 
 
 def published(params: Params) -> tuple[Known, str]:

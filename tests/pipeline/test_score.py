@@ -68,7 +68,7 @@ def test_the_unit_of_the_cad_file_is_suspected_too(place, capsys):
 
 def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
     (place / "torn.ply").touch()
-    with pytest.raises(PartsFailed, match="not one of 1 clouds could be scored"):
+    with pytest.raises(PartsFailed, match="the cloud could not be scored; the reason"):
         score.main("torn.ply", "block.stl")
     assert emd(place, "torn")[2] == "failed"
     said = capsys.readouterr().out
@@ -85,6 +85,14 @@ def test_where_one_of_two_clouds_is_read_all_is_well(place, capsys):
     assert f"{ids[1]} failed: " in capsys.readouterr().out
 
 
+def test_where_two_clouds_fail_it_says_of_how_many(place):
+    (place / "two").mkdir()
+    for part_id in ("nut-square-din557-m12", "gear-spur-m2-z24"):
+        (place / "two" / f"{part_id}.ply").touch()
+    with pytest.raises(PartsFailed, match="none of 2 clouds could be scored; the reasons"):
+        score.main("two")
+
+
 def test_what_could_not_be_scored_is_said_at_the_end_and_counts_as_failed(
     place, capsys, monkeypatch
 ):
@@ -94,7 +102,7 @@ def test_what_could_not_be_scored_is_said_at_the_end_and_counts_as_failed(
     torn.__module__ = evaluate.score_part.__module__  # by which its code is looked up
     monkeypatch.setattr(evaluate, "score_part", torn)
     trimesh.creation.box(SIDES).export(place / "same.ply")
-    with pytest.raises(PartsFailed, match="not one of 1 clouds could be scored"):
+    with pytest.raises(PartsFailed, match="the cloud could not be scored; the reason"):
         score.main("same.ply", "block.stl")
     assert emd(place, "same")[2] == "failed"
     last = capsys.readouterr().out.split("outside the study")[0]
@@ -160,7 +168,7 @@ def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_w
 
 def test_a_part_of_the_suite_is_brought_in_by_its_name(place):
     trimesh.creation.box(SIDES).export(place / "nut-square-din557-m12.ply")
-    params, _ = score.asked(score.load_params(), place / "nut-square-din557-m12.ply", "")
+    params, _ = score.asked(score.load_params(), place / "nut-square-din557-m12.ply", "", None)
     assert params.parts.select == ["nut-square-din557-m12"]
     score.main("nut-square-din557-m12.ply")
     assert (place / "runs/score/nut-square-din557-m12/scores/nut-square-din557-m12").is_dir()
