@@ -83,6 +83,22 @@ def test_nothing_seen_is_no_mesh():
         mesh.surface(outcome(None, TWO_SIDES, RED_BLUE), around(VIEWS, 512), CENTRE, REACH)
 
 
+def test_what_only_one_camera_sees_is_no_mesh():
+    """All others see through where it is."""
+    seen = outcome(ball(RADIUS), TWO_SIDES, RED_BLUE)
+    whole = seen.pictures
+
+    def of_one(cameras: Cameras, background: np.ndarray) -> Renderings:
+        pictures = whole(cameras, background)
+        pictures.depth_mm[1:], pictures.opacity[1:] = 0, 0
+        pictures.depth_mm[1:, 0, 0], pictures.opacity[1:, 0, 0] = 1, 255  # else they say nothing
+        return pictures
+
+    seen.pictures = of_one
+    with pytest.raises(ReconstructionFailed, match=r"thinner than a cell, 0\.312"):
+        mesh.surface(seen, around(VIEWS, 512), CENTRE, REACH)
+
+
 @pytest.mark.parametrize("form", [".ply", ".stl", ".obj"])
 def test_files_hold_what_was_found(tmp_path, form):
     box = trimesh.creation.box((1.0, 2.0, 3.0))

@@ -42,6 +42,11 @@ def surface(
     spacing = 2 / GRID_RES
     values = signed_distances(depth, projections_from_ball(seen_from, centre, radius))
     vertices, faces = isosurface(values, 0.0, np.full(3, spacing / 2 - 1), spacing)
+    if not len(faces):
+        raise ReconstructionFailed(
+            "no mesh: every cell is seen empty by some camera; all there is may be thinner than "
+            f"a cell, {spacing * radius:.3g}"
+        )
     placed = centre + radius * vertices
     _, nearest = KDTree(outcome.points.astype(np.float64)).query(placed)
     colours = outcome.colours[nearest.astype(np.int64)]
