@@ -9,10 +9,11 @@ from scipy.ndimage import maximum_filter, minimum_filter
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import framed_ball
+from industnerf.geometry.silhouettes import outlines
 from industnerf.methods import load_method
 from industnerf.methods.base import Given, Input, Reconstruction
 from industnerf.methods.carve import depth_in_rest, reconstruct
-from industnerf.photohull.lattice import depth_in_hull, outlines, rig_of
+from industnerf.photohull.lattice import depth_in_hull, rig_of
 from industnerf.photohull.sweeps import exposed, ranges
 from industnerf.schema import CarveSettings
 from tests.methods.solids import (

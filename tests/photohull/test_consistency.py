@@ -6,8 +6,9 @@ import warp as wp
 
 from industnerf.config import load_params
 from industnerf.geometry.compiled import where
+from industnerf.geometry.silhouettes import outlines
 from industnerf.photohull import kernels
-from industnerf.photohull.lattice import depth_in_hull, outlines, rig_about
+from industnerf.photohull.lattice import depth_in_hull, rig_about
 from industnerf.photohull.sweeps import Sweeper, exposed, ranges
 from industnerf.schema import SpaceCarvingSettings
 from tests.methods.solids import cameras_around, masks_of_ball

@@ -76,6 +76,11 @@ def differs(
     return masks
 
 
+def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
+    """Distance (px) of every pixel to the outline in its image, positive inside, to NEAR px."""
+    return np.stack([signed_distance(mask) for mask in masks])
+
+
 def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
     """Distance (px) to the outline, which runs half-way between unlike pixels."""
     half = np.float32(0.5)

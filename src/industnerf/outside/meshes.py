@@ -1,6 +1,5 @@
 """The points in a PLY, OBJ, STL or OFF file: its vertices, or drawn of its faces."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,7 @@ from jaxtyping import Float64, Int64
 from industnerf.errors import BadPart
 from industnerf.geometry.sampling import sample_surface
 from industnerf.parts.reading.content import Content
-from industnerf.parts.reading.formats import text_of
-from industnerf.parts.reading.obj_lines import Scene, take
+from industnerf.parts.reading.obj_lines import scene_of
 from industnerf.parts.reading.off import read_off
 from industnerf.parts.reading.ply import read_ply
 from industnerf.parts.reading.stl import read_stl
@@ -80,28 +78,10 @@ def _ply(file: Path) -> Shape:
 
 def _obj(file: Path) -> Shape:
     """By lines: readers of meshes leave out vertices that belong to no face."""
-    scene = Scene()
-    for number, line in _obj_lines(text_of(file.read_bytes())):
-        try:
-            take(scene, line.split())
-        except (ValueError, IndexError) as error:
-            raise BadPart(f"OBJ: line {number}, {line.strip()[:60]!r}: {error}") from None
+    scene = scene_of(file)
     corners = [corner for each in scene.objects for corner in each.corners]
     vertices = np.array(scene.points, np.float64).reshape(-1, 3)
-    remarks = [f"faces of fewer than 3 corners dropped: {scene.stubs}"] if scene.stubs else []
-    return vertices, np.array(corners, np.int64).reshape(-1, 3), remarks
-
-
-def _obj_lines(text: str) -> Iterator[tuple[int, str]]:
-    """Each line, and the number at which it begins: after a backslash it goes on in the next."""
-    begun: list[str] = []
-    last = 0
-    for last, line in enumerate(text.splitlines(), start=1):
-        begun.append(line.removesuffix("\\"))
-        if not line.endswith("\\"):
-            yield last - len(begun) + 1, " ".join(begun)
-            begun = []
-    yield last - len(begun) + 1, " ".join(begun)  # the file ends with a backslash
+    return vertices, np.array(corners, np.int64).reshape(-1, 3), scene.remarks
 
 
 def _joined(content: Content) -> Shape:

@@ -43,7 +43,7 @@ def carved(
 ) -> Carved:
     """What photographs leave of the hull of their silhouettes.
 
-    `distance` is what `lattice.outlines` says of the pixels that show the part.
+    `distance` is what `geometry.silhouettes.outlines` says of the pixels that show the part.
     """
     mask = distance > 0
     depth = depth_in_hull(distance, rig, ways.grid_res)

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int32
+from jaxtyping import Float, Float32, Int32
 
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
 from industnerf.geometry.cellwise import handed, told
-from industnerf.geometry.silhouettes import TOUCHED, signed_distance
+from industnerf.geometry.silhouettes import TOUCHED
 
 HALVINGS = 3  # from the first lattice, whose cells are all measured, to the last
 # A child's centre is sqrt(3)/2 of its sides from its parent's, and a value counts within
@@ -45,11 +45,6 @@ def rig_about(cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float
         centre,
         radius_mm,
     )
-
-
-def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
-    """Distance (px) of every pixel to the outline in its image, positive inside, to NEAR px."""
-    return np.stack([signed_distance(mask) for mask in masks])
 
 
 def depth_in_hull(

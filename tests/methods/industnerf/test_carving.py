@@ -8,9 +8,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.geometry.silhouettes import part_in
+from industnerf.geometry.silhouettes import outlines, part_in
 from industnerf.methods.industnerf.scene import Posed, Scene, scene_of
-from industnerf.photohull.lattice import outlines
 from tests.methods.industnerf.scenes import (
     CENTRE,
     CPU,

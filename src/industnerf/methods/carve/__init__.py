@@ -6,10 +6,10 @@ from scipy.ndimage import gaussian_filter
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.geometry.silhouettes import part_in
+from industnerf.geometry.silhouettes import outlines, part_in
 from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
 from industnerf.photohull import Carved, carved, remarks
-from industnerf.photohull.lattice import outlines, rig_of
+from industnerf.photohull.lattice import rig_of
 from industnerf.schema import CarveSettings
 
 BLUR = 1.0  # cells; standard deviation that smooths the stairs of what was carved

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32
 
 from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
-from industnerf.geometry.silhouettes import signed_distance
+from industnerf.geometry.silhouettes import outlines
 
 REACH = 1.2  # no cell in use has its centre farther than this from the origin
 
@@ -43,7 +43,7 @@ def distance_images(
     # d(u, v) of a step s at the angle a off the axis is at most f s / (depth cos a)
     slant = np.arcsin(np.minimum(REACH / away, 0.99))
     return Silhouettes(
-        np.stack([signed_distance(one) for one in mask]) - np.float32(grown_px),
+        outlines(mask) - np.float32(grown_px),
         projections_from_ball(replace(cameras, K=K), centre, radius_mm),
         (focal / np.cos(slant)).astype(np.float32),
         float(((away - 1) / focal).min()),

@@ -31,7 +31,7 @@ class Silhouettes:
         return self._outside.device
 
     def outlines(self) -> Float32[np.ndarray, "n h w"]:
-        """As `photohull.lattice.outlines` of the part, of what is known already."""
+        """As `geometry.silhouettes.outlines` of the part, of what is known already."""
         outside, inside = (x.clamp(max=NEAR) for x in (self._outside, self._inside))
         return torch.where(outside > 0, 0.5 - outside, inside - 0.5).cpu().numpy()
 

@@ -1,30 +1,22 @@
 """Wavefront OBJ: one body per `o`; groups are not bodies, for many programs write one per face."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64
 
-from industnerf.errors import BadPart
 from industnerf.parts.reading import texture
 from industnerf.parts.reading.content import Body, Content, unpainted
-from industnerf.parts.reading.formats import text_of
 from industnerf.parts.reading.mtl import Material, materials
-from industnerf.parts.reading.obj_lines import Object, Scene, take
+from industnerf.parts.reading.obj_lines import Object, Scene, scene_of
 from industnerf.parts.reading.paint import linear
 from industnerf.parts.reading.sidecars import named
 
 
 def read_obj(path: Path) -> Content:
     """Raises BadPart that names the line if a face or a vertex makes no sense."""
-    scene = Scene()
-    for number, line in _lines(text_of(path.read_bytes())):
-        try:
-            take(scene, line.split())
-        except (ValueError, IndexError) as error:
-            raise BadPart(f"OBJ: line {number}, {line.strip()[:60]!r}: {error}") from None
-    remarks = [f"faces of fewer than 3 corners dropped: {scene.stubs}"] if scene.stubs else []
+    scene = scene_of(path)
+    remarks = scene.remarks
     known = _materials(path, scene, remarks)
     solids = [each for each in scene.objects if each.corners]
     points = np.array(scene.points, np.float64).reshape(-1, 3)
@@ -33,19 +25,6 @@ def read_obj(path: Path) -> Content:
         for i, each in enumerate(solids, start=1)
     ]
     return Content(tuple(bodies), None, None, False, tuple(dict.fromkeys(remarks)))
-
-
-def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Each line, and its number; after a backslash it goes on in the next, as one line."""
-    first, begun = 1, ""
-    for number, line in enumerate(text.splitlines(), start=1):
-        first = first if begun else number
-        if line.endswith("\\"):
-            begun += line[:-1] + " "
-        else:
-            yield first, begun + line
-            begun = ""
-    yield first, begun
 
 
 def _materials(path: Path, scene: Scene, remarks: list[str]) -> dict[str, Material]:

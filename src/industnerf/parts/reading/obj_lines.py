@@ -1,9 +1,13 @@
 """The lines of an OBJ file, taken one by one."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
+from industnerf.errors import BadPart
+from industnerf.parts.reading.formats import text_of
 from industnerf.parts.reading.polygons import triangles
 
 
@@ -28,6 +32,35 @@ class Scene:
     libraries: list[str] = field(default_factory=list)
     material: str = ""
     stubs: int = 0  # faces of fewer than three corners
+
+    @property
+    def remarks(self) -> list[str]:
+        """What was left out."""
+        return [f"faces of fewer than 3 corners dropped: {self.stubs}"] if self.stubs else []
+
+
+def scene_of(path: Path) -> Scene:
+    """All that the file says; raises BadPart that names the line if one makes no sense."""
+    scene = Scene()
+    for number, line in joined(text_of(path.read_bytes())):
+        try:
+            take(scene, line.split())
+        except (ValueError, IndexError) as error:
+            raise BadPart(f"OBJ: line {number}, {line.strip()[:60]!r}: {error}") from None
+    return scene
+
+
+def joined(text: str) -> Iterator[tuple[int, str]]:
+    """Each line, and its number; after a backslash it goes on in the next, as one line."""
+    first, begun = 1, ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        first = first if begun else number
+        if line.endswith("\\"):
+            begun += line[:-1] + " "
+        else:
+            yield first, begun + line
+            begun = ""
+    yield first, begun
 
 
 def take(scene: Scene, words: list[str]) -> None:
