@@ -15,7 +15,7 @@ from industnerf.errors import BadArtifact
 from industnerf.metrics.gridded import SCHEMA, measure_grid
 from industnerf.report.grid import grid_csv, grid_md, lines
 from industnerf.report.provenance import made_by
-from industnerf.report.subsets import SEED_PARTS, by_hash
+from industnerf.report.subsets import seed_parts
 from industnerf.schema import Params
 from industnerf.stage import Task, read_index, run_stage
 from pipeline.publish import check_finished
@@ -27,10 +27,11 @@ DATA, OUT, RESULTS = Path("data"), Path("runs/grid"), Path("results/grid")
 def main() -> None:
     # First: without a commit, or with clouds of another one, the work would be in vain.
     made = made_by("python -m pipeline.grid")
-    check_finished(Path(), but="report")  # which shows the grid, and is out of date after it
+    # The report shows the grid, and is out of date after it.
+    check_finished(Path(), "make repro", but="report")
     params, places = load_params(), load_split(DATA / "split.json")
     tested = sorted(part for part in _reconstructed() if places[part].split == "test")
-    few = set(by_hash("seeds", tested)[:SEED_PARTS])  # those are asked with many points too
+    few = seed_parts(tested)  # those are asked with many points too
     tasks = [_task(part, part in few, params) for part in tested]
     run_stage("grid", tasks, OUT, "report")
     cells = {p: read_json(OUT / p / "grid.json", SCHEMA, "grid")["cells"] for p in read_index(OUT)}

@@ -77,16 +77,16 @@ def shown(study: Path, params: Path) -> dict[Path, dict[str, str]]:
 
 def bring(project: Path, out: Path, command: str) -> None:
     """Publish the report of `project`, which `command` ran, in the folder `out`."""
-    check_finished(project)
+    check_finished(project, command)
     params = load_params(project / PARAMS)
     facts = {"preset": params.preset, "interval": params.report.interval}
     publish(project / "reports", out, made_by(command) | facts, project)
 
 
-def check_finished(project: Path, but: str = "") -> None:
+def check_finished(project: Path, command: str, but: str = "") -> None:
     """Raises BadArtifact if a stage is not up to date: its numbers are not those of this tree.
 
-    The stage `but` may be.
+    The stage `but` may be.  `command` is what brings all of them up to date.
     """
     if not (project / PARAMS).exists():
         raise BadArtifact(f"{project} holds no run: `python -m pipeline.preset {project.name}`")
@@ -100,7 +100,7 @@ def check_finished(project: Path, but: str = "") -> None:
     if outdated:
         raise BadArtifact(
             f"the study is not finished: {len(outdated)} stages are not up to date, the first is "
-            f"{outdated[0]}; the same command goes on"
+            f"{outdated[0]}: `{command}` goes on"
         )
 
 

@@ -15,13 +15,12 @@ from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
-from industnerf.report.sweep_index import PUBLISHED, index, presets
+from industnerf.report.sweep_index import PUBLISHED, TABLES, index, presets
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import SELECT, core_seconds, preset_of
 from industnerf.report.sweep_reread import reread_sweep
 from industnerf.report.sweep_series import series, trends
 
-TABLES = ("sweep.csv", "steps.csv", "trend.csv")
 DOCUMENT, COLOURS = Path("docs/sweeps.md"), 64
 
 
@@ -38,12 +37,12 @@ def publish(sweep: Path, machine: str) -> None:
     name = preset_of(sweep)
     if name not in [preset.name for preset in presets(Path.cwd())]:
         raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
-    needed = [*TABLES, "sweep.png"]
+    needed = [*(file for _, file in TABLES), "sweep.png"]
     if missing := [file for file in needed if not (sweep / file).exists()]:
         raise BadArtifact(f"{sweep} lacks {', '.join(missing)}; the same sweep writes them")
     folder = PUBLISHED / name
     folder.mkdir(parents=True, exist_ok=True)
-    for table in TABLES:
+    for _, table in TABLES:
         shutil.copy(sweep / table, folder / table)
     _shrink(sweep / "sweep.png", folder / "sweep.png")
     about = {

@@ -1,6 +1,8 @@
 """A stage over all parts: reuse, failures, and what it writes."""
 
+import errno
 import json
+import os
 import sys
 import time
 from functools import partial
@@ -22,6 +24,13 @@ def double(source, target, *, log):
     if number == 13:
         raise BadPart("thirteen")
     (target / "twice").write_text(str(2 * number))
+
+
+def store_on_a_disk(target, *, full):
+    """Write, unless there is a file `full`."""
+    if full.exists():
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(target))
+    (target / "done").touch()
 
 
 def linger(target, *, whole, aside):
@@ -182,6 +191,28 @@ def test_what_the_cluster_lost_is_no_result(place, monkeypatch):
         run_stage("s", tasks(place, [1, 2]), place / "out", "report")
     run_stage("s", tasks(place, [1, 2]), place / "out", "report")
     assert calls(place) == ["1", "2"]
+
+
+def test_what_a_full_disk_ended_is_no_result_and_made_once_there_is_room(place):
+    """Else the part would count as a failure of the method, for good: DVC asks no second time."""
+    (full := place / "full").touch()
+    task = Task("p", partial(store_on_a_disk, full=full), 0, ())
+    several = [*tasks(place, [1]), task]
+    with pytest.raises(PartsFailed, match=r"(?s)No space left.* is mended, the same"):
+        run_stage("s", several, place / "out", "report")
+    full.unlink()
+    run_stage("s", several, place / "out", "report")
+    assert read_failures(place / "out") == {}
+    assert calls(place) == ["1"]
+
+
+@pytest.mark.parametrize(
+    ("on_failure", "advice"),
+    [("strict", "or set on_failure: report"), ("report", "choose other parts")],
+)
+def test_advice_is_what_would_change_something(place, on_failure, advice):
+    with pytest.raises(PartsFailed, match=advice):
+        run_stage("s", tasks(place, [13]), place / "out", on_failure)
 
 
 class Twice:

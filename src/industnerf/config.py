@@ -52,10 +52,9 @@ def load_params(path: Path = PARAMS) -> Params:
 
 @dataclasses.dataclass(frozen=True)
 class Stage:
-    """What dvc.yaml says of one stage; `item` is the matrix's method, or None."""
+    """What dvc.yaml says of one stage."""
 
     name: str
-    item: str | None
     command: str
     params: tuple[str, ...]
     deps: tuple[str, ...]
@@ -86,7 +85,6 @@ def stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
 
     return Stage(
         name,
-        item,
         filled([raw["cmd"]])[0],
         filled(raw.get("params", [])),
         filled(raw.get("deps", [])),

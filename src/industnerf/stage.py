@@ -60,8 +60,9 @@ def run_stage(
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
-    nothing then.  It also does where the cluster lost a part: that is no result, and DVC must not
-    take it for one.  Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
+    nothing then.  It also does where a part was lost, by the cluster or for want of room on a disk:
+    that is no result, and DVC must not take it for one.  Raises BadParams before anything is done
+    for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
@@ -82,7 +83,7 @@ def run_stage(
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
     write_failures(out, failures)
     if lost or (failures and (on_failure == "strict" or (needs_one and not index))):
-        raise _refusal(step, failures, len(index), lost)
+        raise _refusal(step, failures, len(index), lost, on_failure)
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -163,11 +164,19 @@ def _peak_mb() -> float:
     return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
 
 
-def _refusal(step: str, failures: dict[str, str], succeeded: int, lost: int) -> PartsFailed:
+def _refusal(
+    step: str, failures: dict[str, str], succeeded: int, lost: int, on_failure: str
+) -> PartsFailed:
     shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
-    advice = "Mend or deselect them (parts.select), or set on_failure: report."
-    again = f"{lost} of them were lost on the way, not tried in vain: the same command goes on."
+    advice = "No later stage can do anything then: mend them, or choose other parts."
+    if on_failure == "strict":
+        advice = "Mend or deselect them (parts.select), or set on_failure: report."
+    if lost:
+        advice = (
+            f"{lost} of them were lost on the way, not tried in vain: once what is said of them is "
+            "mended, the same command goes on."
+        )
     return PartsFailed(
         f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
-        f"the others are stored:\n{shown}\n{again if lost else advice}"
+        f"the others are stored:\n{shown}\n{advice}"
     )

@@ -8,7 +8,6 @@ import hashlib
 import json
 import logging
 import os
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -16,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from industnerf import environment
+from industnerf import environment, revision
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
 from industnerf.config import flat, read_yaml
@@ -91,7 +90,7 @@ def log_report(report: Path, params: Mapping[str, Any]) -> None:
 
 def _log(report: Path, params: Mapping[str, Any]) -> None:
     summary, note = json.loads((report / "summary.json").read_text()), report / LABEL
-    tags = json.loads(note.read_text()) if note.exists() else git_state()
+    tags = json.loads(note.read_text()) if note.exists() else {}  # made at a commit not noted
     mlflow, experiment = _client()
     results = _digest(summary["results"], tags.get("point", ""))
     same = mlflow.search_runs(
@@ -163,30 +162,29 @@ def _locked() -> Iterator[None]:
 
 def git_state() -> dict[str, str]:
     """Commit, and whether the tree differs from it; empty outside a repository."""
-
-    def git(*arguments: str) -> str:
-        return subprocess.run(
-            ["git", *arguments], capture_output=True, text=True, check=True
-        ).stdout.strip()
-
     try:
         return {
-            "git.commit": git("rev-parse", "HEAD"),
-            "git.dirty": str(bool(git("status", "--porcelain"))).lower(),
+            "git.commit": revision.commit(),
+            "git.dirty": str(bool(revision.changed())).lower(),
         }
-    except (OSError, subprocess.CalledProcessError):
+    except BadArtifact:
         return {}
 
 
 def backfill(root: Path) -> None:
-    """Log every report below `root` that is not logged yet.
+    """Log every report below `root` that is not logged yet; says which one cannot be.
 
     Raises BadArtifact if MLflow cannot open its database.
     """
     _open()
     for summary in sorted([*root.glob("reports/summary.json"), *root.glob("runs/**/summary.json")]):
         params = summary.parent.parent / "params.yaml"
-        log_report(summary.parent, read_yaml(params) if params.exists() else {})
+        try:
+            values = read_yaml(params) if params.exists() else {}
+        except BadParams as error:
+            print(f"MLflow: {summary.parent} is not logged: {error}", file=sys.stderr)
+        else:
+            log_report(summary.parent, values)
 
 
 def main() -> None:

@@ -53,6 +53,7 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     code, output = project.run("python", "-m", "pipeline.publish")
     assert code == 1
     assert "the study is not finished: " in output
+    assert ": `make repro` goes on" in output
     assert "Traceback" not in output
     out = project.folder / "results" / "study"
     assert not out.exists()

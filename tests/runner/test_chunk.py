@@ -1,5 +1,6 @@
 """How work is dealt out to jobs, and what a job does that starts again."""
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -46,6 +47,16 @@ def add(path):
 
 def refuse():
     raise BadPart("not closed")
+
+
+def fill_disk():
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_job_notes_that_a_disk_was_full_and_not_the_piece_at_fault(tmp_path):
+    Chunk(((4, fill_disk),), Notes(tmp_path), workers=1, limit_s=60.0, memory_mb=None)()
+    noted = Notes(tmp_path).outcome(4)
+    assert (noted.lost, "No space left on device" in noted.error) == (True, True)
 
 
 def test_a_job_notes_how_each_piece_ended_and_does_none_twice(tmp_path):

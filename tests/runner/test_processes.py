@@ -1,5 +1,6 @@
 """Runners: one broken piece of work ends itself, not the others."""
 
+import errno
 import os
 import resource
 import signal
@@ -26,6 +27,14 @@ def refuse():
 
 def fail():
     raise ZeroDivisionError("a bug")
+
+
+def fill_disk():
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "cloud.npz")
+
+
+def read_what_is_closed_to_it():
+    raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "part.step")
 
 
 def crash():
@@ -120,6 +129,14 @@ def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     assert (tmp_path / "a").read_text() == str(100_000 * 2**20)
     assert attempt(gobble, None) is None
+
+
+@pytest.mark.parametrize("runner", RUNNERS)
+def test_a_full_disk_says_nothing_of_the_piece_of_work_and_a_closed_file_does(runner):
+    works = [fill_disk, read_what_is_closed_to_it, fail]
+    outcomes = {outcome.index: outcome for outcome in runner.map(works, 60.0)}
+    assert [outcomes[index].lost for index in range(3)] == [True, False, False]
+    assert outcomes[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
 
 
 def test_signals_that_are_meant_for_the_job_do_not_reach_its_pieces(tmp_path):

@@ -57,13 +57,15 @@ def parse(arguments: Sequence[str], description: str) -> Options:
     _add_outputs(parser)
     _add_settings(parser)
     given = vars(parser.parse_args(arguments))
-    out, cameras, npz, preview = (given.pop(key) for key in ("out", "cameras", "npz", "preview"))
+    out, cameras, npz, preview, centre = (
+        given.pop(key) for key in ("out", "cameras", "npz", "preview", "centre")
+    )
     if out.suffix.lower() != ".ply":
         parser.error(f"--out {out}: must end in .ply")
     mesh = given["mesh"]
     if mesh is not None and mesh.suffix.lower() not in MESHES:
         parser.error(f"--mesh {mesh}: must end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
-    if given["centre"] is not None and given["radius"] is None:
+    if centre is not None and given["radius"] is None:
         parser.error("--centre needs --radius beside it")
     return Options(
         cameras=cameras,
@@ -73,8 +75,8 @@ def parse(arguments: Sequence[str], description: str) -> Options:
         preview=preview or Path(f"{out}.preview.png"),
         preview_named=preview is not None,
         overrides=tuple(given.pop("overrides")),
-        centre=given["centre"] and tuple(given.pop("centre")),
-        **{key: value for key, value in given.items() if key != "centre"},
+        centre=centre and tuple(centre),
+        **given,
     )
 
 

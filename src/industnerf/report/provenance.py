@@ -3,17 +3,15 @@
 import json
 import os
 import platform
-import subprocess
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from industnerf import revision
 from industnerf.errors import BadArtifact
 
 PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
-# Written after a result is made; no score depends on them (the page shows results/grid, seeds).
-LATER = ("dvc.lock", "results", "README.md", "docs")
 
 
 def made_by(command: str) -> dict[str, Any]:
@@ -21,22 +19,21 @@ def made_by(command: str) -> dict[str, Any]:
 
     Raises BadArtifact outside a git repository: a published result without a commit is a rumour.
     """
-    changed = _git("status", "--porcelain", "--", ".", *(f":!{path}" for path in LATER))
+    changed = revision.changed()
     return {
         "schema": 1,
         "command": command,
         "date": _today(),
-        "commit": _git("rev-parse", "HEAD").strip(),
+        "commit": revision.commit(),
         "clean": not changed,
-        "changed": [line[3:] for line in changed.splitlines()],
+        "changed": changed,
     }
 
 
 def origin() -> dict[str, Any]:
     """The day, and the commit as people name it: `f51e968 with changes`, or `none`."""
     try:
-        changed = _git("status", "--porcelain", "--", ":/", *(f":(top,exclude){p}" for p in LATER))
-        commit = _git("rev-parse", "HEAD")[:7] + (" with changes" if changed else "")
+        commit = revision.commit()[:7] + (" with changes" if revision.changed() else "")
     except BadArtifact:
         commit = "none"
     return {"schema": 1, "date": _today(), "commit": commit}
@@ -63,14 +60,6 @@ def stamp() -> str:
 
 def _today() -> str:
     return datetime.now(UTC).date().isoformat()
-
-
-def _git(*arguments: str) -> str:
-    try:
-        done = subprocess.run(["git", *arguments], capture_output=True, text=True, check=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise BadArtifact(f"no commit to publish under: git {arguments[0]}: {error}") from None
-    return done.stdout
 
 
 def environment() -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """What a runner is, and how a piece of work ends."""
 
+import errno
 import os
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -10,6 +11,17 @@ from typing import Protocol, runtime_checkable
 from industnerf.errors import SuiteError
 
 Work = Callable[[], None]
+
+# What is wrong with the machine, whatever the piece: a disk is full, or does not answer.
+LACKING = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.ENFILE}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What ended a piece of work before it was done; `lost` as in `Outcome`."""
+
+    text: str
+    lost: bool = False
 
 
 @dataclass(frozen=True)
@@ -22,6 +34,11 @@ class Outcome:
     index: int
     error: str | None
     lost: bool = False
+
+    @staticmethod
+    def of(index: int, fault: Fault | None) -> "Outcome":
+        """How a piece of work ended that ended by itself, and by `fault` if there is one."""
+        return Outcome(index, None) if fault is None else Outcome(index, fault.text, fault.lost)
 
 
 @runtime_checkable
@@ -36,21 +53,27 @@ class Runner(Protocol):
         """
 
 
-def attempt(work: Work, memory_mb: int | None) -> str | None:
+def attempt(work: Work, memory_mb: int | None) -> Fault | None:
     """Do `work` with at most `memory_mb` of addresses; what ended it, or None."""
     try:
         with _address_space(memory_mb):
             work()
     except SuiteError as error:
-        return str(error)
+        return Fault(str(error))
     except MemoryError:
         most = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
-        return f"out of memory: needs more than {most}"
+        return Fault(f"out of memory: needs more than {most}")
     except Exception as error:
         if os.environ.get("INDUSTNERF_DEBUG"):
             traceback.print_exc()
-        return f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
+        text = f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
+        return Fault(text, lost=is_of_machine(error))
     return None
+
+
+def is_of_machine(error: Exception) -> bool:
+    """Whether another machine, or this one with more room, might have done the piece."""
+    return isinstance(error, OSError) and error.errno in LACKING
 
 
 @contextmanager

@@ -2,11 +2,11 @@
 
 import signal
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from industnerf.runner.base import Outcome, Work
+from industnerf.runner.base import Work
 from industnerf.runner.device import check_device
 from industnerf.runner.notes import Notes
 from industnerf.runner.processes import ProcessRunner
@@ -48,7 +48,7 @@ class Chunk:
         works = [partial(self.notes.begin, index, work) for index, work in left]
         runner = ProcessRunner(self.workers, FOR_THE_JOB)
         for outcome in runner.map(works, self.limit_s, self.memory_mb):
-            self.notes.write(Outcome(left[outcome.index][0], outcome.error))
+            self.notes.write(replace(outcome, index=left[outcome.index][0]))
 
     def checkpoint(self) -> Any:
         """What submitit asks for after SIGUSR2, before it requeues the job: the same again."""

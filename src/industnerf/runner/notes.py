@@ -28,7 +28,7 @@ class Notes:
     def write(self, outcome: Outcome) -> None:
         """Note how a piece of work ended, in one rename: half a note is never seen."""
         draft = self.folder / f".{outcome.index}-{os.getpid()}"
-        draft.write_text(json.dumps({"error": outcome.error}))
+        draft.write_text(json.dumps({"error": outcome.error, "lost": outcome.lost}))
         draft.rename(self.folder / f"{outcome.index}.json")
 
     def ended(self) -> set[int]:
@@ -38,7 +38,7 @@ class Notes:
     def outcome(self, index: int) -> Outcome:
         """How the piece of work number `index` ended."""
         text = (self.folder / f"{index}.json").read_text()
-        return Outcome(index, json.loads(text)["error"])
+        return Outcome(index, **json.loads(text))
 
     def _with(self, suffix: str) -> set[int]:
         # Listing the folder makes network file systems look anew; asking for one file may not.

@@ -11,7 +11,7 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from industnerf.runner.base import Outcome, Work, attempt
+from industnerf.runner.base import Fault, Outcome, Work, attempt
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 LOOK_S = 1.0  # a clock that runs on much longer between two looks: this process was stopped
@@ -30,7 +30,7 @@ class SerialRunner:
         self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
     ) -> Iterator[Outcome]:
         for index, work in enumerate(works):
-            yield Outcome(index, attempt(work, None))
+            yield Outcome.of(index, attempt(work, None))
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class ProcessRunner:
                 late = [c for c, w in busy.items() if w.deadline <= time.monotonic()]
                 for connection in {*ready, *late}:
                     worker = busy.pop(connection)
-                    yield Outcome(worker.index, worker.collect(limits))
+                    yield Outcome.of(worker.index, worker.collect(limits))
                     if todo:
                         worker = worker.next(todo.pop(), limits)
                         busy[worker.connection] = worker
@@ -119,11 +119,11 @@ class _Worker:
         ours.send((task[1], limits.memory_mb))
         return _Worker(process, ours, task[0], time.monotonic() + limits.seconds)
 
-    def collect(self, limits: _Limits) -> str | None:
-        """The error of the current piece of work, or None."""
+    def collect(self, limits: _Limits) -> Fault | None:
+        """What ended the current piece of work, or None."""
         if not self.connection.poll():
             self.stop()
-            return f"timed out: more than {limits.seconds:g} s (time_limit_s)"
+            return Fault(f"timed out: more than {limits.seconds:g} s (time_limit_s)")
         try:
             return self.connection.recv()
         except (EOFError, OSError):
@@ -131,13 +131,15 @@ class _Worker:
             code = self.process.exitcode
             if code == -signal.SIGKILL:  # if we are next, the piece has not failed: say nothing
                 time.sleep(KILL_S)
-            return f"crashed: its process ended with exit code {code}{limits.hint}"
+            return Fault(f"crashed: its process ended with exit code {code}{limits.hint}")
 
     def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
         """This worker at another piece of work, or a fresh one if it is dead."""
-        if not self.process.is_alive():
+        try:
+            self.connection.send((task[1], limits.memory_mb))
+        except OSError:  # nobody is at the other end
+            self.stop()
             return _Worker.start(task, limits)
-        self.connection.send((task[1], limits.memory_mb))
         self.index, self.deadline = task[0], time.monotonic() + limits.seconds
         return self
 
