@@ -36,7 +36,8 @@ MpiDefault=none
 ReturnToService=2
 KillWait=2
 SchedulerParameters=batch_sched_delay=0,sched_interval=1
-NodeName=localhost NodeAddr=127.0.0.1 CPUs={cores} RealMemory=2000 State=UNKNOWN
+GresTypes=gpu
+NodeName=localhost NodeAddr=127.0.0.1 CPUs={cores} RealMemory=2000 Gres=gpu:2 State=UNKNOWN
 PreemptType=preempt/partition_prio
 PreemptMode=REQUEUE
 PartitionName=work Nodes=localhost Default=YES MaxTime=INFINITE State=UP PriorityTier=1
@@ -75,6 +76,9 @@ class Cluster:
             (self.folder / name).mkdir()
         places = {"folder": self.folder, "controller": _free_port(), "node": _free_port()}
         (self.folder / "slurm.conf").write_text(CONFIGURATION.format(cores=CORES, **places))
+        for number, device in enumerate(("null", "zero")):  # SLURM takes any device for a GPU
+            (self.folder / f"gpu{number}").symlink_to(f"/dev/{device}")
+        (self.folder / "gres.conf").write_text(f"Name=gpu File={self.folder}/gpu[0-1]\n")
         key = self.folder / "munge.key"
         key.write_bytes(os.urandom(128))
         key.chmod(0o400)

@@ -124,6 +124,16 @@ def test_a_job_that_dies_is_cancelled_or_has_a_failing_piece_costs_no_other(
     assert list((place / "logs").glob("run-*/*_log.err"))
 
 
+def test_jobs_that_run_together_have_a_gpu_each(place, monkeypatch):
+    """Neither ends before the other has begun; the node has two, which are files with a name."""
+    monkeypatch.setenv("INDUSTNERF_SLURM_GRES", "gpu:1")
+    notes = [place / "a", place / "b"]
+    pieces = [partial(works.note_its_gpu, own, other) for own, other in (notes, notes[::-1])]
+    outcomes = list(runner_from_environment().map(pieces, 60.0))
+    assert [outcome.error for outcome in outcomes] == [None, None]
+    assert {note.read_text() for note in notes} == {"0", "1"}
+
+
 def told(cluster, job):
     """What SLURM sends before a job's time is over."""
     cluster.run("scancel", "--signal=USR2", job)

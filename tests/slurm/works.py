@@ -29,6 +29,14 @@ def hang(mark):
     time.sleep(600)
 
 
+def note_its_gpu(own, other):
+    """Leave which GPU the job was given in `own`; wait until `other` is there."""
+    own.with_suffix(".draft").write_text(os.environ["CUDA_VISIBLE_DEVICES"])
+    own.with_suffix(".draft").rename(own)
+    while not other.exists():
+        time.sleep(0.1)
+
+
 def count(target, *, log):
     """Leave a line in `log` for every call."""
     with log.open("a") as file:
