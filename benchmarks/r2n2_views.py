@@ -61,7 +61,7 @@ def main() -> None:
 
 
 def gain(one: dict[str, float], more: dict[str, float], families: dict[str, str]) -> list[str]:
-    change = paired_change(one, more, families, load_params().report)
+    change = paired_change(one, more, families, load_params().report, seed=0)
     ends = f"{change.low:+.4f} to {change.high:+.4f}"
     return [f"{change.mean:+.4f}", ends, f"{change.lower} of {len(one)}"]
 

@@ -4,23 +4,20 @@ python -m pipeline.effects runs/sweeps/<of experiment=readings>    docs/readings
 python -m pipeline.effects runs/sweeps/<of experiment=ablation>    docs/method.md
 """
 
-import inspect
 import json
-import re
 import shutil
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
 from industnerf.artifacts.files import write_text
-from industnerf.cli import exit_with_message
+from industnerf.cli import run_command
 from industnerf.config import load_params
-from industnerf.errors import BadArtifact, BadParams
+from industnerf.errors import BadArtifact
 from industnerf.report import ablation, effects
 from industnerf.report.blocks import replace_block
 from industnerf.report.leaves import leaves
 from industnerf.report.sweep_points import preset_of
-from industnerf.schema import readings
+from industnerf.schema.readings import NUMBERS
 
 DOCUMENTS = {
     "readings": (Path("docs/readings.md"), Path("docs/readings.csv")),
@@ -28,10 +25,8 @@ DOCUMENTS = {
 }
 
 
-def main() -> None:
-    if len(sys.argv) != 2:
-        raise BadParams("usage: python -m pipeline.effects runs/sweeps/<of one change at a time>")
-    sweep = Path(sys.argv[1])
+def main(folder: str) -> None:
+    sweep = Path(folder)
     preset = preset_of(sweep)
     if preset not in DOCUMENTS:
         wanted = " or ".join(f"experiment={name}" for name in DOCUMENTS)
@@ -50,14 +45,8 @@ def found_by(sweep: Path, preset: str) -> str:
         usual = leaves(asdict(params.method.industnerf_plus))
         return ablation.table(effects.outcomes(sweep, ablation.METHODS), usual, params.report)
     default = params.method.industnerf.readings
-    return effects.table(effects.outcomes(sweep), default, numbers(), params.report)
-
-
-def numbers() -> dict[str, str]:
-    """The number of every reading: pose -> R1."""
-    source = inspect.getsource(readings.Readings)
-    return dict(re.findall(r"^    (\w+): \w+  # (R\d+)$", source, re.MULTILINE))
+    return effects.table(effects.outcomes(sweep), default, NUMBERS, params.report)
 
 
 if __name__ == "__main__":
-    exit_with_message(main)
+    run_command(main)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
 from industnerf.report.blocks import replace_block
 from industnerf.report.readme import demo_block
@@ -18,7 +19,7 @@ README, RUN, PUBLISHED = Path("README.md"), Path("runs/demo"), Path("results/dem
 
 def main() -> None:
     bring(RUN, PUBLISHED, "make demo")
-    README.write_text(replace_block(README.read_text(), "demo", demo_block(PUBLISHED)))
+    write_text(README, replace_block(README.read_text(), "demo", demo_block(PUBLISHED)))
     with Image.open(RUN / "reports/contact_sheet.png") as sheet:
         sheet.thumbnail((WIDTH, WIDTH))
         sheet.save("docs/demo.png", optimize=True)

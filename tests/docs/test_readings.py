@@ -1,6 +1,5 @@
 """docs/readings.md says what the code can do, all of it, and nothing else."""
 
-import inspect
 import re
 from dataclasses import fields
 from pathlib import Path
@@ -12,13 +11,11 @@ import pytest
 from industnerf.config import load_params
 from industnerf.report.blocks import block
 from industnerf.report.measuring import CHOICES, measuring_block
-from industnerf.schema import readings
-from industnerf.schema.readings import Readings
+from industnerf.schema.readings import NUMBERS, Readings
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
 SECTIONS = {part.split(":")[0]: part for part in re.split(r"^## ", TEXT, flags=re.MULTILINE)[1:]}
-NUMBER = dict(re.findall(r"^    (\w+): \w+  # (R\d+)$", inspect.getsource(readings), re.MULTILINE))
 HINTS = get_type_hints(Readings)
 LITERALS = {name: set(get_args(hint)) for name, hint in HINTS.items()}
 ROW = r"^\| `(\w+)`(?: \(\*\*default\*\*\))? \|"
@@ -32,12 +29,12 @@ def found(pattern: str, text: str) -> list[str]:
 
 def test_there_are_sixteen_sections_and_a_number_for_every_field():
     assert [name for name in SECTIONS if name.startswith("R")] == [f"R{i}" for i in range(1, 17)]
-    assert list(NUMBER) == [field.name for field in fields(Readings)]
+    assert list(NUMBERS) == [field.name for field in fields(Readings)]
 
 
 @pytest.mark.parametrize("field", LITERALS)
 def test_a_section_names_its_key_its_readings_and_the_default(field: str):
-    section = SECTIONS[NUMBER[field]]
+    section = SECTIONS[NUMBERS[field]]
     settings = load_params(ROOT / "params.yaml").method.industnerf.readings
     assert f"Key `{field}`, " in section
     rows = found(ROW, section)
@@ -48,7 +45,7 @@ def test_a_section_names_its_key_its_readings_and_the_default(field: str):
 @pytest.mark.parametrize("field", LITERALS)
 def test_the_function_that_a_section_names_takes_the_reading(field: str):
     """Of R7 it is the twin of what is compiled."""
-    (name,) = found(FUNCTION, SECTIONS[NUMBER[field]])
+    (name,) = found(FUNCTION, SECTIONS[NUMBERS[field]])
     assert HINTS[field] in get_type_hints(resolve_name(name)).values()
 
 
@@ -66,12 +63,12 @@ def test_methods_and_rendering_compare_in_so_many_words_no_reading_but_r4():
 def test_sections_without_a_key_are_those_that_the_metrics_answer():
     keyless = [name for name, text in SECTIONS.items() if "No key. " in text]
     assert keyless == ["R12", "R13"]
-    assert set(NUMBER.values()).isdisjoint(keyless)
+    assert set(NUMBERS.values()).isdisjoint(keyless)
 
 
 def test_every_reading_has_a_row_for_its_effect():
     rows = found(r"^\| (R\d+) \| `(\w+)` \|", block(TEXT, "readings"))
-    wanted = {(NUMBER[field], value) for field, values in LITERALS.items() for value in values}
+    wanted = {(NUMBERS[field], value) for field, values in LITERALS.items() for value in values}
     assert len(rows) == len(set(rows))
     assert set(rows) == wanted
 

@@ -54,7 +54,6 @@ def workplace(tmp_path, monkeypatch):
         (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
         (folder / "made.json").write_text(json.dumps({"date": "2026-01-31", "commit": "abc"}))
         (folder / "sweep.csv").write_text("of the sweep\n")
-        monkeypatch.setattr("sys.argv", ["effects", str(folder)])
         return folder
 
     return swept
@@ -68,8 +67,7 @@ def workplace(tmp_path, monkeypatch):
     ],
 )
 def test_a_sweep_goes_into_the_document_that_asks_about_it(workplace, preset, document, row):
-    workplace(preset)
-    effects.main()
+    effects.main(str(workplace(preset)))
     found = block(Path(f"docs/{document}.md").read_text(), preset)
     assert found.startswith("2026-01-31, commit abc.\n")
     assert row in found
@@ -77,15 +75,16 @@ def test_a_sweep_goes_into_the_document_that_asks_about_it(workplace, preset, do
 
 
 def test_a_sweep_of_something_else_is_refused(workplace):
-    workplace("sweep-noise")
+    folder = workplace("sweep-noise")
     with pytest.raises(BadArtifact, match=r"not of experiment=readings or experiment=ablation"):
-        effects.main()
+        effects.main(str(folder))
 
 
 def test_a_sweep_that_did_not_end_is_refused(workplace):
-    (workplace("ablation") / "sweep.csv").unlink()
+    folder = workplace("ablation")
+    (folder / "sweep.csv").unlink()
     with pytest.raises(BadArtifact, match="writes it at its end"):
-        effects.main()
+        effects.main(str(folder))
 
 
 def test_a_sweep_of_other_methods_is_refused(workplace):
@@ -93,4 +92,4 @@ def test_a_sweep_of_other_methods_is_refused(workplace):
     params = yaml.safe_load((folder / "0/params.yaml").read_text())
     (folder / "0/params.yaml").write_text(yaml.safe_dump(params | {"methods": ["hull"]}))
     with pytest.raises(BadArtifact, match="ran none of industnerf, industnerf_shared"):
-        effects.main()
+        effects.main(str(folder))

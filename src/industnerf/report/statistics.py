@@ -50,7 +50,7 @@ def paired_change(
     after: Mapping[str, float],
     families: Mapping[str, str],
     ways: ReportParams,
-    seed: int = 0,
+    seed: int,
 ) -> Change | None:
     """`after` less `before`, part by part, of all parts that have both; None if none has.
 

@@ -1,6 +1,6 @@
 """The readings of the paper: R1 to R16 of docs/readings.md, each the argument of one function."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 PoseReading = Literal["intended", "printed", "nerf", "identity"]
@@ -23,17 +23,20 @@ ReduceReading = Literal["max", "sum"]
 class Readings:
     """One choice for every ambiguity; R12 and R13 have no key: every way is scored."""
 
-    pose: PoseReading  # R1
-    frame: FrameReading  # R2
-    views: PoolReading  # R3
-    activation: ActivationReading  # R4
-    place: PlaceReading  # R5
-    target: TargetReading  # R6
-    weights: WeightReading  # R7
-    scale: ScaleReading  # R8
-    transmittance: TransmittanceReading  # R9
-    signal: SignalReading  # R10
-    cloud: CloudReading  # R11
-    encoder: EncoderReading  # R14
-    opacity: OpacityReading  # R15
-    samples: ReduceReading  # R16
+    pose: PoseReading = field(metadata={"number": "R1"})
+    frame: FrameReading = field(metadata={"number": "R2"})
+    views: PoolReading = field(metadata={"number": "R3"})
+    activation: ActivationReading = field(metadata={"number": "R4"})
+    place: PlaceReading = field(metadata={"number": "R5"})
+    target: TargetReading = field(metadata={"number": "R6"})
+    weights: WeightReading = field(metadata={"number": "R7"})
+    scale: ScaleReading = field(metadata={"number": "R8"})
+    transmittance: TransmittanceReading = field(metadata={"number": "R9"})
+    signal: SignalReading = field(metadata={"number": "R10"})
+    cloud: CloudReading = field(metadata={"number": "R11"})
+    encoder: EncoderReading = field(metadata={"number": "R14"})
+    opacity: OpacityReading = field(metadata={"number": "R15"})
+    samples: ReduceReading = field(metadata={"number": "R16"})
+
+
+NUMBERS: dict[str, str] = {each.name: each.metadata["number"] for each in fields(Readings)}

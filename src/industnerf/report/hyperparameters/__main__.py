@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from industnerf.artifacts.files import write_text
 from industnerf.cli import exit_with_message
 from industnerf.config import PARAMS, load_stages, read_yaml
 from industnerf.report.hyperparameters.document import document
@@ -10,7 +11,7 @@ OUT = Path("docs/hyperparameters.md")
 
 
 def main() -> None:
-    OUT.write_text(document(PARAMS.read_text(), read_yaml(PARAMS), load_stages()))
+    write_text(OUT, document(PARAMS.read_text(), read_yaml(PARAMS), load_stages()))
     print(f"wrote {OUT}")
 
 
