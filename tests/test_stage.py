@@ -207,12 +207,23 @@ def test_what_a_full_disk_ended_is_no_result_and_made_once_there_is_room(place):
 
 
 @pytest.mark.parametrize(
-    ("on_failure", "advice"),
-    [("strict", "or set on_failure: report"), ("report", "choose other parts")],
+    ("on_failure", "numbers", "advice"),
+    [
+        ("strict", [1, 13], "or set on_failure: report"),
+        ("strict", [13], "choose other parts"),
+        ("report", [13], "choose other parts"),
+    ],
 )
-def test_advice_is_what_would_change_something(place, on_failure, advice):
+def test_advice_is_what_would_change_something(place, on_failure, numbers, advice):
     with pytest.raises(PartsFailed, match=advice):
-        run_stage("s", tasks(place, [13]), place / "out", on_failure)
+        run_stage("s", tasks(place, numbers), place / "out", on_failure)
+
+
+def test_what_was_lost_is_said_however_much_failed_before(place, monkeypatch):
+    monkeypatch.setattr(stage, "runner_from_environment", Lossy)
+    before = {f"a{i}": "no such file" for i in range(20)}
+    with pytest.raises(PartsFailed, match="p2: job 7 vanished"):
+        run_stage("s", tasks(place, [1, 2]), place / "out", "report", failed_before=before)
 
 
 class Twice:

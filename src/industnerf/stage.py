@@ -67,14 +67,14 @@ def run_stage(
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
-    failures, lost = dict(failed_before or {}), 0
+    failures, lost = dict(failed_before or {}), set()
     works = [partial(_make, store, step, keys[i], tasks[i]) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
         for outcome in runner_from_environment().map(works, limit_s, memory_mb):
             at = todo[outcome.index]
             if outcome.error is not None:
                 failures[tasks[at].part_id] = outcome.error
-                lost += outcome.lost
+                lost |= {tasks[at].part_id} if outcome.lost else set()
             progress.advance(tasks[at].part_id, outcome.error, store.cost(step, keys[at]))
     for task, key in zip(tasks, keys, strict=True):
         if task.part_id not in failures:
@@ -82,8 +82,9 @@ def run_stage(
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
     write_failures(out, failures)
-    if lost or (failures and (on_failure == "strict" or (needs_one and not index))):
-        raise _refusal(step, failures, len(index), lost, on_failure)
+    nothing = needs_one and not index
+    if lost or (failures and (on_failure == "strict" or nothing)):
+        raise _refusal(step, failures, len(index), lost, nothing)
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -165,16 +166,17 @@ def _peak_mb() -> float:
 
 
 def _refusal(
-    step: str, failures: dict[str, str], succeeded: int, lost: int, on_failure: str
+    step: str, failures: dict[str, str], succeeded: int, lost: set[str], nothing: bool
 ) -> PartsFailed:
-    shown = "\n".join(f"  {part}: {why}" for part, why in list(failures.items())[:10])
-    advice = "No later stage can do anything then: mend them, or choose other parts."
-    if on_failure == "strict":
-        advice = "Mend or deselect them (parts.select), or set on_failure: report."
+    first = sorted(failures, key=lambda part: part not in lost)[:10]
+    shown = "\n".join(f"  {part}: {failures[part]}" for part in first)
+    advice = "Mend or deselect them (parts.select), or set on_failure: report."
+    if nothing:
+        advice = "No later stage can do anything then: mend them, or choose other parts."
     if lost:
         advice = (
-            f"{lost} of them were lost on the way, not tried in vain: once what is said of them is "
-            "mended, the same command goes on."
+            f"{len(lost)} of them were lost on the way, not tried in vain: once what is said of "
+            "them is mended, the same command goes on."
         )
     return PartsFailed(
         f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "

@@ -6,10 +6,12 @@ import resource
 import signal
 import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from industnerf.artifacts.whole import written_whole
 from industnerf.errors import BadParams, BadPart
 from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
 from industnerf.runner.base import attempt
@@ -31,6 +33,12 @@ def fail():
 
 def fill_disk():
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "cloud.npz")
+
+
+def fill_disk_behind_a_refusal():
+    """What is left of it by whom a file is written whole."""
+    with written_whole(Path("cloud.json")):
+        fill_disk()
 
 
 def read_what_is_closed_to_it():
@@ -133,9 +141,10 @@ def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
 
 @pytest.mark.parametrize("runner", RUNNERS)
 def test_a_full_disk_says_nothing_of_the_piece_of_work_and_a_closed_file_does(runner):
-    works = [fill_disk, read_what_is_closed_to_it, fail]
+    works = [fill_disk, fill_disk_behind_a_refusal, read_what_is_closed_to_it, fail]
     outcomes = {outcome.index: outcome for outcome in runner.map(works, 60.0)}
-    assert [outcomes[index].lost for index in range(3)] == [True, False, False]
+    assert [outcomes[index].lost for index in range(4)] == [True, True, False, False]
+    assert outcomes[1].error == "cloud.json: cannot be written: No space left on device"
     assert outcomes[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
 
 

@@ -12,7 +12,8 @@ from industnerf.errors import SuiteError
 
 Work = Callable[[], None]
 
-# What is wrong with the machine, whatever the piece: a disk is full, or does not answer.
+# What is wrong with the machine, whatever the piece: a disk is full, read-only or does not answer,
+# or no more files can be open.
 LACKING = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.ENFILE}
 
 
@@ -59,7 +60,7 @@ def attempt(work: Work, memory_mb: int | None) -> Fault | None:
         with _address_space(memory_mb):
             work()
     except SuiteError as error:
-        return Fault(str(error))
+        return Fault(str(error), lost=is_of_machine(error))
     except MemoryError:
         most = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
         return Fault(f"out of memory: needs more than {most}")
@@ -71,9 +72,16 @@ def attempt(work: Work, memory_mb: int | None) -> Fault | None:
     return None
 
 
-def is_of_machine(error: Exception) -> bool:
-    """Whether another machine, or this one with more room, might have done the piece."""
-    return isinstance(error, OSError) and error.errno in LACKING
+def is_of_machine(error: BaseException | None) -> bool:
+    """Whether another machine, or this one with more room, might have done the piece.
+
+    What was raised first counts, whatever was said of it on the way.
+    """
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in LACKING:
+            return True
+        error = error.__context__
+    return False
 
 
 @contextmanager
