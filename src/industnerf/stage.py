@@ -67,14 +67,15 @@ def run_stage(
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
     todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
-    failures, lost = dict(failed_before or {}), set()
+    failures, lost = dict(failed_before or {}), set[str]()
     works = [partial(_make, store, step, keys[i], tasks[i]) for i in todo]
     with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
         for outcome in runner_from_environment().map(works, limit_s, memory_mb):
             at = todo[outcome.index]
             if outcome.error is not None:
                 failures[tasks[at].part_id] = outcome.error
-                lost |= {tasks[at].part_id} if outcome.lost else set()
+            if outcome.lost:
+                lost.add(tasks[at].part_id)
             progress.advance(tasks[at].part_id, outcome.error, store.cost(step, keys[at]))
     for task, key in zip(tasks, keys, strict=True):
         if task.part_id not in failures:
