@@ -4,7 +4,6 @@ python -m pipeline.effects runs/sweeps/<of experiment=readings>    docs/readings
 python -m pipeline.effects runs/sweeps/<of experiment=ablation>    docs/method.md
 """
 
-import json
 import shutil
 from dataclasses import asdict
 from pathlib import Path
@@ -16,6 +15,7 @@ from industnerf.errors import BadArtifact
 from industnerf.report import ablation, effects
 from industnerf.report.blocks import replace_block
 from industnerf.report.leaves import leaves
+from industnerf.report.provenance import read_made
 from industnerf.report.sweep_points import preset_of
 from industnerf.schema.readings import NUMBERS
 
@@ -32,7 +32,7 @@ def main(folder: str) -> None:
         wanted = " or ".join(f"experiment={name}" for name in DOCUMENTS)
         raise BadArtifact(f"{sweep} is of preset {preset!r}, not of {wanted}")
     document, points = DOCUMENTS[preset]
-    made = json.loads((sweep / "made.json").read_text())
+    made = read_made(sweep)
     text = f"{made['date']}, commit {made['commit']}.\n\n{found_by(sweep, preset)}"
     write_text(document, replace_block(document.read_text(), preset, text))
     shutil.copyfile(sweep / "sweep.csv", points)

@@ -9,7 +9,6 @@ what the reference rig sees; `python -m pipeline.publish readme` then brings the
 date.
 """
 
-import json
 from pathlib import Path
 
 from industnerf.artifacts.files import write_json, write_text
@@ -18,7 +17,7 @@ from industnerf.config import read_yaml
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
 from industnerf.report.build import table_texts
-from industnerf.report.provenance import origin
+from industnerf.report.provenance import origin, read_made
 from industnerf.report.publish import about
 from industnerf.report.reread import reread_study
 
@@ -27,7 +26,7 @@ def main(published: str) -> None:
     folder = Path(published)
     for name, text in tables(folder).items():
         write_text(folder / name, text)
-    made = json.loads((folder / "made.json").read_text()) | {"retabled": _now()}
+    made = read_made(folder) | {"retabled": _now()}
     write_json(folder / "made.json", made)
     write_text(folder / "README.md", about(folder, made))
 

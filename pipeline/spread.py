@@ -9,11 +9,12 @@ python -m pipeline.spread     only writes the tables anew, with what the publish
 
 from pathlib import Path
 
-from industnerf.artifacts.files import read_json, write_json, write_text
+from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.parts.catalogue import catalogue
 from industnerf.parts.embedded import as_part
+from industnerf.report.provenance import read_made
 from industnerf.report.spread import seed_0, spreads, with_mm
 from industnerf.report.spread_files import read_seeds, seeds_csv, seeds_md
 from industnerf.report.sweep_points import preset_of
@@ -25,7 +26,7 @@ OUT, STUDY = Path("results/seeds"), Path("results/study")
 def main(*sweeps: str) -> None:
     folders = [Path(sweep) for sweep in sweeps]
     # of each sweep, which is whole: another day and commit than today's may have made it
-    made = {seeds_of(folder): read_json(folder / "made.json", 1, "sweep") for folder in folders}
+    made = {seeds_of(folder): read_made(folder) for folder in folders}
     rows = spreads(folders) if folders else read_seeds(OUT)
     reports = [path for folder in folders for path in folder.glob("*/reports")] or [STUDY]
     rows = with_mm(

@@ -5,7 +5,6 @@ python -m pipeline.sweeps        only writes the table anew
 python -m pipeline.sweeps redraw sweep-nets    draws a published plot anew, from its sweep.csv
 """
 
-import json
 import shutil
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
+from industnerf.report.provenance import read_made
 from industnerf.report.sweep_index import PUBLISHED, TABLES, index, presets
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import SELECT, core_seconds, preset_of
@@ -46,7 +46,7 @@ def publish(sweep: Path, machine: str) -> None:
         shutil.copy(sweep / table, folder / table)
     _shrink(sweep / "sweep.png", folder / "sweep.png")
     about = {
-        **json.loads((sweep / "made.json").read_text()),
+        **read_made(sweep),
         "machine": machine or "unknown",
         "core_minutes": round(core_seconds(sweep) / 60, 1),
     }

@@ -50,7 +50,7 @@ def test_a_torn_file_is_named_with_the_stage_that_mends_it(tmp_path, kept):
     kept.save(tmp_path)
     (path,) = tmp_path.iterdir()
     path.write_bytes(path.read_bytes()[:50])
-    with pytest.raises(BadArtifact, match=rf"{path.name}.*dvc repro -f reconstruct"):
+    with pytest.raises(BadArtifact, match=rf"{path.name}.*dvc repro -f -s reconstruct"):
         type(kept).load(tmp_path)
 
 

@@ -24,6 +24,12 @@ def test_a_text_that_cannot_be_written_leaves_no_trace(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "a.txt").write_text("no folder")
+    with pytest.raises(BadArtifact, match=r"a\.txt/b\.txt: cannot be written: File exists"):
+        write_text(tmp_path / "a.txt" / "b.txt", "")
+
+
 def test_a_text_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
     """Where the disk turns out to be full only then, what was there stays."""
 

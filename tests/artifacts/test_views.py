@@ -138,7 +138,7 @@ def test_files_that_nerf_tools_are_told_of_exist(views):
 def test_a_torn_image_is_named(views, kind, keep):
     path = views.folder / kind / "001.png"
     path.write_bytes(path.read_bytes()[:keep])
-    with pytest.raises(BadArtifact, match=rf"{kind}/001\.png.*dvc repro -f views"):
+    with pytest.raises(BadArtifact, match=rf"{kind}/001\.png.*doctor.*dvc repro -f -s views"):
         getattr(load_views(views.folder), {"depth": "depth_mm"}.get(kind, kind))(np.array([0, 1]))
 
 
@@ -158,7 +158,7 @@ def test_a_damaged_image_is_named_or_read(views, frames):
 
 def test_a_missing_image_is_named(views):
     (views.folder / "mask" / "002.png").unlink()
-    with pytest.raises(BadArtifact, match=r"mask/002\.png.*dvc repro -f views"):
+    with pytest.raises(BadArtifact, match=r"mask/002\.png.*doctor.*dvc repro -f -s views"):
         load_views(views.folder).mask(np.array([2]))
 
 

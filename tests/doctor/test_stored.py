@@ -45,6 +45,7 @@ TORN = {
     "out": (lambda entry: shutil.rmtree(entry / "out"), "has nothing in out/"),
     "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 3 files are empty"),
     "half a cloud": (lambda entry: halve(entry / "out/cloud.npz"), "1 of 3 files are cut short"),
+    "half a camera": (lambda entry: halve(entry / "out/cameras.json"), "such as cameras.json"),
     "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as 000.png"),
     "no cost": (lambda entry: (entry / "cost.json").unlink(), "has no cost.json"),
     "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "cost.json is torn"),

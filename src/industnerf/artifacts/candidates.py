@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32
 
-from industnerf.artifacts.files import read_npz
-from industnerf.errors import BadArtifact
+from industnerf.artifacts.files import read_npz, spoilt
 
 SCHEMA = 1
 FILE = "candidates.npz"
@@ -40,8 +39,6 @@ class Candidates:
             path, ("schema", "points_mm", "confidence"), "reconstruct"
         )
         if schema != SCHEMA or points.shape != (len(confidence), 3):
-            raise BadArtifact(
-                f"{path} has schema {schema} and shapes {points.shape} and {confidence.shape}; "
-                "`dvc repro -f reconstruct` writes it anew."
-            )
+            what = f"has schema {schema} and shapes {points.shape} and {confidence.shape}"
+            raise spoilt(path, what, "reconstruct")
         return Candidates(points, confidence)

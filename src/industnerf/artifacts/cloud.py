@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Float32, Int16, UInt8
 
-from industnerf.artifacts.files import read_json, read_npz, write_json
+from industnerf.artifacts.files import read_json, read_npz, spoilt, write_json
 from industnerf.artifacts.ply import write_ply
-from industnerf.errors import BadArtifact
 
 SCHEMA = 2
 OTHERS, REMARKS = "others.npz", "remarks.json"
@@ -44,10 +43,8 @@ class Cloud:
         path, names = folder / "cloud.npz", ("schema", *Cloud.__dataclass_fields__)
         schema, part_id, *arrays, parameters, steps = read_npz(path, names, "reconstruct")
         if schema != SCHEMA:
-            raise BadArtifact(
-                f"{path} has schema {schema}, this code reads {SCHEMA}; "
-                "`dvc repro -f reconstruct` writes it anew."
-            )
+            what = f"has schema {schema}, this code reads {SCHEMA}"
+            raise spoilt(path, what, "reconstruct")
         return Cloud(str(part_id), *arrays, int(parameters), int(steps))
 
     @staticmethod

@@ -13,8 +13,8 @@ from industnerf.errors import BadArtifact
 
 def write_text(path: Path, text: str) -> None:
     """Write `text` to `path`, in a folder made for it; raises BadArtifact if it cannot."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as draft:
+        draft.parent.mkdir(parents=True, exist_ok=True)
         draft.write_text(text, errors="surrogateescape")  # names of files are any bytes
 
 
@@ -23,24 +23,33 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
 
 
+def spoilt(path: Path, what: str, stage: str) -> BadArtifact:
+    """The refusal of the file `path`, with which `what` is wrong and that `stage` writes.
+
+    Results are links to what the store holds, so one that was cut or changed where it lies is so
+    there too, and would be taken from there again.
+    """
+    return BadArtifact(
+        f"{path} {what}. `python -m industnerf.doctor` says what to remove if the store's own is "
+        f"torn; then `dvc repro -f -s {stage}` writes it anew, or once more the sweep or preset "
+        "that it is of."
+    )
+
+
 def read_json(path: Path, schema: int, stage: str) -> Any:
     """The JSON object in `path`, whose `schema` must be `schema`.
 
-    Raises BadArtifact that names the file and the DVC stage that writes it anew.
+    Raises BadArtifact that names the file and how `stage` writes it anew.
     """
     try:
         content = json.loads(path.read_text())
     except FileNotFoundError:
-        raise BadArtifact(f"{path} is missing; `dvc repro {stage}` writes it.") from None
-    except ValueError as error:
-        raise BadArtifact(
-            f"{path} is not readable JSON ({error}); `dvc repro -f {stage}` writes it anew."
-        ) from None
+        raise spoilt(path, "is missing", stage) from None
+    except (OSError, ValueError) as error:
+        raise spoilt(path, f"is not readable JSON ({error})", stage) from None
     found = content.get("schema") if isinstance(content, dict) else None
     if found != schema:
-        raise BadArtifact(
-            f"{path} has schema {found}, this code reads {schema}; `dvc repro -f {stage}`"
-        )
+        raise spoilt(path, f"has schema {found}, this code reads {schema}", stage)
     return content
 
 
@@ -50,6 +59,4 @@ def read_npz(path: Path, names: tuple[str, ...], stage: str) -> list[np.ndarray]
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return [arrays[name] for name in names]
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
-        raise BadArtifact(
-            f"{path} cannot be read ({error}); `dvc repro -f {stage}` writes it anew."
-        ) from None
+        raise spoilt(path, f"cannot be read ({error})", stage) from None

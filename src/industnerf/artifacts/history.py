@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from industnerf.artifacts.files import read_npz
-from industnerf.errors import BadArtifact
+from industnerf.artifacts.files import read_npz, spoilt
 
 SCHEMA = 1
 FILE = "history.npz"
@@ -21,10 +20,10 @@ class History:
     loss: Float[np.ndarray, "n"]
     levels: dict[str, int]  # name of each stage of the optimisation -> its first step
 
-    def save(self, cloud: Path) -> None:
-        """Write `history.npz` into the folder `cloud`."""
+    def save(self, folder: Path) -> None:
+        """Write `history.npz` into `folder`."""
         np.savez_compressed(
-            cloud / FILE,
+            folder / FILE,
             schema=SCHEMA,
             steps=self.steps.astype(np.int64),
             loss=self.loss.astype(np.float64),
@@ -33,20 +32,18 @@ class History:
         )
 
     @staticmethod
-    def load(cloud: Path) -> "History | None":
+    def load(folder: Path, stage: str = "reconstruct") -> "History | None":
         """Read what `save` wrote, None if the method keeps no history.
 
-        Raises BadArtifact if the file is torn or of another schema.
+        `stage` writes it.  Raises BadArtifact if the file is torn or of another schema.
         """
-        path = cloud / FILE
+        path = folder / FILE
         if not path.exists():
             return None
         schema, steps, loss, names, starts = read_npz(
-            path, ("schema", "steps", "loss", "names", "starts"), "reconstruct"
+            path, ("schema", "steps", "loss", "names", "starts"), stage
         )
         if schema != SCHEMA or steps.shape != loss.shape or names.shape != starts.shape:
-            raise BadArtifact(
-                f"{path} has schema {schema}, {len(steps)} steps and {len(loss)} losses; "
-                "`dvc repro -f reconstruct` writes it anew."
-            )
+            what = f"has schema {schema}, {len(steps)} steps and {len(loss)} losses"
+            raise spoilt(path, what, stage)
         return History(steps, loss, dict(zip(names.tolist(), starts.tolist(), strict=True)))

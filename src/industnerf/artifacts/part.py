@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int32, UInt8
 
-from industnerf.artifacts.files import read_json, read_npz, write_json, write_text
+from industnerf.artifacts.files import read_json, read_npz, spoilt, write_json, write_text
 from industnerf.artifacts.finish import Finish, finish_from
 from industnerf.artifacts.ply import write_ply
-from industnerf.errors import BadArtifact
 
 SCHEMA = 2
 
@@ -84,7 +83,8 @@ def load_mesh(folder: Path) -> Mesh:
     path = folder / "mesh.npz"
     vertices, faces, finish = read_npz(path, ("vertices", "faces", "finish"), "parts")
     if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or finish.shape != faces.shape[:1]:
-        raise BadArtifact(f"{path}: shapes {vertices.shape}, {faces.shape} and {finish.shape}")
+        what = f"has shapes {vertices.shape}, {faces.shape} and {finish.shape}"
+        raise spoilt(path, what, "parts")
     return Mesh(vertices.astype(np.float64), faces.astype(np.int32), finish.astype(np.uint8))
 
 

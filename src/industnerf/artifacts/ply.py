@@ -17,8 +17,9 @@ def write_ply(
     face_colours: UInt8[np.ndarray, "m 3"] | None = None,
     unit: str = "mm",
 ) -> None:
-    """Write points, or a mesh if `faces` is given; colours are sRGB.
+    """Write points, or a mesh if `faces` is given.
 
+    Colours are written as they are: linear ones of our own parts, sRGB of other photographs.
     Lengths are in `unit`, which the header says: the suite's own files are in mm.
     `confidence` has two columns, `confidence` and, for MeshLab, `quality`; `view` is the training
     view that says most of a point; `face_colours` need `faces`.

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from industnerf.errors import BadArtifact
+from industnerf.artifacts.files import spoilt
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
@@ -20,10 +20,8 @@ def read_png(path: Path, height: int, width: int, stage: str) -> np.ndarray:
         with Image.open(path) as image:
             pixels = np.asarray(image)
     except (OSError, SyntaxError, ValueError) as error:  # pillow raises all three
-        raise BadArtifact(f"{path}: {error}; `dvc repro -f {stage}` writes it anew.") from None
+        raise spoilt(path, f"cannot be read ({error})", stage) from None
     if pixels.shape[:2] != (height, width):
-        raise BadArtifact(
-            f"{path} has {pixels.shape[:2]} rows and columns, not {(height, width)}; "
-            f"`dvc repro -f {stage}` writes it anew."
-        )
+        what = f"has {pixels.shape[:2]} rows and columns, not {(height, width)}"
+        raise spoilt(path, what, stage)
     return pixels

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-from industnerf.artifacts.files import read_json, write_json
+from industnerf.artifacts.files import read_json, spoilt, write_json
 from industnerf.artifacts.png import read_png, write_png
-from industnerf.errors import BadArtifact
 
 SCHEMA = 1
 FOLDER, INDEX = "renderings", "renderings.json"
@@ -77,6 +76,7 @@ def _read(folder: Path, facts: dict) -> np.ndarray:
         path = folder / f"{index:03d}.png"
         pixels = read_png(path, height, width, "reconstruct")
         if (pixels.dtype, pixels.shape[2:]) != KINDS[folder.name]:
-            raise BadArtifact(f"{path} holds {pixels.dtype} in {pixels.shape[2:] or 1} channels")
+            what = f"holds {pixels.dtype} in {pixels.shape[2:] or 1} channels"
+            raise spoilt(path, what, "reconstruct")
         images[index] = pixels
     return images

@@ -25,7 +25,10 @@ class Score:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and math.isfinite(self.floor)):
-            raise MetricError(f"{self.metric} {self.protocol}: {self.value}, floor {self.floor}")
+            raise MetricError(
+                f"{self.metric} {self.protocol} is {self.value}, its floor {self.floor}: both must "
+                "be finite"
+            )
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,9 @@ class State:
         names = tuple(content.pop("arrays"))
         del content["schema"]
         arrays = dict(zip(names, read_npz(folder / "state.npz", names, "train"), strict=True))
-        histories = History.load(folder), History.load(folder / "validation")
-        return State(arrays, **content, history=histories[0], validation=histories[1])
+        history = History.load(folder, "train")
+        validation = History.load(folder / "validation", "train")
+        return State(arrays, **content, history=history, validation=validation)
 
     @staticmethod
     def summary(folder: Path) -> dict:

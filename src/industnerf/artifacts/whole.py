@@ -3,7 +3,7 @@
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from industnerf.errors import BadArtifact
@@ -21,7 +21,8 @@ def written_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise BadArtifact(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):  # there is none, or no folder for it
+            draft.unlink()
 
 
 def check_folder(path: Path, option: str) -> None:

@@ -56,12 +56,22 @@ def _files(out: Path) -> Iterator[tuple[Path, os.stat_result]]:
 
 def is_cut_short(path: Path) -> bool:
     """Whether the end of a file is not what its kind ends in; of other kinds nothing is known."""
+    if path.suffix == ".json":
+        return not _is_json(path)
     if path.suffix not in ENDS:
         return False
     length, mark = ENDS[path.suffix]
     with path.open("rb") as file:
         file.seek(-min(length, path.stat().st_size), os.SEEK_END)
         return mark not in file.read()
+
+
+def _is_json(path: Path) -> bool:
+    try:
+        json.loads(path.read_text())
+    except ValueError:
+        return False
+    return True
 
 
 def _cost_fault(path: Path) -> str:

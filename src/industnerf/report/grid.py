@@ -6,12 +6,12 @@ from html import escape
 from pathlib import Path
 from statistics import fmean
 
-from industnerf.artifacts.files import read_json
 from industnerf.errors import BadArtifact
 from industnerf.report import paper
 from industnerf.report.formats import csv_rows, csv_text, markdown, short
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
+from industnerf.report.provenance import read_made
 
 CELL = ("points", "reduction", "surface", "cost", "scale")
 FLOOR = "floor"
@@ -81,7 +81,7 @@ def grid_html(folder: Path) -> str:
     """
     if not (folder / "grid.csv").exists():
         return ""
-    found, made = read_grid(folder / "grid.csv"), read_json(folder / "made.json", 1, "grid")
+    found, made = read_grid(folder / "grid.csv"), read_made(folder)
     columns = [Column(head, head in CELL[1:]) for head in _heads(found)]
     facts = {"commit": made["commit"][:7], "date": made["date"], "paper": paper.EMD["industnerf"]}
     return table(columns, [Row([*map(escape, _texts(line))]) for line in found]) + note(

@@ -8,10 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import fmean
 
-from industnerf.artifacts.files import read_json
 from industnerf.report.formats import csv_rows, markdown, short
 from industnerf.report.grid import FLOOR, Line, read_grid
-from industnerf.report.provenance import made_where
+from industnerf.report.provenance import made_where, read_made
 from industnerf.report.table2 import LOSSES
 
 OURS, HULL = "industnerf", "hull"
@@ -33,7 +32,7 @@ def measuring_block(study: Path, grid: Path) -> str:
 
     Raises BadArtifact if the grid is torn.
     """
-    made = read_json(grid / "made.json", 1, "grid")
+    made = read_made(grid)
     cells = {line.cell: line for line in read_grid(grid / "grid.csv")}
     protocols = [_protocol(name, cells[cell]) for name, cell in CHOICES.items() if cell in cells]
     heads = ["id", "reading", f"EMD, `{OURS}`", "floor", "x floor", f"EMD, `{HULL}`", "parts"]

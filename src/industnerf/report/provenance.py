@@ -39,9 +39,20 @@ def origin() -> dict[str, Any]:
     return {"schema": 1, "date": _today(), "commit": commit}
 
 
+def read_made(folder: Path) -> dict[str, Any]:
+    """What `made.json` of a result in `folder` says of it; raises BadArtifact if it is torn."""
+    path = folder / "made.json"
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        raise BadArtifact(
+            f"{path} cannot be read ({error}); what makes {folder} writes it"
+        ) from None
+
+
 def made_where(published: Path) -> str:
     """Machine, day and commit of the results in the folder `published`, as documents say it."""
-    made = json.loads((published / "made.json").read_text())
+    made = read_made(published)
     machine = json.loads((published / "environment.json").read_text())
     return (
         f"{machine['cores']} cores of {machine['cpu']}, {made['date']}, commit "

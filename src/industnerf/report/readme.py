@@ -1,6 +1,5 @@
 """Tables for the README, made of what is published: only the columns that a reader needs there."""
 
-import json
 from collections import defaultdict
 from collections.abc import Set
 from itertools import accumulate
@@ -9,7 +8,7 @@ from statistics import fmean
 
 from industnerf.config import flat, read_yaml
 from industnerf.report.formats import csv_rows, markdown, markdown_rows, rounded, short
-from industnerf.report.provenance import made_where
+from industnerf.report.provenance import made_where, read_made
 from industnerf.report.table2 import LOSSES
 from industnerf.report.words import in_words
 
@@ -50,7 +49,7 @@ def _scores(folder: Path) -> list[Cells]:
 
 def _interval(folder: Path) -> str:
     """How sure the intervals are."""
-    return f"{100 * json.loads((folder / 'made.json').read_text())['interval']:g} %"
+    return f"{100 * read_made(folder)['interval']:g} %"
 
 
 def _found(folder: Path) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from industnerf.config import read_yaml
 from industnerf.report.formats import brief, csv_rows
+from industnerf.report.provenance import read_made
 from industnerf.report.sweep_lines import line_of
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
@@ -82,8 +83,7 @@ def sweeping(root: Path) -> set[str]:
 
 def _where(root: Path, name: str) -> str:
     """`pipeline.effects` leaves a table of the points, `pipeline.spread` says what it read."""
-    made = root / SEEDS / "made.json"
-    seeds = json.loads(made.read_text())["sweeps"] if made.exists() else ()
+    seeds = read_made(root / SEEDS)["sweeps"] if (root / SEEDS / "made.json").exists() else ()
     known = name in seeds or (root / f"docs/{name}.csv").exists()
     return f"in {ELSEWHERE[name]}" if known else "not yet run"
 
