@@ -1,6 +1,7 @@
 """The MLflow database: of another version, damaged, half made, or none at all."""
 
 import shutil
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -39,6 +40,16 @@ with sqlalchemy.create_engine(sys.argv[1]).begin() as connection:
     connection.execute(sqlalchemy.text(text))
 """
 
+# A process that dies in mid-transaction; what does not fit into its cache is in the file already.
+KILLED = """
+import os, signal, sqlite3, sys
+connection = sqlite3.connect(sys.argv[1])
+connection.execute("PRAGMA cache_size = 1")
+connection.execute("DELETE FROM experiments")
+connection.execute("CREATE TABLE filler AS SELECT randomblob(1000000)")
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
 
 def python(script: str, *arguments: str) -> None:
     done = subprocess.run(
@@ -61,6 +72,20 @@ def tear(path: Path) -> None:
     with path.open("r+b") as file:
         file.seek(path.stat().st_size // 2 // 4096 * 4096)
         file.write(b"\xff" * 4096)
+
+
+def cut_off(path: Path) -> Path:
+    """Let a writer of `path` die in mid-transaction; gives the journal that it leaves."""
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    return path.with_name(f"{path.name}-journal")
+
+
+def experiments(path: Path) -> list[str]:
+    connection = sqlite3.connect(path)
+    found = connection.execute("SELECT name FROM experiments ORDER BY name").fetchall()
+    connection.close()
+    return [name for (name,) in found]
 
 
 def half(path: Path) -> None:
@@ -112,6 +137,76 @@ def test_a_broken_database_is_set_aside_and_made_anew(plain: WorkingCopy, made: 
     tear(plain.places.database)
     plain.mend("database")
     assert plain.places.database.with_name("mlflow.db.broken").exists()
+
+
+def test_what_only_the_old_database_has_is_said_to_be_only_there(plain: WorkingCopy, made: Path):
+    """No report on disk tells of the experiment `a`: nothing can log it anew."""
+    path = plain.places.database
+    shutil.copy(made, path)
+    half(path)
+    (finding,) = plain.find("database")
+    assert finding.what.endswith(
+        "no run is logged. From reports on disk runs are logged anew; those of reports that were "
+        "overwritten since stay in mlflow.db.broken alone"
+    )
+    plain.mend("database")
+    assert "a" not in experiments(path)
+    assert "a" in experiments(path.with_name("mlflow.db.broken"))
+
+
+def test_a_transaction_that_was_cut_off_is_no_fault(plain: WorkingCopy, made: Path):
+    """To read it, SQLite must write: it rolls back by the journal.  The doctor leaves both."""
+    path = plain.places.database
+    shutil.copy(made, path)
+    journal = cut_off(path)
+    before = path.read_bytes(), journal.read_bytes()
+    (finding,) = plain.find("database")
+    assert "a transaction was cut off" in finding.what
+    assert not finding.is_wrong
+    assert (path.read_bytes(), journal.read_bytes()) == before
+    assert "a" in experiments(path)  # and that rolled it back
+    assert plain.find("database") == []
+
+
+def test_a_broken_database_keeps_its_journal_when_it_is_set_aside(plain: WorkingCopy, made: Path):
+    """Without it nothing takes back what the dead process wrote: the experiments would be lost."""
+    path = plain.places.database
+    shutil.copy(made, path)
+    half(path)
+    cut_off(path)
+    (finding,) = plain.find("database")
+    assert "was left half made" in finding.what
+    plain.mend("database")
+    assert "a" in experiments(path.with_name("mlflow.db.broken"))
+
+
+def test_tables_of_an_older_mlflow_are_found_behind_a_journal(plain: WorkingCopy):
+    python(OLDER, f"sqlite:///{plain.places.database}")
+    cut_off(plain.places.database)
+    (finding,) = plain.find("database")
+    assert f"the installed MLflow wants {newest_version()}" in finding.what
+    assert finding.mend.startswith("mlflow db upgrade sqlite:///mlflow.db || ")
+
+
+def test_what_no_journal_mends_is_found_broken(plain: WorkingCopy, made: Path):
+    shutil.copy(made, plain.places.database)
+    cut_off(plain.places.database)
+    plain.places.database.write_text("no database" * 1000)
+    plain.places.database.with_name("mlflow.db-journal").write_bytes(b"no journal")
+    (finding,) = plain.find("database")
+    assert "SQLite cannot read" in finding.what
+    assert finding.is_wrong
+
+
+def test_a_database_that_is_in_use_is_left_alone(plain: WorkingCopy, made: Path):
+    shutil.copy(made, plain.places.database)
+    other = sqlite3.connect(plain.places.database)
+    other.execute("BEGIN EXCLUSIVE")
+    (finding,) = plain.find("database")
+    other.close()
+    assert "in use by another process" in finding.what
+    assert not finding.is_wrong
+    assert plain.find("database") == []
 
 
 def test_tables_of_an_older_mlflow_are_brought_up_to_date(plain: WorkingCopy):

@@ -77,6 +77,37 @@ def test_other_versions_and_missing_packages_are_found_and_mended(
     assert environment.find() == []
 
 
+def test_an_install_that_was_cut_off_is_found_and_mended(tmp_path: Path, wheels: Path, root: Path):
+    """Whatever it left of METADATA; and the rest is checked all the same."""
+    environment = Environment(tmp_path, wheels, root)
+    environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel==2.0")
+    (info,) = tmp_path.glob("env/lib/python*/site-packages/steel-2.0.dist-info")
+    for left in (None, "", "Metadata-Version: 2.1\nName: steel\n"):
+        (info / "METADATA").unlink()  # never written to: it may be a link to uv's cache
+        if left is not None:
+            (info / "METADATA").write_text(left)
+        torn, mend, other, _ = environment.find()
+        assert torn == "does not say of which package and version it is: an install was cut off"
+        assert mend.startswith(f"rm -rf {info.relative_to(tmp_path)} && ")
+        assert other == "iron-ore is missing"
+        environment.run("bash", "-c", mend)
+        assert environment.find()[0] == "iron-ore is missing"
+
+
+def test_what_is_left_of_a_package_that_is_not_pinned_goes(
+    tmp_path: Path, wheels: Path, root: Path
+):
+    """pip calls it so while it takes a package away; what it is cannot be installed by name."""
+    environment = Environment(tmp_path, wheels, root)
+    environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel", "iron-ore")
+    (info,) = tmp_path.glob("env/lib/python*/site-packages/steel-2.0.dist-info")
+    (info.parent / "~teel-1.0.dist-info").mkdir()
+    _, mend = environment.find()
+    environment.run("bash", "-c", mend)
+    assert environment.find() == []
+    assert info.exists()
+
+
 def test_a_pin_may_depend_on_the_python():
     text = "# made by uv\nnumpy==2.4.6 ; python_full_version < '3.12'\nNumPy==2.5.5\nrich==14.0\n"
     assert pins(text) == {"numpy": ["2.4.6", "2.5.5"], "rich": ["14.0"]}

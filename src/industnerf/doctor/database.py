@@ -1,44 +1,117 @@
 """The MLflow database: is it one, is it whole, and does the installed MLflow know its tables.
 
-Nothing is lost with it: reports are logged anew by `python -m industnerf.tracking`.
+What a report on disk still says, `python -m industnerf.tracking` logs anew.  Runs of reports that
+were overwritten since are in the database alone: a broken one is set aside, never removed.
 """
 
 import re
+import shutil
 import sqlite3
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
 from industnerf.errors import BadParams
 
 MIGRATIONS = "store/db_migrations/versions"
+IN_USE = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+WAIT_S = 0.5  # for another process: MLflow locks the database for milliseconds
 
 
 def find(places: Places) -> list[Finding]:
-    """At most one finding; no database is none."""
+    """At most one finding; no database is none.
+
+    Raises OSError if there is no room for the copy that `_rolled_back` makes, and BadParams as
+    `newest_version` does.
+    """
     path = places.database
     if not path.exists():
         return []
-    broken = path.with_name(f"{path.name}.broken")
-    replace = f"mv {places.words(path, broken)} && python -m industnerf.tracking"
     try:
-        fault, version = _read(path)
+        return _findings(places, path)
     except sqlite3.Error as error:
-        fault, version = f"SQLite cannot read its {path.stat().st_size} bytes: {error}", ""
+        if _is_in_use(error):
+            return [Finding(path, "is in use by another process; ask again when that is done")]
+        if _journal(path).exists():
+            return _rolled_back(places)
+        return [_unreadable(places, error)]
+
+
+def _is_in_use(error: sqlite3.Error) -> bool:
+    """The low byte says what kind of error it is; what Python itself raises has no code."""
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF in IN_USE
+
+
+def _journal(path: Path) -> Path:
+    return path.with_name(f"{path.name}-journal")
+
+
+def _rolled_back(places: Places) -> list[Finding]:
+    """What is found after a process died in mid-transaction.
+
+    By its journal SQLite takes back what it wrote, but only where it may write: here in a copy.
+    """
+    path = places.database
+    with TemporaryDirectory() as folder:
+        copy = Path(folder, path.name)
+        shutil.copyfile(path, copy)
+        shutil.copyfile(_journal(path), _journal(copy))
+        try:
+            found = _findings(places, copy, mode="rw")
+        except sqlite3.Error as error:
+            return [_unreadable(places, error)]
+    what = "a transaction was cut off; the next `make ui` rolls it back, and no earlier run is lost"
+    return found or [Finding(path, what)]
+
+
+def _findings(places: Places, read: Path, mode: str = "ro") -> list[Finding]:
+    """What is wrong with the database, of which `read` is a copy or itself.
+
+    Raises sqlite3.Error if it cannot be read.
+    """
+    fault, version = _read(read, mode)
     if fault:
-        return [Finding(path, f"{fault}; no run is logged", replace)]
+        return [_broken(places, fault)]
     wanted = newest_version()
-    if version != wanted:
-        what = f"has tables of version {version}, the installed MLflow wants {wanted}"
-        upgrade = f"mlflow db upgrade sqlite:///{places.words(path)}"
-        return [Finding(path, what, f"{upgrade} || ({replace})")]  # a migration may have been cut
-    return []
+    if version == wanted:
+        return []
+    what = f"has tables of version {version}, the installed MLflow wants {wanted}"
+    upgrade = f"mlflow db upgrade sqlite:///{places.words(places.database)}"
+    mend = f"{upgrade} || ({_set_aside(places, places.database)})"  # a migration may have been cut
+    return [Finding(places.database, what, mend)]
 
 
-def _read(path: Path) -> tuple[str, str]:
-    """What is wrong, or an empty text; and the version of the tables."""
-    connection = sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)
+def _unreadable(places: Places, error: sqlite3.Error) -> Finding:
+    size = places.database.stat().st_size
+    return _broken(places, f"SQLite cannot read its {size} bytes: {error}")
+
+
+def _broken(places: Places, fault: str) -> Finding:
+    """Its journal goes with it: SQLite would delete that beside a new database."""
+    path = places.database
+    what = (
+        f"{fault}; no run is logged. From reports on disk runs are logged anew; those of reports "
+        f"that were overwritten since stay in {path.name}.broken alone"
+    )
+    journal = [_journal(path)] if _journal(path).exists() else []
+    return Finding(path, what, _set_aside(places, path, *journal))
+
+
+def _set_aside(places: Places, *paths: Path) -> str:
+    name = places.database.name
+    aside = [path.with_name(path.name.replace(name, f"{name}.broken", 1)) for path in paths]
+    moves = [f"mv {places.words(*pair)}" for pair in zip(paths, aside, strict=True)]
+    return " && ".join([*moves, "python -m industnerf.tracking"])
+
+
+def _read(path: Path, mode: str) -> tuple[str, str]:
+    """What is wrong, or an empty text; and the version of the tables.
+
+    Raises sqlite3.Error if SQLite cannot read it.
+    """
+    connection = sqlite3.connect(f"{path.as_uri()}?mode={mode}", timeout=WAIT_S, uri=True)
     try:
         verdict = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
         tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}

@@ -5,7 +5,7 @@ import shlex
 import shutil
 import sys
 import tomllib
-from importlib.metadata import distributions
+from importlib.metadata import Distribution, PathDistribution, distributions
 from pathlib import Path
 
 from industnerf.doctor.findings import Finding
@@ -15,17 +15,40 @@ PIN = re.compile(r"([\w.-]+)==([^\s;]+)")
 
 
 def find(places: Places) -> list[Finding]:
-    """At most one finding: packages of another version, and dependencies that are missing."""
+    """Installs that were cut off; in one more, other versions and dependencies that are missing."""
     pinned = pins((places.root / "constraints.txt").read_text())
-    installed = {
-        plain(found.metadata["Name"]): found.version.partition("+")[0] for found in distributions()
-    }
+    torn = {path: plain(path.name.partition("-")[0]) for path in _torn()}
+    found = [_cut_off(places, path, name, name in pinned) for path, name in torn.items()]
+    installed = _installed()
     other = {n: v for n, v in installed.items() if n in pinned and v not in pinned[n]}
-    missing = [n for n in _required(places.root) if n not in installed]
+    missing = [n for n in _required(places.root) if n not in {*installed, *torn.values()}]
     said = [f"{name} is {v}, not {' or '.join(pinned[name])}" for name, v in other.items()]
     said += [f"{name} is missing" for name in missing]
     mend = f"{_installer()} {shlex.join([*other, *missing])}"
-    return [Finding(Path(sys.prefix), "; ".join(said), mend)] if said else []
+    return found + ([Finding(Path(sys.prefix), "; ".join(said), mend)] if said else [])
+
+
+def _installed() -> dict[str, str]:
+    """Name -> version, of what says both."""
+    whole = [found for found in distributions() if _is_whole(found)]
+    return {plain(found.metadata["Name"]): found.version.partition("+")[0] for found in whole}
+
+
+def _is_whole(found: Distribution) -> bool:
+    return all(found.metadata.get(key) for key in ("Name", "Version"))
+
+
+def _torn() -> list[Path]:
+    """The folders of what does not say both."""
+    folders = [path for at in dict.fromkeys(sys.path) for path in Path(at).glob("*.dist-info")]
+    return sorted(path for path in folders if not _is_whole(PathDistribution(path)))
+
+
+def _cut_off(places: Places, path: Path, name: str, is_pinned: bool) -> Finding:
+    """What is not pinned only goes: pip cannot install a name such as `~orch`, which it left."""
+    what = "does not say of which package and version it is: an install was cut off"
+    remove = f"rm -rf {places.words(path)}"
+    return Finding(path, what, f"{remove} && {_installer()} {name}" if is_pinned else remove)
 
 
 def pins(text: str) -> dict[str, list[str]]:
