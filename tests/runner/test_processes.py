@@ -27,8 +27,18 @@ def refuse():
     raise BadPart("not closed")
 
 
+TORCH_IS_FULL = (
+    "CUDA out of memory. Tried to allocate 2.00 GiB. GPU 0 has a total capacity of 3 GiB"
+)
+WARP_IS_FULL = "Failed to allocate 4096 bytes on device 'cuda:0'"
+
+
 def fail():
     raise ZeroDivisionError("a bug")
+
+
+def fail_saying(text):
+    raise RuntimeError(text)
 
 
 def fill_disk():
@@ -146,6 +156,14 @@ def test_a_full_disk_says_nothing_of_the_piece_of_work_and_a_closed_file_does(ru
     assert [outcomes[index].lost for index in range(4)] == [True, True, False, False]
     assert outcomes[1].error == "cloud.json: cannot be written: No space left on device"
     assert outcomes[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
+
+
+@pytest.mark.parametrize("said", [TORCH_IS_FULL, WARP_IS_FULL])
+def test_a_full_gpu_says_nothing_of_the_piece_of_work(said):
+    fault = attempt(partial(fail_saying, said), None)
+    assert fault.lost
+    assert fault.text.endswith("fewer INDUSTNERF_WORKERS leave more of the GPU to each")
+    assert not attempt(partial(fail_saying, "shapes differ"), None).lost
 
 
 def test_signals_that_are_meant_for_the_job_do_not_reach_its_pieces(tmp_path):

@@ -1,6 +1,11 @@
 """The runner against a real SLURM of one node, which the tests start and end themselves."""
 
+import os
 import re
+import shutil
+import signal
+import subprocess
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -21,6 +26,12 @@ from tests.slurm import works
 from tests.slurm.cluster import Cluster, why_not
 
 pytestmark = pytest.mark.slurm
+
+STAGE = """
+import sys; from functools import partial; from pathlib import Path
+from industnerf.runner import runner_from_environment; from tests.slurm import works
+list(runner_from_environment().map([partial(works.hang, Path(sys.argv[1]))], 60.0))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -172,6 +183,20 @@ def test_a_job_that_never_starts_is_given_up(cluster, place, monkeypatch):
     [outcome] = runner.map([partial(works.write, place / "a")], 60.0)
     assert "nothing heard for 0.03 min (INDUSTNERF_SLURM_PATIENCE_MIN): PENDING, " in outcome.error
     assert outcome.lost
+    assert cluster.run("squeue", "-h", "-p", "closed") == ""
+
+
+def test_a_stage_that_is_ended_while_sbatch_takes_its_jobs_leaves_none(cluster, place, monkeypatch):
+    """An sbatch that is slow to answer has taken the jobs before the stage is told to end."""
+    slow, taken = place / "sbatch", place / "taken"
+    slow.write_text(f'#!/bin/sh\n{shutil.which("sbatch")} "$@"; touch {taken}; sleep 2\n')
+    slow.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{place}:{os.environ['PATH']}")
+    monkeypatch.setenv("INDUSTNERF_SLURM_PARTITION", "closed")
+    stage = subprocess.Popen([sys.executable, "-c", STAGE, str(place / "mark")])
+    appears(taken)
+    stage.terminate()
+    assert stage.wait(30) == 128 + signal.SIGTERM
     assert cluster.run("squeue", "-h", "-p", "closed") == ""
 
 

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -15,6 +16,9 @@ Work = Callable[[], None]
 # What is wrong with the machine, whatever the piece: a disk is full, read-only or does not answer,
 # or no more files can be open.
 LACKING = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.ENFILE}
+
+# What torch and Warp say of a GPU whose memory, which all processes on it share, is used up.
+FULL_GPU = re.compile(r"CUDA out of memory|Failed to allocate \d+ bytes on device 'cuda")
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ def attempt(work: Work, memory_mb: int | None) -> Fault | None:
         if os.environ.get("INDUSTNERF_DEBUG"):
             traceback.print_exc()
         text = f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
+        if FULL_GPU.search(text):
+            text += "; fewer INDUSTNERF_WORKERS leave more of the GPU to each"
         return Fault(text, lost=is_of_machine(error))
     return None
 
@@ -79,6 +85,8 @@ def is_of_machine(error: BaseException | None) -> bool:
     """
     while error is not None:
         if isinstance(error, OSError) and error.errno in LACKING:
+            return True
+        if isinstance(error, RuntimeError) and FULL_GPU.search(str(error)):
             return True
         error = error.__context__
     return False

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -32,6 +32,7 @@ from industnerf.runner.allocation import (
 from industnerf.runner.base import Outcome, Work
 from industnerf.runner.chunk import Chunk, chunked
 from industnerf.runner.notes import Notes
+from industnerf.runner.signals import put_off
 from industnerf.runner.watch import Watch
 
 PROGRAMS = ("sbatch", "squeue", "scancel", "srun")
@@ -72,9 +73,9 @@ class SlurmRunner:
         good, todo, chunk = True, list(range(len(works))), partial(Chunk, notes=notes, **how)
         while todo:
             dealt = chunked(todo, self.allocation.jobs, self.waiting.chunk)
-            watch = self._submit(folder, [chunk(tuple((i, works[i]) for i in d)) for d in dealt])
-            sent = list(watch.jobs)
-            with _cancelling(watch):
+            chunks = [chunk(tuple((i, works[i]) for i in d)) for d in dealt]
+            with _cancelling(partial(self._submit, folder, chunks)) as watch:
+                sent = list(watch.jobs)
                 for outcome in watch.outcomes():
                     good &= outcome.error is None
                     yield outcome
@@ -129,10 +130,11 @@ def _sbatch(folder: Path, allocation: Allocation, chunks: list[Chunk]) -> list[A
 
 
 @contextmanager
-def _cancelling(watch: Watch) -> Iterator[None]:
-    """Whatever ends this process before its jobs, or gives them up, cancels them.
+def _cancelling(submit: Callable[[], Watch]) -> Iterator[Watch]:
+    """Whatever ends this process before the jobs of `submit`, or gives them up, cancels them.
 
-    SIGTERM is what a stage gets when `dvc` is ended.
+    SIGTERM is what a stage gets when `dvc` is ended.  While sbatch takes the jobs it waits: of
+    those that were taken nobody would know.
     """
 
     def end(signum: int, frame: object) -> None:
@@ -140,10 +142,13 @@ def _cancelling(watch: Watch) -> Iterator[None]:
 
     main = threading.current_thread() is threading.main_thread()
     before = signal.signal(signal.SIGTERM, end) if main else None
+    watch = None
     try:
-        yield
+        with put_off():
+            watch = submit()
+        yield watch
     finally:
         if main:
             signal.signal(signal.SIGTERM, before)
-        if left := [*watch.jobs, *watch.hopeless]:
+        if watch and (left := [*watch.jobs, *watch.hopeless]):
             queue.cancel(left)

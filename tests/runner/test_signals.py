@@ -1,0 +1,73 @@
+"""What is put off comes, and not before its time."""
+
+import os
+import signal
+import subprocess
+import threading
+import time
+
+import pytest
+
+from industnerf.runner.signals import put_off
+
+
+def test_a_signal_comes_when_the_block_is_over():
+    done = []
+
+    def work():
+        with put_off():
+            os.kill(os.getpid(), signal.SIGINT)
+            done.append("all of it")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done == ["all of it"]
+
+
+def test_so_does_one_that_another_thread_is_sent():
+    """Linux gives a process's signal to any thread that does not block it."""
+    ready, over = threading.Event(), threading.Event()
+    other = threading.Thread(target=lambda: (ready.set(), over.wait()))
+    other.start()
+    ready.wait()
+    done = []
+
+    def work():
+        with put_off():
+            signal.pthread_kill(other.ident, signal.SIGINT)
+            time.sleep(0.2)  # the other thread takes it, and tells this one, when it runs
+            done.append("all of it")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    over.set()
+    other.join()
+    assert done == ["all of it"]
+
+
+def test_programs_that_are_started_meanwhile_wait_too():
+    with put_off():
+        program = subprocess.Popen(["sleep", "0.3"])
+        program.terminate()
+        assert program.wait() == 0
+
+
+def test_what_was_there_before_is_there_after():
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    with pytest.raises(ValueError, match="within"), put_off():
+        raise ValueError("within")
+    assert {number: signal.getsignal(number) for number in before} == before
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()).isdisjoint(before)
+
+
+def test_outside_the_main_thread_nothing_is_put_off():
+    said = []
+
+    def work():
+        with put_off():
+            said.append("there")
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert said == ["there"]
