@@ -37,6 +37,19 @@ def test_pixels_are_the_twins(scene):
     torch.testing.assert_close(seen.depth[solid].double(), twin.depth[solid], rtol=1e-3, atol=1e-4)
 
 
+def test_a_neighbour_that_weighs_nothing_is_none():
+    """Rays graze a ball of the radius about one point: a tapered weight of 0 is not divided by."""
+    radius, n = 0.03, 5000
+    points = Points(torch.zeros(1, 3), radius, 4, "tapered")
+    turn = torch.linspace(0, 2 * math.pi, n, dtype=torch.float64)
+    edge = torch.stack([torch.full_like(turn, -2.0), radius * turn.cos(), radius * turn.sin()], 1)
+    rays = Rays(edge.float(), torch.tensor([[1.0, 0.0, 0.0]]).expand(n, 3), torch.full((n,), 0.5))
+    sigma = torch.ones(1, requires_grad=True)
+    seen = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 2.0, 1e-3).look(rays, sigma, torch.ones(1, 3))
+    seen.through.sum().backward()
+    assert all(found.isfinite().all() for found in (seen.colour, seen.through, sigma.grad))
+
+
 def test_gradients_are_the_twins(scene):
     renderer, rays = compiled(scene)
     sigma, rgb = (in_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb))

@@ -6,6 +6,8 @@ import warp as wp
 
 from industnerf import environment
 
+mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)  # from a place to its pixel
+
 
 def start() -> None:
     """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.

@@ -7,11 +7,10 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
-from industnerf.geometry.compiled import start
+from industnerf.geometry.compiled import mat34, start
 
 start()
 wp.set_module_options({"enable_backward": False})
-mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)
 
 BEHIND = wp.constant(0.5)  # truncations behind a surface, from where on an image knows nothing
 

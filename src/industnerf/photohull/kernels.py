@@ -8,14 +8,14 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
-from industnerf.geometry.compiled import start
+from industnerf.geometry.compiled import mat34, start
+from industnerf.photohull import lattice
 
 start()
 wp.set_module_options({"enable_backward": False})
-mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)
 
 BEGIN = wp.constant(2.0)  # cells; what is nearer to a cell does not hide it
-UNKNOWN = wp.constant(-1.0e6)  # too few views see the cell
+UNKNOWN = wp.constant(float(lattice.UNKNOWN))
 OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
 AROUND = wp.constant(2)  # cells on either side that a normal is taken from
 DROPPED = wp.constant(3)  # views at most that may disagree: `insert` keeps one more

@@ -13,6 +13,7 @@ HALVINGS = 3  # from the first lattice, whose cells are all measured, to the las
 # A child's centre is sqrt(3)/2 of its sides from its parent's, and a value counts within
 # 1 of the surface; the rest is for distances in images, which perspective stretches.
 NEAR = 2.5
+UNKNOWN = np.float32(-1e6)  # the gap of a cell that too few views see
 
 
 @dataclass(frozen=True)

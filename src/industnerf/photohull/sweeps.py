@@ -13,13 +13,12 @@ import numpy as np
 from jaxtyping import Bool, Float32, Int32, UInt8
 
 from industnerf.geometry.cellwise import handed, told
-from industnerf.photohull.lattice import Rig
+from industnerf.photohull.lattice import UNKNOWN, Rig
 from industnerf.schema import SpaceCarvingSettings
 
 WHOLE_EVERY = 8  # sweeps; those between look only where the one before took something off
 DONE = 1e-3  # share of the surface that a whole sweep may still take off
 STEPS = np.indices((3, 3, 3)).reshape(3, -1).T - 1
-UNKNOWN = np.float32(-1e6)
 MOST = 0.12  # that the gap of a cell may say to its neighbours; or twice the threshold
 
 Cells = Int32[np.ndarray, "_"]

@@ -57,7 +57,8 @@ def colour_scale(reading: ScaleReading, contrast: float) -> float:
     """L of eq. (12), which the paper does not give, in units of RGB in [0, 1].
 
     max: sqrt(3), the largest distance of two colours, so that S > 0 unless black is rendered
-    white.  unit: 1.  contrast: the spread of the part's own colours, which the caller measures.
+    white.  unit: 1.  contrast: the spread of the colours looked at, of the
+    background beside the part too, which the caller measures.
     """
     match reading:
         case "max":

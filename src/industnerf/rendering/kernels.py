@@ -10,10 +10,12 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
+from industnerf.rendering.compositing import FAINTEST
 from industnerf.rendering.distance import FAINT
 from industnerf.rendering.nearest import Cells, Met, cell_at, nearest
 
 NOTHING = wp.constant(FAINT)
+LEAST = wp.constant(FAINTEST)
 FAR = wp.constant(50.0)
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
@@ -174,7 +176,7 @@ def forward(
     met.count[r] = count
     colour[r] = c
     through[r] = T
-    depth[r] = z / wp.max(1.0 - T, 1.0e-8)
+    depth[r] = z / wp.max(1.0 - T, LEAST)
     if middle < 0.0:
         middle = fallback
     median[r] = middle
@@ -210,7 +212,7 @@ def backward(
     g = d_colour[r]
     behind = wp.dot(g, colour[r])
     ending = d_through[r] * through[r]
-    deeper = d_depth[r] / wp.max(1.0 - through[r], 1.0e-8)
+    deeper = d_depth[r] / wp.max(1.0 - through[r], LEAST)
     T = wp.float32(1.0)
     for q in range(met.count[r]):
         slot = r * march.room + q

@@ -9,6 +9,7 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 import warp as wp
 
 from industnerf.geometry.compiled import start
+from industnerf.rendering.weights import FLOOR
 
 start()
 
@@ -91,15 +92,16 @@ SEARCH = """
             continue;
         }
         const float distance = wp::sqrt(w[i]);
-        const float bounded = wp::max(distance, 1.0e-3f * radius);  // FLOOR of weights.py
+        const float bounded = wp::max(distance, FLOOR * radius);
         float v = (reading == 2 ? 1.0f - distance / radius : 1.0f) / bounded;
         if (reading) v *= v;
         w[i] = v;
         total += v;
     }
+    if (!(total > 0.0f)) count = 0;  // its one neighbour is so far off that it weighs nothing
     for (int i = 0; i < count; ++i) w[i] /= total;
     sizes.data[slot] = count;
-"""
+""".replace("FLOOR", f"{FLOOR}f")
 
 
 @wp.func_native(SEARCH)

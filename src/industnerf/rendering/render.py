@@ -15,6 +15,9 @@ from industnerf.rendering.nearest import Met
 from industnerf.rendering.points import Points
 from industnerf.schema.readings import OpacityReading, ReduceReading, TransmittanceReading
 
+CHUNK = 16384  # rays at a time, where there may be more
+MOST = 2**31  # neighbours along them: kernels number them in 32 bits
+
 
 @dataclass(frozen=True)
 class Rays:
@@ -35,9 +38,7 @@ class Seen:
     colour: Float[Tensor, "r 3"]
     through: Float[Tensor, "r"]  # share of the light that passes all points
     depth: Float[Tensor, "r"]  # mean distance along the ray of what is not background
-    median: Float[
-        Tensor, "r"
-    ]  # distance at which half of the light is left, see `median_beta`; -1 if never
+    median: Float[Tensor, "r"]  # where half of the light is left, see `median_beta`; -1: never
 
     def over(self, background: Float[Tensor, "r 3"]) -> Float[Tensor, "r 3"]:
         """The pixels before a background."""
@@ -110,6 +111,11 @@ class Renderer:
         )
 
     @property
+    def at_once(self) -> int:
+        """How many rays to look along at a time, of any number of them."""
+        return min(CHUNK, (MOST - 1) // (self._march.room * self.points.k))
+
+    @property
     def beta(self) -> float:
         """Softness of the surface, if points hold distances; 0 if they hold densities."""
         return self._march.beta
@@ -143,7 +149,7 @@ class Renderer:
         """
         if self._met is None or self._met[0] < rays:
             slots = rays * self._march.room
-            if slots * self.points.k >= 2**31:  # kernels number them in 32 bits
+            if slots * self.points.k >= MOST:
                 raise ReconstructionFailed(
                     f"{rays} rays of up to {self._march.room} samples of {self.points.k} "
                     "neighbours are too many to be numbered: lower `rays` or `neighbours`, or "
