@@ -1,5 +1,8 @@
 """A checkpoint is what was saved, or nothing."""
 
+from functools import partial
+from pathlib import Path
+
 import pytest
 import torch
 
@@ -38,6 +41,25 @@ def test_so_is_what_is_no_checkpoint(tmp_path, junk):
     (tmp_path / "net.pt").write_bytes(junk)
     assert checkpoint.load(tmp_path / "net.pt") is None
     assert not (tmp_path / "net.pt").exists()
+
+
+@pytest.mark.parametrize("said", [OSError(5, "Input/output error"), None])
+def test_what_the_machine_cannot_read_stays(tmp_path, monkeypatch, said):
+    """A disk that does not answer, or no memory: the same training may go on from it tomorrow."""
+    path = tmp_path / "net.pt"
+    checkpoint.save(path, STATE)
+    if said:
+        monkeypatch.setattr(Path, "read_bytes", partial(fail, said))
+    else:
+        full = RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried 9 bytes")
+        monkeypatch.setattr(torch, "load", partial(fail, full))
+    with pytest.raises((OSError, MemoryError)):
+        checkpoint.load(path)
+    assert path.exists()
+
+
+def fail(error, *_, **__):
+    raise error
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path):

@@ -75,7 +75,8 @@ def test_it_stops_when_no_validation_was_better_for_so_long(tmp_path):
 
 def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
     down = np.arange(10.0)[::-1].tolist()
-    assert trained([*down[:6], 9.0], tmp_path / "early", patience=1)[1].settled
+    assert trained([*down[:3], *8 * [9.0]], tmp_path / "early", patience=3)[1].settled
+    assert not trained([*down[:6], 9.0], tmp_path / "steep", patience=1)[1].settled
     assert not trained(down, tmp_path / "late", patience=1)[1].settled
 
 

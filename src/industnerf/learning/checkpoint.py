@@ -3,6 +3,7 @@
 Two processes may train the same net (`dvc repro` beside a sweep): each writes a draft of its own.
 """
 
+import io
 import pickle
 import sys
 import zipfile
@@ -14,6 +15,7 @@ import torch
 from industnerf.artifacts.whole import written_whole
 
 TORN = (OSError, RuntimeError, EOFError, ValueError, pickle.UnpicklingError, zipfile.BadZipFile)
+NO_MEMORY = "allocate memory"  # torch has an error of no kind of its own for it
 
 
 def save(path: Path, state: dict[str, Any]) -> None:
@@ -28,12 +30,16 @@ def load(path: Path) -> dict[str, Any] | None:
     """What `save` wrote, on the CPU; None where there is nothing, or nothing that can be read.
 
     A file that is torn is said to be so, and goes: hours begin anew, but no net is lost to it.
+    Raises OSError or MemoryError where it is the machine that cannot read it: then it stays.
     """
     if not path.exists():
         return None
+    content = io.BytesIO(path.read_bytes())
     try:
-        return torch.load(path, map_location="cpu", weights_only=True)
+        return torch.load(content, map_location="cpu", weights_only=True)
     except TORN as error:
+        if NO_MEMORY in str(error):
+            raise MemoryError(f"{path} needs more than there is") from error
         print(f"{path} cannot be read ({error}): the training starts anew", file=sys.stderr)
         path.unlink(missing_ok=True)
         return None

@@ -1,4 +1,4 @@
-"""Photographs as nets take them: fewer, smaller, and a little different every time."""
+"""Photographs as nets take them: fewer and smaller."""
 
 import numpy as np
 from jaxtyping import Int, UInt8

@@ -16,6 +16,7 @@ from industnerf.artifacts.history import History
 from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning import checkpoint
+from industnerf.learning.weights import arrays_of
 from industnerf.schema import TrainingSettings
 from industnerf.seeds import generator
 
@@ -23,6 +24,7 @@ from industnerf.seeds import generator
 Loss = Callable[[Int[np.ndarray, "batch"], np.random.Generator], Float[Tensor, ""]]
 CHECKPOINT_S = 20.0
 LAST, LITTLE = 0.2, 0.02  # settled: in the last fifth of the steps at most 2 % were gained
+VALIDATIONS = 4  # how often each part is validated on, rounded up to whole batches
 
 
 @dataclass
@@ -139,7 +141,8 @@ class _Loop:
         """The loss on the validation parts: the same draws every time, so that losses compare."""
         self.net.eval()
         rng, batch = generator(self.seed, "validation"), self.settings.batch
-        which = np.resize(self.asked, max(batch, -(-4 * len(self.asked) // batch) * batch))
+        batches = math.ceil(VALIDATIONS * len(self.asked) / batch)
+        which = np.resize(self.asked, batches * batch)
         losses = [self.loss(some, rng).item() for some in which.reshape(-1, batch)]
         self.now.validated.append(self.now.step)
         self.now.validation.append(self._finite("validation", float(np.mean(losses))))
@@ -150,7 +153,8 @@ class _Loop:
         if not math.isfinite(loss):
             raise ReconstructionFailed(
                 f"the {kind} loss is {loss} at step {self.now.step} of {self.settings.steps}: the "
-                "training diverged; lower training.rate"
+                f"training diverged; its rate (training.rate of the method) is "
+                f"{self.settings.rate:g}, lower it"
             )
         return loss
 
@@ -179,7 +183,7 @@ class _Loop:
         now = self.now
         return Trained(
             now.step,
-            now.stale >= self.settings.patience or settled(now.validated, now.validation),
+            settled(now.validated, now.validation),
             History(np.arange(now.step), np.array(now.losses), {}),
             History(np.array(now.validated) - 1, np.array(now.validation), {}),
         )
@@ -188,7 +192,7 @@ class _Loop:
 def state_of(net: nn.Module, how: Trained, parts: int, size: str) -> State:
     """What is kept of `net`, which learned from so many parts."""
     return State(
-        {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()},
+        arrays_of(net),
         parts,
         size,
         parameters=sum(weights.numel() for weights in net.parameters()),
@@ -200,7 +204,10 @@ def state_of(net: nn.Module, how: Trained, parts: int, size: str) -> State:
 
 
 def settled(steps: Sequence[int], losses: Sequence[float]) -> bool:
-    """Whether the best loss fell by at most 2 % in the last fifth of the steps."""
+    """Whether the best loss fell by at most 2 % in the last fifth of the steps taken.
+
+    It is not where none is known of before that.
+    """
     before = [
         loss for step, loss in zip(steps, losses, strict=True) if step <= (1 - LAST) * steps[-1]
     ]

@@ -16,12 +16,14 @@ def answered(
 ) -> Reconstruction:
     """One or several answers in the unit cube of `frame`; their score is the mean.
 
+    The empty ones come last: the first, which stands for all in pictures, has points.
     Raises ReconstructionFailed if every one of them is empty.
     """
     full = [points for points in clouds if len(points)]
     if not full:
         raise ReconstructionFailed(
-            f"all {len(clouds)} answers of the net are empty: it sees matter nowhere"
+            f"all {len(clouds)} answers of the net are empty: it sees matter nowhere, above its "
+            "`threshold`"
         )
     empty = [points for points in clouds if not len(points)]
     first, *others = [frame.to_mm(points) for points in (*full, *empty)]

@@ -15,6 +15,7 @@ from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.learning.augment import as_tensor
 from industnerf.learning.training import Trained, set_apart, state_of, train
+from industnerf.learning.weights import load_arrays, seeded
 from industnerf.methods.atlasnet.lessons import Lessons
 from industnerf.methods.atlasnet.network import AtlasNet, PointNet, decoder_of, image_encoder_of
 from industnerf.methods.atlasnet.patches import grid, sampled
@@ -52,8 +53,7 @@ def learned(
 
 def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]:
     """One that reads points and one that reads pictures; they share their decoder."""
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with seeded(seed):
         decoder = decoder_of(settings)
         nets = [AtlasNet(PointNet(settings.latent), decoder)]
         nets.append(AtlasNet(image_encoder_of(settings), decoder))
@@ -102,7 +102,7 @@ def clouds(
     """
     torch.set_num_threads(1)
     net = AtlasNet(image_encoder_of(settings), decoder_of(settings)).to(device()).eval()
-    net.load_state_dict({name: torch.tensor(value) for name, value in state.arrays.items()})
+    load_arrays(net, state.arrays)
     uv, faces = grid(settings.grid)
     squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
     rng = np.random.default_rng(seed)

@@ -17,7 +17,9 @@ from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT, draw
 from industnerf.schema import HullRgbSettings, HullSettings
 
-HINT = "; it is seen where a pixel differs from the background by more than hull_rgb.tolerance"
+HINT = (
+    "; it is seen where a pixel differs from the background by more than method.hull_rgb.tolerance"
+)
 
 
 def reconstruct_from_masks(

@@ -16,6 +16,7 @@ from industnerf.learning.augment import as_tensor
 from industnerf.learning.frames import turns_of
 from industnerf.learning.pictures import evenly, scaled
 from industnerf.learning.training import set_apart, state_of, train
+from industnerf.learning.weights import load_arrays, seeded
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Example, Given, Reconstruction
 from industnerf.methods.occupancy.lesson import Lesson
@@ -33,8 +34,7 @@ def fit(
     """Train on the parts that are not set apart; same seed, same bytes on a CPU."""
     torch.set_num_threads(1)  # folds are what runs side by side
     lesson = Lesson.of(examples, settings, generator(seed, "lessons"))
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with seeded(seed):
         net = OccupancyNet(settings).to(device())
     parts = set_apart([example.part_id for example in examples], settings.training.validation)
     checkpoint = scratch / "occupancy.pt"
@@ -52,7 +52,7 @@ def reconstruct(
     """
     torch.set_num_threads(1)  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
-    net.load_state_dict({k: torch.from_numpy(np.asarray(v)) for k, v in state.arrays.items()})
+    load_arrays(net, state.arrays)
     chosen = evenly(len(given.rgb), settings.answers)
     codes = net.encode(as_tensor(scaled(given.rgb[chosen], settings.image_px), device()))
     turns, rng = turns_of(given.cameras[chosen], settings.frame), np.random.default_rng(seed)

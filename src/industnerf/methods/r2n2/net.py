@@ -6,6 +6,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from industnerf.learning.weights import seeded
 from industnerf.methods.r2n2.decoder import Decoder
 from industnerf.methods.r2n2.encoder import FEATURES, Encoder
 from industnerf.methods.r2n2.gru import GridGRU
@@ -48,6 +49,5 @@ def initialise(module: nn.Module) -> None:
 
 def new_net(px: int, divisor: int, seed: int) -> R2N2:
     """A net whose weights depend on `seed` alone."""
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with seeded(seed):
         return R2N2(px, divisor)

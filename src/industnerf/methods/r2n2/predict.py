@@ -10,6 +10,7 @@ from industnerf.geometry.isosurface import isosurface_points
 from industnerf.geometry.nested import nested
 from industnerf.learning.augment import as_tensor
 from industnerf.learning.pictures import scaled
+from industnerf.learning.weights import load_arrays
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Given, Reconstruction
 from industnerf.methods.r2n2.decoder import VOXELS
@@ -29,13 +30,13 @@ def rebuilt(settings: R2n2Settings, state: State) -> R2N2:
     """The net with the weights of `state`."""
     torch.set_num_threads(1)  # parts are what runs side by side
     net = new_net(settings.image_px, settings.divisor, seed=0)
-    net.load_state_dict({name: torch.from_numpy(array) for name, array in state.arrays.items()})
+    load_arrays(net, state.arrays)
     return net.to(device()).eval()
 
 
 def likelihood(given: Given, settings: R2n2Settings, net: R2N2) -> Float32[np.ndarray, "n n n"]:
     """How likely each voxel of the unit cube is full, after all of `views` views."""
-    # farthest from each other in space: every so-manieth of a spiral may look from one side
+    # farthest apart in space: every n-th camera of a spiral may look from the same side
     chosen = nested(given.cameras.eyes, min(settings.views, len(given.rgb)))
     pictures = as_tensor(scaled(given.rgb[chosen], settings.image_px), device())
     return net.full(pictures[None])[0].cpu().numpy()

@@ -53,9 +53,11 @@ class Lessons:
     def loss(self, which: Int[np.ndarray, "batch"], rng: np.random.Generator) -> Float[Tensor, ""]:
         """Cross-entropy of empty and full, mean over voxels, as many views for the whole batch.
 
-        Views are drawn one by one from those of the part, so that one may come twice.
+        Views are drawn one by one from those of the part, so that one may come twice; one to
+        `views` of them while the net learns, as many as it will be asked by to choose its weights.
         """
-        views = rng.integers(1, self.settings.views + 1)
+        most = self.settings.views
+        views = rng.integers(1, most + 1) if self.net.training else most
         drawn = rng.integers(self.pictures.shape[1], size=(len(which), views))
         shown = self.pictures[which[:, None], drawn]
         images = as_tensor(shown.reshape(-1, *shown.shape[2:]), device())

@@ -13,7 +13,6 @@ import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
 from industnerf.artifacts.state import State
-from industnerf.errors import ReconstructionFailed
 from industnerf.learning.pictures import scaled
 from industnerf.methods.answers import answered
 from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
@@ -51,15 +50,10 @@ def reconstruct(
 ) -> Reconstruction:
     """The surface of the part whose views are nearest, summed over the views that both have.
 
-    Raises ReconstructionFailed if they have none in common.
+    Both have the first: `nested` and `evenly` begin with it.
     """
     given_views = np.arange(len(given.rgb)) if given.chosen is None else given.chosen
     _, mine, theirs = np.intersect1d(given_views, state.arrays["views"], return_indices=True)
-    if not len(mine):
-        raise ReconstructionFailed(
-            f"of {len(given_views)} views none is among the {len(state.arrays['views'])} that were "
-            "learned from: more method.retrieval.views, or another number of reconstruct.views"
-        )
     looks = features(scaled(given.rgb[mine], settings.image_px))
     nearest = int(np.argmin(distances(state.arrays["features"][:, theirs], looks)))
     return answered([state.arrays["points"][nearest].astype(np.float64)], given.frame, state)
