@@ -18,10 +18,10 @@ from scipy.spatial.distance import cdist
 
 from industnerf.errors import MetricError
 from industnerf.metrics import emd as module
-from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import weighted
 from industnerf.metrics.emd import DENSE_PAIRS, DENSE_SIDE, emd, proven_emd
 from industnerf.metrics.ground import DISTANCE, SQUARED, Ground
+from industnerf.metrics.plan import Plan
 from industnerf.metrics.proof import Emd
 
 LARGE = 600

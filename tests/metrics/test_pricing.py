@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
-from industnerf.metrics.candidates import Plan, refine
 from industnerf.metrics.cells import CELL_SIZE, Cloud, divide
 from industnerf.metrics.ground import DISTANCE, SQUARED
+from industnerf.metrics.plan import Plan, refine
 from industnerf.metrics.pricing import cheaper_pairs
 
 SEEDS, SIZES = st.integers(0, 10**6), st.integers(1, 90)

@@ -8,9 +8,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
 from industnerf.errors import MetricError
-from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import Cloud
 from industnerf.metrics.ground import DISTANCE, SQUARED
+from industnerf.metrics.plan import Plan
 from industnerf.metrics.proof import proven, transport_cost
 
 # On a line, a_i = i and b_i = i + 1/4: each point goes 1/4 to the right, and u = -x, v = x prove

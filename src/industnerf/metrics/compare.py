@@ -44,14 +44,11 @@ def compare(
     n = settings.points
     shown = predicted.points[predicted.kept]
     visible = compare_visible(frame, truth, predicted, settings)
-    even, even_truth = visible[0].value, farthest_points(truth.points[truth.kept], n)
-    everything = truth.kept.all() and predicted.kept.all()
-    full = (
-        even
-        if everything
-        else emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
-    )
-    iid = emd(even_truth, random_points(shown, n, rng))
+    if truth.kept.all() and predicted.kept.all():
+        full = next(value.value for value in visible if value.protocol == "P1-even")
+    else:
+        full = emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
+    iid = emd(farthest_points(truth.points[truth.kept], n), random_points(shown, n, rng))
     return [
         *visible,
         Value("emd", "P1-iid", iid, "diagonal"),

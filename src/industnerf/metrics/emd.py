@@ -20,10 +20,10 @@ from jaxtyping import Float, Float64, Int64
 from scipy import sparse
 
 from industnerf.errors import MetricError
-from industnerf.metrics.candidates import Plan, refine
 from industnerf.metrics.cells import Cells, Cloud, divide, weighted
 from industnerf.metrics.clouds import checked
 from industnerf.metrics.ground import DISTANCE, SQUARED, Ground
+from industnerf.metrics.plan import Plan, refine
 from industnerf.metrics.prices import highest, settle
 from industnerf.metrics.pricing import cheaper_pairs
 from industnerf.metrics.proof import ABSOLUTE_GAP, Emd, allowed_gap, proven, transport_cost

@@ -17,12 +17,12 @@ def inspected(
     missed: Float[np.ndarray, "m"],
     tolerances_mm: Sequence[float],
 ) -> list[Value]:
-    """How far the points `shown` are from the true surface, and its samples from them: `missed`.
+    """Shares in tolerance, and the Hausdorff distance at 95 %, of the points `shown`.
 
-    Both in diagonals, about the frame's centre.  A point's deviation is its distance to the
-    surface itself; what is `within` a tolerance is a share of the points `shown`, what is `covered`
-    one of the surface's samples, which a point is so near to.  Hausdorff-95 is the larger of the
-    95th percentiles of the deviations and of what is `missed`.
+    `shown` and `missed` are in diagonals; `missed` is how far each sample of the true surface is
+    from the nearest point.  `within` a tolerance is the share of points that are so near to the
+    surface itself, `covered` the share of samples that are so near to a point.  Hausdorff-95 (mm)
+    is the larger of the 95th percentiles of both distances.
     """
     # late: a stage that only names the metric need not wait for Warp
     from industnerf.geometry.closest import distance_to_surface

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from industnerf.errors import MetricError
-from industnerf.metrics.candidates import Plan
 from industnerf.metrics.cells import Cloud
 from industnerf.metrics.ground import Ground
+from industnerf.metrics.plan import Plan
 
 RELATIVE_GAP = 1e-9  # of the value
 ABSOLUTE_GAP = 1e-12  # of the unit, or its square: rounding, where the clouds all but coincide

@@ -1,6 +1,7 @@
 """Protocol P1: from a cloud, or from its absence, to scores."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from statistics import fmean
 
@@ -78,12 +79,17 @@ class Judge:
             return compare(self.frame, self.truth, shown, self.settings, rng)
         return compare_visible(self.frame, self.truth, shown, self.settings)
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """Of the part's true surface."""
         return Frame(load_mesh(self.part))
 
-    @property
+    @cached_property
+    def rig(self) -> Rig:
+        """The reference rig round it."""
+        return Rig(self.frame, self.settings)
+
+    @cached_property
     def truth(self) -> Sampled:
         """The samples of the true surface."""
         points_mm = self.known.points_mm.astype(np.float64)
@@ -97,8 +103,7 @@ class Judge:
         if not len(points_mm):
             return None
         truth_mm, visible = self.known.points_mm.astype(np.float64), self.known.visible
-        rig, hidden = Rig(self.frame, self.settings), self.settings.hidden
-        kept = scored(rig, points_mm, truth_mm, visible, hidden)
+        kept = scored(self.rig, points_mm, truth_mm, visible, self.settings.hidden)
         if not kept.any():  # every point lies deep inside, nearest to hidden surface
             return None
         return Sampled(self.frame.unit(points_mm), kept)
