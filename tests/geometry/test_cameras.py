@@ -14,6 +14,7 @@ from industnerf.geometry.cameras import (
     pixel_centres,
     project,
     ray_directions,
+    reduced_size,
     unproject,
 )
 from industnerf.geometry.sphere import fibonacci_sphere
@@ -122,3 +123,17 @@ def test_cameras_are_cut_like_arrays():
     cameras = Cameras(np.tile(K, (3, 1, 1)), np.stack([random_pose(i) for i in range(3)]), 640, 480)
     assert len(cameras) == 3
     np.testing.assert_array_equal(cameras[np.array([2, 0])].eyes, cameras.eyes[[2, 0]])
+
+
+@pytest.mark.parametrize(
+    ("size", "longest", "reduced"),
+    [
+        ((4000, 3000), 512, (512, 384)),
+        ((3000, 4000), 512, (384, 512)),
+        ((512, 512), 512, (512, 512)),
+        ((100, 50), 512, (100, 50)),  # never enlarged
+        ((4000, 3), 512, (512, 1)),  # never gone
+    ],
+)
+def test_the_long_edge_is_the_limit(size, longest, reduced):
+    assert reduced_size(*size, longest) == reduced

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.reconstruct.shrink import cover, reduced_size, shrink
+from industnerf.reconstruct.shrink import cover, shrink
 
 IMAGE = np.random.default_rng(0).integers(0, 256, (24, 36, 3), np.uint8)
 
@@ -33,17 +33,3 @@ def test_old_pixels_are_shared_out_evenly(old, data):
     np.testing.assert_allclose(shares.sum(axis=1), 1, rtol=0, atol=1e-4)
     np.testing.assert_allclose(shares.sum(axis=0), new / old, rtol=0, atol=1e-4)
     assert (shares >= 0).all()
-
-
-@pytest.mark.parametrize(
-    ("size", "longest", "reduced"),
-    [
-        ((4000, 3000), 512, (512, 384)),
-        ((3000, 4000), 512, (384, 512)),
-        ((512, 512), 512, (512, 512)),
-        ((100, 50), 512, (100, 50)),  # never enlarged
-        ((4000, 3), 512, (512, 1)),  # never gone
-    ],
-)
-def test_the_long_edge_is_the_limit(size, longest, reduced):
-    assert reduced_size(*size, longest) == reduced

@@ -27,6 +27,12 @@ class Cameras:
         return self.c2w[:, :3, 3]
 
 
+def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
+    """(width, height) with a long side of at most `longest` px, the shape kept to half a pixel."""
+    factor = min(1.0, longest / max(width, height))
+    return max(1, round(width * factor)), max(1, round(height * factor))
+
+
 def pixel_centres(width: int, height: int) -> Float[np.ndarray, "pixels 2"]:
     """(u, v) of every pixel's centre in px, row by row."""
     v, u = np.mgrid[:height, :width] + 0.5

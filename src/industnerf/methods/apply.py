@@ -10,7 +10,7 @@ import numpy as np
 from industnerf.artifacts.cloud import Cloud, save_others, save_remarks
 from industnerf.artifacts.state import State
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.base import Example, Input, Method, hand_over
+from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, hand_over
 from industnerf.methods.checks import checked, checked_renderings
 from industnerf.seeds import seed_for
 
@@ -79,20 +79,7 @@ def reconstruct_part(
     own_seed = seed_for(seed, "reconstruct", method.name, part.name)
     learned = None if state is None else State.load(state)
     result = checked(method.reconstruct(given, settings, learned, own_seed), given)
-    n = len(result.points_mm)
-    grey, certain = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
-    view = np.full(n, -1) if result.view is None else result.view
-    if given.chosen is not None:  # a point names its view as the photographs are numbered
-        view = np.where(view >= 0, given.chosen[view], -1)
-    Cloud(
-        part.name,
-        result.points_mm.astype(np.float32),
-        grey if result.colours is None else result.colours,
-        certain if result.confidence is None else result.confidence.astype(np.float32),
-        view.astype(np.int16),
-        result.parameters,
-        result.steps,
-    ).save(target)
+    _cloud(part.name, result, given).save(target)
     if result.remarks:
         save_remarks(target, result.remarks)
     if result.others_mm:
@@ -104,3 +91,21 @@ def reconstruct_part(
     if result.render is not None:
         checked_renderings(result.render(), given).save(target)
     return time.perf_counter() - start
+
+
+def _cloud(part_id: str, result: Reconstruction, given: Given) -> Cloud:
+    """Grey, certain and of unknown view where the method does not say."""
+    n = len(result.points_mm)
+    grey, certain = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
+    view = np.full(n, -1) if result.view is None else result.view
+    if given.chosen is not None:  # a point names its view as the photographs are numbered
+        view = np.where(view >= 0, given.chosen[view], -1)
+    return Cloud(
+        part_id,
+        result.points_mm.astype(np.float32),
+        grey if result.colours is None else result.colours,
+        certain if result.confidence is None else result.confidence.astype(np.float32),
+        view.astype(np.int16),
+        result.parameters,
+        result.steps,
+    )

@@ -185,7 +185,7 @@ def hand_over(method: Method, part: Path, views: Path, count: int = 0) -> Given:
     taken = load_views(views)
     cameras, train, chosen = taken.cameras, taken.train, None
     if count:
-        chosen = nested(cameras[train].c2w[:, :3, 3], count)
+        chosen = nested(cameras[train].eyes, count)
         train = train[chosen]
     readers: dict[Input, Callable[[], Any]] = {
         Input.RGB: lambda: taken.rgb(train),

@@ -5,12 +5,6 @@ from jaxtyping import Float32, UInt8
 from scipy.sparse import csr_array
 
 
-def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
-    """(width, height) with a long edge of at most `longest`, the shape kept to half a pixel."""
-    factor = min(1.0, longest / max(width, height))
-    return max(1, round(width * factor)), max(1, round(height * factor))
-
-
 def shrink(image: UInt8[np.ndarray, "h w 3"], width: int, height: int) -> UInt8[np.ndarray, "..."]:
     """`image` as `width` x `height` px, no larger than it was.
 

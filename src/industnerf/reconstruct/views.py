@@ -7,11 +7,12 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
+from industnerf.geometry.cameras import reduced_size
 from industnerf.reconstruct.distortion import Distortion, straightened
 from industnerf.reconstruct.lenses import distortion, intrinsics, stated_size
 from industnerf.reconstruct.pixels import Facts, read_photo, same_shape
 from industnerf.reconstruct.poses import pose
-from industnerf.reconstruct.shrink import reduced_size, shrink
+from industnerf.reconstruct.shrink import shrink
 from industnerf.reconstruct.transforms import Shot
 
 

@@ -9,7 +9,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.geometry.cameras import look_at
+from industnerf.geometry.cameras import look_at, reduced_size
 from industnerf.methods.industnerf.pixels import (
     STEEP,
     Pixels,
@@ -17,7 +17,6 @@ from industnerf.methods.industnerf.pixels import (
     footprint,
     noisier,
     read,
-    size_of,
 )
 from industnerf.methods.industnerf.scene import Eyes, Scene
 from industnerf.rendering.points import Points
@@ -66,7 +65,7 @@ def test_every_ray_that_meets_a_point_is_in_the_footprint(longest, seed, radius,
     rng = np.random.default_rng(seed)
     points = torch.tensor(rng.uniform(-1, 1, (count, 3)) * rng.uniform(0.05, 1)).float()
     shown = footprint(points, radius, eyes, longest)
-    assert tuple(shown.shape[1:]) == size_of(eyes.width, eyes.height, longest)
+    assert tuple(shown.shape[:0:-1]) == reduced_size(eyes.width, eyes.height, longest)
     for view in range(len(eyes)):
         eye, axis = eyes.c2w[view, :3, 3], eyes.c2w[view, :3, 2]
         ahead = points[(points - eye) @ axis > radius * (1 + 1e-5)]  # others are not looked for
@@ -123,21 +122,6 @@ def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     seen = renderer.look(rays, torch.full((8,), 1e4), torch.zeros(8, 3))
     assert (seen.through == 1).all()
     assert (seen.colour == 0).all()
-
-
-@pytest.mark.parametrize(
-    ("width", "height", "longest", "expected"),
-    [
-        (64, 64, 32, (32, 32)),
-        (64, 48, 32, (24, 32)),
-        (48, 64, 32, (32, 24)),
-        (64, 48, 64, (48, 64)),
-        (64, 48, 500, (48, 64)),  # never made larger
-        (600, 2, 30, (1, 30)),
-    ],
-)
-def test_images_keep_their_shape_and_are_only_reduced(width, height, longest, expected):
-    assert size_of(width, height, longest) == expected
 
 
 def test_reduced_images_are_means_of_blocks():

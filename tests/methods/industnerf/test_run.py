@@ -217,12 +217,14 @@ def test_a_trained_encoder_goes_on_from_what_it_has_learned():
     np.testing.assert_allclose(rest.losses[6:], whole.losses[6:], rtol=0.1)
 
 
-@METHODS
-def test_photographs_of_nothing_fail(name):
+@pytest.mark.parametrize(
+    ("name", "steps"), [("industnerf", 100), (FREE, 100), ("nerf", 100), ("nerf", 5)]
+)
+def test_photographs_of_nothing_fail(name, steps):
     given = posed(SOLIDS["ball"], 4, 32)
     blank = replace(given, rgb=np.full_like(given.rgb, 255))
     with pytest.raises(ReconstructionFailed, match=r"no point is left|the field is empty"):
-        run(blank, settings(name, **SMALL, levels=[{"steps": 100}]), 1)
+        run(blank, settings(name, **SMALL, levels=[{"steps": steps}]), 1)
 
 
 def test_a_pruned_network_stays_so_and_goes_on_from_any_state():

@@ -14,16 +14,14 @@ FAR = 2.0  # beyond the region of interest, and of any view
 
 
 class Silhouettes:
-    """How far outside the part's silhouette each pixel of each view is.
-
-    A pixel is background if no channel is farther than `tolerance` from the background's.
-    """
+    """Where each view shows the part (`part_in`), and how far off its outline each pixel is, px."""
 
     def __init__(self, scene: Scene, tolerance: float) -> None:
         self._eyes, self._focal = scene.eyes, scene.eyes.K[:, [0, 1], [0, 1]].amax(dim=1)
         images, background = scene.images.cpu().numpy(), scene.background.cpu().numpy()
         part = torch.from_numpy(part_in(images, background, tolerance)).to(scene.images.device)
-        self._outside, self._inside = map(distance_transform, (part, ~part))
+        self._outside, inside = map(distance_transform, (part, ~part))
+        self._signed = torch.where(self._outside > 0, self._outside - 0.5, 0.5 - inside)
 
     @property
     def device(self) -> torch.device:
@@ -32,8 +30,7 @@ class Silhouettes:
 
     def outlines(self) -> Float32[np.ndarray, "n h w"]:
         """As `geometry.silhouettes.outlines` of the part, of what is known already."""
-        outside, inside = (x.clamp(max=NEAR) for x in (self._outside, self._inside))
-        return torch.where(outside > 0, 0.5 - outside, inside - 0.5).cpu().numpy()
+        return (-self._signed).clamp(0.5 - NEAR, NEAR - 0.5).cpu().numpy()
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
         """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
@@ -44,12 +41,11 @@ class Silhouettes:
         """
         most = torch.full_like(points[:, 0], -torch.inf)
         height, width = self._outside.shape[1:]
-        for K, c2w, focal, outside, inside in zip(
-            self._eyes.K, self._eyes.c2w, self._focal, self._outside, self._inside, strict=True
+        for K, c2w, focal, signed in zip(
+            self._eyes.K, self._eyes.c2w, self._focal, self._signed, strict=True
         ):
             uv, depth = project(points, K, c2w)
             seen = in_view(uv, depth, width, height)
-            signed = (outside - 0.5).clamp(min=0) - (inside - 0.5).clamp(min=0)  # 0 on the outline
             px = sample_features(signed[None], uv.masked_fill(~seen[:, None], 0.0), width, height)
             away = px[:, 0] * depth / focal
             most = torch.maximum(most, torch.where(seen, away, -torch.inf))

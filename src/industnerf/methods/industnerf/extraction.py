@@ -10,7 +10,6 @@ from industnerf.methods.industnerf.fused import fused
 from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, Testimony, thinned
 from industnerf.schema import IndustnerfSettings
-from industnerf.schema.readings import CloudReading
 
 
 def final_cloud(
@@ -19,17 +18,16 @@ def final_cloud(
     told: Testimony,
     posed: Posed,
     ways: IndustnerfSettings,
-    reading: CloudReading,
     seed: int,
 ) -> Surface:
     """The points of the cloud, their colours, confidences and the views that are surest.
 
-    confident: the cloud points of confidence (13) of at least `least_confidence`.
+    confident: the cloud points whose confidence (13) is at least `least_confidence`.
     surface: where pixels see the surface, if they are as sure, one point a cell of side `spacing`.
     fused: on the surface on which the views agree, drawn by `seed` (`fused.fused`).
     """
     least = ways.least_confidence
-    match reading:
+    match ways.readings.cloud:
         case "confident":
             sure = told.confidence >= max(least, torch.finfo(torch.float32).tiny)
             return Surface(points[sure], rgb[sure], told.confidence[sure], told.view[sure])
@@ -38,4 +36,4 @@ def final_cloud(
         case "fused":
             return fused(told.surface, posed, ways, seed)
         case _:
-            assert_never(reading)
+            assert_never(ways.readings.cloud)

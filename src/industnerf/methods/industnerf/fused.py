@@ -11,10 +11,9 @@ import torch
 from jaxtyping import Bool, Float, Float32
 from pykdtree.kdtree import KDTree
 
-from industnerf.geometry.cameras import projections_from_ball
+from industnerf.geometry.cameras import projections_from_ball, reduced_size
 from industnerf.geometry.fusion import UNKNOWN, fuse
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.methods.industnerf.pixels import size_of
 from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, thinned
 from industnerf.schema import IndustnerfSettings
@@ -59,7 +58,7 @@ def depth_images(
 ) -> tuple[Float32[np.ndarray, "v h w"], Projections]:
     """What each view sees of `surface`, the longer side of its image `longest` px; 0 is nothing."""
     width, height = posed.cameras.width, posed.cameras.height
-    tall, wide = size_of(width, height, longest)
+    wide, tall = reduced_size(width, height, longest)
     projections = projections_from_ball(posed.cameras, posed.centre, posed.radius)
     projections[:, 0] *= wide / width
     projections[:, 1] *= tall / height

@@ -14,6 +14,11 @@ from industnerf.schema.readings import PlaceReading
 WARM_UP = -1  # the level before the first: every eighth point of its grid
 
 
+def name_of(level: int) -> str:
+    """As people are told of it."""
+    return "warm-up" if level == WARM_UP else f"level {level}"
+
+
 def spacing_of(grid_res: int, level: int) -> float:
     """Distance of neighbouring points of a grid on [-1, 1] that is halved at every level."""
     return 2 / (grid_res * 2**level)

@@ -71,7 +71,7 @@ class Network(nn.Module):
 def activate(
     raw: Float[Tensor, "*n"], reading: ActivationReading, unit: float, ceiling: float
 ) -> Float[Tensor, "*n"]:
-    """Density in 1/length of raw density; in 1/`unit`, which is a length, before the division.
+    """Density (1/length) of raw density; what follows is in 1/`unit`, a length.
 
     distance  raw * unit, a signed distance and a length: rendering makes a density of it.
     cut_exp  max(exp(min(raw, ceiling)) - exp(-6), 0): exactly 0 for raw <= -6.

@@ -14,6 +14,7 @@ from industnerf.methods.industnerf.scene import Posed
 from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
+from industnerf.schema.carving import BLOCK, COARSEST
 
 
 class PhotoHull:
@@ -43,10 +44,11 @@ class PhotoHull:
 def of_two_pixels(ways: SpaceCarvingSettings, px: float) -> SpaceCarvingSettings:
     """`ways` with cells of two pixels or more, where `px` span the region of interest.
 
-    The colours within a pixel are averaged: of smaller cells each view would show another mean.
+    But never fewer than COARSEST a side: below 64 px cells are smaller.  The colours within a
+    pixel are averaged: of smaller cells each view would show another mean.
     """
-    most = int(px / 2) // 8 * 8
-    return replace(ways, grid_res=min(ways.grid_res, max(32, most)))
+    most = int(px / 2) // BLOCK * BLOCK
+    return replace(ways, grid_res=min(ways.grid_res, max(COARSEST, most)))
 
 
 def depth_in(solid: Bool[np.ndarray, "r r r"]) -> Float32[np.ndarray, "r r r"]:

@@ -7,6 +7,7 @@ from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 from torch.nn.functional import adaptive_avg_pool2d, adaptive_max_pool2d, max_pool2d
 
+from industnerf.geometry.cameras import reduced_size
 from industnerf.methods.industnerf.projection import project
 from industnerf.methods.industnerf.scene import Eyes, Scene
 from industnerf.rendering.render import Rays
@@ -74,12 +75,6 @@ def noisier(
     return colours + deviation * torch.randn(colours.shape, generator=generator).to(colours)
 
 
-def size_of(width: int, height: int, longest: int) -> tuple[int, int]:
-    """Height and width of an image whose longer side is brought down to `longest` px."""
-    share = min(1.0, longest / max(width, height))
-    return max(1, round(height * share)), max(1, round(width * share))
-
-
 def averaged(scene: Scene, height: int, width: int) -> Float32[Tensor, "n h w 3"]:
     """The images in [0, 1], each pixel the mean of those that it stands for."""
     small = [
@@ -104,7 +99,7 @@ def footprint(
 
     Points up to `spacing` in front of the camera, and those behind it, are not looked for.
     """
-    height, width = size_of(eyes.width, eyes.height, longest)
+    width, height = reduced_size(eyes.width, eyes.height, longest)
     masks = torch.zeros(len(eyes), height, width, dtype=torch.bool, device=points.device)
     scale = points.new_tensor([width / eyes.width, height / eyes.height])
     for mask, K, c2w in zip(masks, eyes.K, eyes.c2w, strict=True):

@@ -5,7 +5,9 @@ surface is theirs, and is soft: light reaches far inside.  While it hardens, wha
 contradict is carved.  Deep inside the photo hull all points start alike (`start.deepest`): a point
 that started at its true depth would have to be carved through all of it.
 
-    carved = distance - that of the hull >= 0
+    carved = max(0, distance - that of the hull)
+
+Inside, a point may be `slack` times as deep as the hull has it, which is carved by nothing.
 
 Of a plain face most images contradict neither the face nor a hollow in it: what nothing keeps
 carving falls back to where it started; faster, if the photographs are not believed (`photohull`).

@@ -8,7 +8,6 @@ from torch import Tensor
 from industnerf.artifacts.renderings import Renderings
 from industnerf.methods.industnerf.pixels import footprint
 from industnerf.methods.industnerf.scene import Eyes
-from industnerf.methods.industnerf.witnesses import CHUNK
 from industnerf.rendering.distance import density
 from industnerf.rendering.render import Renderer
 
@@ -22,7 +21,10 @@ def rerender(
     rgb: Float32[Tensor, "m 3"],
     radius: float,
 ) -> Renderings:
-    """Colour, depth along z, and opacity from every camera; depth in `radius` of the unit ball."""
+    """Colour, opacity, and depth along z in the unit of `radius`, which is that of the unit ball.
+
+    Depth is 0 where no surface is met.
+    """
     n, height, width = len(eyes), eyes.height, eyes.width
     colour = background[:, None, None].expand(n, height, width, 3).clone()
     depth = torch.zeros(n, height, width, device=values.device)
@@ -31,7 +33,7 @@ def rerender(
     softest = max(renderer.beta, renderer.median_beta)
     dense = density(values, softest) > 0
     shown = footprint(renderer.points.positions[dense], reach, eyes, max(height, width))
-    for pixels in shown.nonzero().split(CHUNK):
+    for pixels in shown.nonzero().split(renderer.at_once):
         view, row, column = pixels.unbind(1)
         uv = torch.stack([column, row], dim=1) + 0.5
         rays = eyes.rays(view, uv, torch.full_like(uv[:, 0], 0.5))

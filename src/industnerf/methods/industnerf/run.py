@@ -14,11 +14,12 @@ from industnerf.artifacts.renderings import Renderings
 from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
+from industnerf.learning.weights import load_arrays, seeded
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.extraction import final_cloud
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.finer import as_fine_as_fits, margin
-from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
+from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, name_of, spacing_of
 from industnerf.methods.industnerf.pair import Pair
 from industnerf.methods.industnerf.photohull import PhotoHull
 from industnerf.methods.industnerf.recolour import recolour
@@ -128,11 +129,10 @@ class Work:
         for text in self._remarks:
             watch.remark(text)
         self._generator = torch.Generator().manual_seed(seed)
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
+        with seeded(seed):
             self._field = Field(self.scene, settings).to(self.scene.images.device)
         if learned:
-            Pair(self._field).load(learned)
+            load_arrays(Pair(self._field), learned)
         self._losses, self._first_steps = [], {}
         self.told: Testimony | None = None
         self._level = self._first = WARM_UP if settings.warm_up.steps else 0
@@ -147,7 +147,7 @@ class Work:
             layer = layer.only(self._silhouettes.may_hold(layer.points, slack))
         if not len(layer.points):
             raise ReconstructionFailed(
-                f"no point is left at level {self._level}: is the part inside the region of "
+                f"no point is left of {name_of(self._level)}: is the part inside the region of "
                 "interest, and is the background's colour right?"
             )
         return Training(
@@ -163,7 +163,7 @@ class Work:
 
     def train(self) -> None:
         """Take the steps of this level that are left."""
-        name = f"level {self._level}" if self._level >= 0 else "warm-up"
+        name = name_of(self._level)
         self._first_steps.setdefault(name, len(self._losses))
         self._watch.begin(name, self.training.steps - self.training.taken)
         while self.training.taken < self.training.steps:
@@ -212,8 +212,7 @@ class Work:
         ways = self._settings
         sigma, (_, rgb) = self.training.density(), self.training.values()
         points = self.training.points.positions
-        reading = ways.readings.cloud
-        cloud = final_cloud(points, rgb, self.told, self._posed, ways, reading, self._seed)
+        cloud = final_cloud(points, rgb, self.told, self._posed, ways, self._seed)
         dense = sigma > 0
         return Outcome(
             self._in_world(cloud.points),

@@ -17,6 +17,7 @@ from industnerf.artifacts.state import State
 from industnerf.device import device
 from industnerf.learning import checkpoint
 from industnerf.learning.training import settled
+from industnerf.learning.weights import arrays_of, seeded
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, grid, spacing_of
 from industnerf.methods.industnerf.pair import Pair
@@ -49,7 +50,7 @@ def schooled(
 
 
 def _of_a_class(settings: IndustnerfSettings, pupils: int) -> IndustnerfSettings:
-    """E learns, from all of them together as fast as it would from one.
+    """E learns here, at its rate divided by the number of parts: each of them takes a step of it.
 
     What a part's views were encoded to goes stale with every step of E, whoever takes it.
     """
@@ -60,8 +61,7 @@ def _of_a_class(settings: IndustnerfSettings, pupils: int) -> IndustnerfSettings
 
 
 def _new_pair(scene: Scene, ways: IndustnerfSettings, seed: int) -> Pair:
-    with torch.random.fork_rng(devices=[]):
-        torch.manual_seed(seed)
+    with seeded(seed):
         return Pair(Field(scene, ways).to(device()))
 
 
@@ -85,7 +85,7 @@ def _state(pair: Pair, losses: Sequence[Sequence[float]], parts: int, steps: int
     every = [loss for term in losses for loss in term]
     ends = [steps * (number + 1) for number in range(len(losses))]
     return State(
-        pair.arrays(),
+        arrays_of(pair),
         parts,
         parameters=sum(weights.numel() for weights in pair.parameters()),
         steps=len(every),

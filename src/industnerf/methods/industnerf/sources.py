@@ -6,9 +6,10 @@ import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor, nn
 
+from industnerf.geometry.cameras import reduced_size
 from industnerf.methods.industnerf.encoder import STRIDE, Encoder
 from industnerf.methods.industnerf.encoding import encode, encoded_channels, encoding_frame
-from industnerf.methods.industnerf.pixels import averaged, noisier, size_of
+from industnerf.methods.industnerf.pixels import averaged, noisier
 from industnerf.methods.industnerf.pooling import felt, pool, pooled_channels, weights_of
 from industnerf.methods.industnerf.projection import in_view, project, sample_features
 from industnerf.methods.industnerf.roles import encoder_role
@@ -65,7 +66,8 @@ class Sources(nn.Module):
         """
         eyes = self._scene.eyes
         longest = round(STRIDE * 2 / spacing) if spacing else max(eyes.width, eyes.height)
-        return averaged(self._scene, *size_of(eyes.width, eyes.height, longest)).permute(0, 3, 1, 2)
+        width, height = reduced_size(eyes.width, eyes.height, longest)
+        return averaged(self._scene, height, width).permute(0, 3, 1, 2)
 
     def encode_anew(self) -> None:
         """Have every view told by E as it is now."""
@@ -133,7 +135,7 @@ class Sources(nn.Module):
         With a generator the images are noisier than they are, if E is to learn from noisier ones.
         """
         eyes, rows, valid = self._scene.eyes, [], []
-        for view, features in zip(views.tolist(), self._encoded(views, generator), strict=True):
+        for view, features in zip(views.tolist(), self.encoded(views, generator), strict=True):
             uv, depth = project(self._points, eyes.K[view], eyes.c2w[view])
             seen = in_view(uv, depth, eyes.width, eyes.height)
             uv = uv.masked_fill(~seen[:, None], 0.0)
@@ -141,10 +143,13 @@ class Sources(nn.Module):
             valid.append(seen)
         return torch.stack(rows), torch.stack(valid)
 
-    def _encoded(
-        self, views: Int64[Tensor, "v"], generator: torch.Generator | None
+    def encoded(
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
     ) -> Iterator[Float32[Tensor, "c th tw"]]:
-        """F = E(I), view by view; on a GPU of all at once, else one has to fit into a cache."""
+        """F = E(I), view by view, of images as coarse as the points.
+
+        On a GPU of all at once; else one has to fit into a cache.
+        """
         images = [self._images[view][None] for view in views.tolist()]
         if generator is not None:
             images = [noisier(image, self._noise, generator) for image in images]

@@ -11,7 +11,7 @@ from torch import Tensor
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.carving import Silhouettes
 from industnerf.methods.industnerf.field import Field
-from industnerf.methods.industnerf.levels import Layer, near_any, spacing_of
+from industnerf.methods.industnerf.levels import Layer, name_of, near_any, spacing_of
 from industnerf.methods.industnerf.losses import error, off_depth, preference
 from industnerf.methods.industnerf.optimiser import FieldAdam
 from industnerf.methods.industnerf.photohull import PhotoHull
@@ -82,7 +82,7 @@ class Training:
         return level_of(self.ways, self.level).image_px
 
     def _index(self, points: Float32[Tensor, "m 3"]) -> None:
-        """Sort the points."""
+        """Sort the points into cells, for two renderers that look at them; none is known empty."""
         ways = self.ways
         reach, side = ways.radius * self.spacing, 1 + self.spacing
         self.points = Points(points, reach, ways.neighbours, ways.readings.weights)
@@ -103,8 +103,8 @@ class Training:
         judged[judging] = seen[judging]
         if not judged.any():
             raise ReconstructionFailed(
-                f"no source view can show a point of level {self.level}: are there views enough, "
-                "and do their cameras agree on where the part is?"
+                f"no source view can show a point of {name_of(self.level)}: are there views "
+                "enough, and do their cameras agree on where the part is?"
             )
         return judged
 
@@ -153,16 +153,19 @@ class Training:
         from there no gradient leads back.
         """
         sigma = self.density()
-        if not (sigma > 0).any():
-            raise ReconstructionFailed(
-                f"the field is empty after {self.taken} steps of level {self.level}: do the images "
-                "show anything but background?"
-            )
+        self._refuse_empty(sigma)
         if self.field.network is not None:
             needed = near_any(self.points.positions, sigma > 0, 2 * self.points.reach)
             if needed.float().mean() < CROWD:
                 sigma = sigma[self._keep(needed)]
         self._fill(sigma > 0)
+
+    def _refuse_empty(self, sigma: Float32[Tensor, "m"]) -> None:
+        if not (sigma > 0).any():
+            raise ReconstructionFailed(
+                f"the field is empty after {self.taken} steps of {name_of(self.level)}: do the "
+                "images show anything but background?"
+            )
 
     def _fill(self, filled: Bool[Tensor, "m"]) -> None:
         self._filled = filled
@@ -239,13 +242,17 @@ class Training:
         return density(self.field()[0], self.renderer.beta)
 
     def testimony(self) -> Testimony:
-        """What the source views say of the points: the last level's finely, others' as trained."""
+        """What the source views say of the points: the last level's finely, others' as trained.
+
+        Raises ReconstructionFailed if no point has a density.
+        """
         self._harden()  # as soft as after the last step, whether it was taken just now or not
         last = self.level == len(self.ways.levels) - 1
         renderer = self.finely(self.ways.softness.shown) if last else self.renderer
         longest = self.ways.surface_px if last else self.image_px // 2
         values, rgb = self.values()
         sigma = density(values, renderer.beta)
+        self._refuse_empty(sigma)
         self._fill(sigma > 0)
         reach, eyes = self.points.reach, self._scene.eyes
         shown = footprint(self.points.positions[sigma > 0], reach, eyes, longest)
@@ -253,7 +260,7 @@ class Training:
         return testimony(self._scene, pixels, renderer, values, rgb, self.ways.readings)
 
     def state(self) -> dict[str, Any]:
-        """All that a later step depends on."""
+        """All that a later step depends on, but what E made of the views: that is encoded anew."""
         return {
             "taken": self.taken,
             "points": self.points.positions,

@@ -12,8 +12,6 @@ from industnerf.rendering.confidence import colour_confidence, colour_scale, ove
 from industnerf.rendering.render import Renderer
 from industnerf.schema.readings import Readings
 
-CHUNK = 16384  # rays at a time
-
 
 @dataclass(frozen=True)
 class Surface:
@@ -50,13 +48,11 @@ def testimony(
 ) -> Testimony:
     """Re-render every source view and ask it for its confidence in every point."""
     scale = colour_scale(readings.scale, contrast_of(pixels))
-    best = torch.zeros_like(values)
-    who = torch.full_like(values, -1, dtype=torch.int64)
     met: list[Surface] = []
     each = []
     for view in range(len(scene)):
         own = torch.zeros_like(values)
-        for shown in pixels.shown[pixels.shown[:, 0] == view].split(CHUNK):
+        for shown in pixels.shown[pixels.shown[:, 0] == view].split(renderer.at_once):
             rays, target, background = pixels.rays(shown, torch.full((len(shown),), 0.5).to(values))
             seen = renderer.look(rays, values, rgb)
             agreement = colour_confidence(target, seen.over(background), scale)
@@ -78,9 +74,8 @@ def testimony(
                 )
             )
         each.append(own.clamp(max=1))
-        best, which = over_views(torch.stack([best, own.clamp(max=1)]))
-        who = torch.where(which == 1, view, who)
-    return Testimony(best, who, joined(met), torch.stack(each))
+    of_views = torch.stack(each)
+    return Testimony(*over_views(of_views), joined(met), of_views)
 
 
 def contrast_of(pixels: Pixels) -> float:

@@ -11,6 +11,7 @@ from torch import Tensor
 from industnerf.artifacts.renderings import Renderings
 from industnerf.methods.industnerf.levels import WARM_UP
 from industnerf.methods.industnerf.pixels import Pixels, footprint
+from industnerf.methods.industnerf.roles import view_roles
 from industnerf.methods.industnerf.run import Outcome, Watch, Work, pictures
 from industnerf.methods.industnerf.scene import Posed, Scene
 from industnerf.methods.industnerf.training import Training
@@ -80,7 +81,7 @@ def make(part_id: str, posed: Posed, settings: IndustnerfSettings, seed: int) ->
         work.train()
     first = work.training
     with torch.no_grad():
-        inputs, features = _told(first, work.scene, view)
+        inputs, features = _told(first, len(work.scene), view)
     points, sigma, (_, rgb) = first.points.positions, first.density(), first.values()
     work.listen()
     told = points, sigma, rgb, work.told.confidence, inputs, features
@@ -95,16 +96,16 @@ def make(part_id: str, posed: Posed, settings: IndustnerfSettings, seed: int) ->
 
 
 def _told(
-    training: Training, scene: Scene, view: int
+    training: Training, views: int, view: int
 ) -> tuple[Float32[Tensor, "m i"] | None, Float32[Tensor, "c th tw"] | None]:
     """What N is told of the points, and the feature map of the view; None where there is none."""
     sources = training.field.sources
     if sources is None:
         return None, None
-    if training.ways.readings.encoder == "none":
+    telling = range(views)[view_roles(training.ways.readings.signal).telling]
+    if training.ways.readings.encoder == "none" or view not in telling:
         return sources(), None
-    image, behind = scene.images[view].permute(2, 0, 1)[None] / 255, scene.background[view]
-    return sources(), sources.encoder(image, behind[:, None, None])[0]
+    return sources(), next(sources.encoded(torch.tensor([telling.index(view)])))
 
 
 def _is_new(points: Float32[Tensor, "n 3"], old: Float32[Tensor, "m 3"]) -> Tensor:
