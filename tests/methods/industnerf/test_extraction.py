@@ -40,11 +40,10 @@ def told_by(told: witnesses.Testimony, least: float, reading: str, spacing: floa
         WAYS,
         surface_px=32,
         least_confidence=least,
-        readings=replace(WAYS.readings, cloud=reading),
         spacing=spacing,
         fusion=replace(WAYS.fusion, grid_res=16, points=500),
     )
-    return final_cloud(MEMBERS.points, MEMBERS.rgb, told, POSED, ways, 7)
+    return final_cloud(MEMBERS.points, MEMBERS.rgb, told, POSED, ways, reading, 7)
 
 
 def assert_same(a: Surface, b: Surface) -> None:

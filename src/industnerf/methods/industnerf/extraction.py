@@ -10,6 +10,7 @@ from industnerf.methods.industnerf.fused import fused
 from industnerf.methods.industnerf.scene import Posed
 from industnerf.methods.industnerf.witnesses import Surface, Testimony, thinned
 from industnerf.schema import IndustnerfSettings
+from industnerf.schema.readings import CloudReading
 
 
 def final_cloud(
@@ -18,6 +19,7 @@ def final_cloud(
     told: Testimony,
     posed: Posed,
     ways: IndustnerfSettings,
+    reading: CloudReading,
     seed: int,
 ) -> Surface:
     """The points of the cloud, their colours, confidences and the views that are surest.
@@ -27,7 +29,7 @@ def final_cloud(
     fused: on the surface on which the views agree, drawn by `seed` (`fused.fused`).
     """
     least = ways.least_confidence
-    match ways.readings.cloud:
+    match reading:
         case "confident":
             sure = told.confidence >= max(least, torch.finfo(torch.float32).tiny)
             return Surface(points[sure], rgb[sure], told.confidence[sure], told.view[sure])
@@ -36,4 +38,4 @@ def final_cloud(
         case "fused":
             return fused(told.surface, posed, ways, seed)
         case _:
-            assert_never(ways.readings.cloud)
+            assert_never(reading)

@@ -212,7 +212,8 @@ class Work:
         ways = self._settings
         sigma, (_, rgb) = self.training.density(), self.training.values()
         points = self.training.points.positions
-        cloud = final_cloud(points, rgb, self.told, self._posed, ways, self._seed)
+        reading = ways.readings.cloud
+        cloud = final_cloud(points, rgb, self.told, self._posed, ways, reading, self._seed)
         dense = sigma > 0
         return Outcome(
             self._in_world(cloud.points),
