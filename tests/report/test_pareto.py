@@ -1,10 +1,14 @@
 """Cost against quality: who is on the front."""
 
 import io
+from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from PIL import Image
 
 from industnerf.report.pareto import front, pareto
@@ -38,3 +42,38 @@ def test_it_is_drawn_with_the_seconds_that_are_known_and_without_any(study):
         blue.append(int((strong - red > 60).sum()))
     assert blue[0] > 50
     assert blue[1] == 0
+
+
+STUDIED = {  # seconds a part and EMD (even) of the study of 2026-11-26
+    "oracle": (0.051, 0.0090),
+    "tsdf": (1.303, 0.0102),
+    "industnerf_plus": (19.7, 0.0157),
+    "carve": (1.916, 0.0176),
+    "hull_rgb": (1.664, 0.0212),
+    "hull": (1.603, 0.0212),
+    "industnerf": (20.2, 0.0222),
+    "nerf": (3.8, 0.0281),
+    "retrieval": (0.256, 0.0719),
+    "r2n2": (0.154, 0.0801),
+    "atlasnet": (0.404, 0.0907),
+    "box": (0.051, 0.0952),
+    "occupancy": (2.590, 0.1036),
+    "ball": (0.034, 0.1266),
+    "mean_shape": (0.061, 0.1578),
+}
+
+
+@pytest.mark.parametrize("beside", [{}, {"twin": STUDIED["hull"], "third": STUDIED["hull"]}])
+def test_every_name_can_be_read(study, monkeypatch, beside):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    row, known = table1(study, SETTINGS)[0], STUDIED | beside
+    rows = [replace(row, method=name, emd_even=emd) for name, (_, emd) in known.items()]
+    pareto(rows, [Extra(None, seconds) for seconds, _ in known.values()])
+    figures[0].draw_without_rendering()
+    (axis,) = figures[0].axes
+    assert {text.get_text() for text in axis.texts} == set(known)
+    boxes = [text.get_window_extent() for text in axis.texts]
+    assert [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])] == []
+    assert all(axis.bbox.containsx(x) for box in boxes for x in box.intervalx)
+    assert all(axis.bbox.containsy(y) for box in boxes for y in box.intervaly)

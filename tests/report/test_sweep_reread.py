@@ -1,7 +1,9 @@
 """A published sweep can be drawn anew, and its front is marked."""
 
+from itertools import combinations
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
@@ -9,7 +11,8 @@ from industnerf.report.formats import csv_rows
 from industnerf.report.sweep_plot import FRONT, plot
 from industnerf.report.sweep_points import SELECT, Result
 from industnerf.report.sweep_reread import reread_sweep
-from industnerf.report.sweep_series import Series, series, trends
+from industnerf.report.sweep_series import Series, Trend, series, trends
+from industnerf.report.trend import PowerLaw
 
 PUBLISHED = [
     path
@@ -122,3 +125,63 @@ def test_seconds_that_hardly_differ_stand_on_an_axis_with_numbers(
     assert (seconds.get_yscale(), exchange.get_xscale()) == (scale, scale)
     assert (seconds.get_ylim()[0] == 0) == (scale == "linear")
     assert memory.get_yscale() == "linear"  # of which nothing is known
+
+
+@pytest.fixture(scope="module", params=PUBLISHED, ids=lambda path: path.parent.name)
+def published(request):
+    """The axes of a published plot, drawn anew: EMD, seconds, memory, and EMD against a price."""
+    points, swept = reread_sweep(request.param.parent)
+    lines, figures = series(points, swept), []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+        plot(lines, trends(lines, swept[0]), swept[0], Path("sweep.png"))
+    figures[0].draw_without_rendering()
+    return figures[0].axes
+
+
+DOT_PX = 4  # from the middle of a dot to its rim
+
+
+def overlaps(boxes):
+    return [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+
+
+def along(axis, line):
+    """Pixels on the line, which is straight between its points."""
+    pixels = axis.transData.transform(line.get_xydata())
+    at = np.linspace(0, len(pixels) - 1, 200)
+    return np.stack([np.interp(at, range(len(pixels)), each) for each in pixels.T], axis=1)
+
+
+def test_no_legend_hides_what_is_drawn(published):
+    for axis in published:
+        if legend := axis.get_legend():
+            box = legend.get_window_extent().padded(DOT_PX)
+            assert [x for line in axis.lines for x in along(axis, line) if box.contains(*x)] == []
+
+
+def test_labels_do_not_run_into_each_other(published):
+    for axis in published:
+        for ticks in (axis.xaxis, axis.yaxis):
+            labels = ticks.get_majorticklabels() + ticks.get_minorticklabels()
+            assert overlaps([each.get_window_extent() for each in labels if each.get_text()]) == []
+    assert overlaps([text.get_window_extent() for text in published[-1].texts]) == []
+
+
+@pytest.mark.parametrize("most", [4.1, 9.0, 1e5])
+def test_a_logarithmic_axis_has_labels(tmp_path, monkeypatch, most):
+    """From 2.1 to 8.6 there is no power of ten."""
+    where = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
+    exchange = axes("views.count", [(2.1, 0.3), (2.1 * most, 0.1)], **where)[-1]
+    low, high = exchange.get_xlim()
+    assert sum(low <= tick <= high for tick in exchange.get_xticks()) >= 2
+
+
+def test_a_legend_longer_than_its_axis_leaves_half_of_it_to_the_points(tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    results = [Result("m", "dev", 0.1, 0.1, 0.1, None, 1.0, s, None, None, {}) for s in (1.0, 1e3)]
+    lines = [Series(f"m{i}", [1, 2], results) for i in range(20)]
+    laws = [Trend(line.label, "seconds", PowerLaw(1.0, 0.0, 10.0, 2)) for line in lines]
+    plot(lines, laws, "views.count", tmp_path / "sweep.png")
+    assert figures[0].axes[1].get_ylim()[1] < 1e3 * 1e3**1.2

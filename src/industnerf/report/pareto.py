@@ -2,10 +2,19 @@
 
 import io
 from collections.abc import Sequence
+from typing import Any
 
 from industnerf.methods.base import Role
 from industnerf.report.table1 import Row
 from industnerf.report.table1_text import Extra
+
+# Where a text may stand beside its point: points right and up, and which of its ends is there.
+BESIDE = [
+    (across, up, side)
+    for up in (4, -10, 12, -18, 20, -26)
+    for across, side in ((5, "left"), (-5, "right"))
+]
+DOT = 4  # points from the middle of a dot to its rim, with some air
 
 
 def pareto(rows: Sequence[Row], extras: Sequence[Extra]) -> bytes:
@@ -28,18 +37,46 @@ def pareto(rows: Sequence[Row], extras: Sequence[Extra]) -> bytes:
         axis.set(xscale="log", yscale="log")
     else:
         axis.text(0.5, 0.5, "the store, which knows the seconds, is not at hand", ha="center")
-    for seconds, emd, method, rival in known:
+    for seconds, emd, _, rival in known:
         axis.plot(seconds, emd, "o", color="#30638e", mfc="#30638e" if rival else "white")
-        axis.annotate(method, (seconds, emd), (5, 4), textcoords="offset points", fontsize=8)
     best = front([(seconds, emd) for seconds, emd, _, rival in known if rival])
     if best:
         axis.step(*zip(*best, strict=True), where="post", color="#d1495b", lw=1, zorder=0)
     axis.grid(color="#eaeef2")
     axis.set_axisbelow(True)
     axis.spines[["top", "right"]].set_visible(False)
+    name_points(axis, [(*point, "black") for *point, _ in known], 8)
     png = io.BytesIO()
     figure.savefig(png, dpi=130, metadata={"Software": None})
     return png.getvalue()
+
+
+def name_points(axis: Any, named: Sequence[tuple[float, float, str, str]], size: int) -> None:
+    """Write beside each point its text, in its colour, where it hides no dot and no other text.
+
+    A point that has no such place within the axes is left without.  To be called last: what comes
+    after may move the points.
+    """
+    from matplotlib.patheffects import withStroke
+    from matplotlib.transforms import Bbox
+
+    # the halo: a text may cross a line of its colour
+    halo = withStroke(linewidth=2, foreground="white")
+    look = {"fontsize": size, "path_effects": [halo], "textcoords": "offset points"}
+    figure = axis.get_figure(root=True)
+    figure.draw_without_rendering()
+    rim = DOT * figure.dpi / 72
+    dots = axis.transData.transform([(x, y) for x, y, *_ in named]) if named else []
+    taken = [Bbox([dot - rim, dot + rim]) for dot in dots]
+    for x, y, text, colour in named:
+        for across, up, side in BESIDE:
+            note = axis.annotate(text, (x, y), (across, up), ha=side, color=colour, **look)
+            box = note.get_window_extent()
+            inside = all(axis.bbox.contains(*corner) for corner in (box.min, box.max))
+            if inside and not box.count_overlaps(taken):
+                taken.append(box)
+                break
+            note.remove()
 
 
 def front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:

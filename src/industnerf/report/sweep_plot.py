@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from industnerf.report.pareto import front
+from industnerf.report.pareto import front, name_points
 from industnerf.report.sweep_points import SELECT
 from industnerf.report.sweep_series import COSTS, Series, Trend
 
@@ -14,6 +14,8 @@ SPAN = 4  # numbers that span more than this factor stand on a logarithmic axis
 SETTING = "method."  # of the method, and so the points are of the same task and compete
 FRONT = "#d1495b"
 HEADROOM = 1.2  # times the largest value
+# Of the height of an axis: beside what is drawn, a row of a legend, and the most that is left free.
+MARGIN, ROW, FREE = 0.08, 0.09, 0.5
 NAMES = {"seconds": "s a part", "peak_mb": "peak MB", "numbers": "numbers learned"}
 CHEAPER = {"seconds": "quicker", "numbers": "smaller"}
 
@@ -44,6 +46,8 @@ def plot(lines: list[Series], trends: list[Trend], key: str, path: Path) -> None
         if axis.get_legend_handles_labels()[1]:
             axis.legend(fontsize="small")
     _horizontal(costs[-1], lines, key)
+    named = [(*at, f"C{i}") for i, line in enumerate(lines) for at in _bought(line, price)]
+    name_points(exchange, named, 7)
     figure.savefig(path, dpi=100)
 
 
@@ -64,17 +68,32 @@ def _cost(axis: Any, line: Series, quantity: str, trend: Trend | None, colour: s
     axis.plot([x for x, _ in pairs], [y for _, y in pairs], "o" if trend else "o-", color=colour)
     if trend:
         x = np.array([x for x in line.x if x > 0])
-        label = f"{line.label}: exponent {trend.law.exponent:.2f} ± {trend.law.error:.2f}"
+        label = f"{line.label}: exponent {trend.law.exponent:z.2f} ± {trend.law.error:.2f}"
         axis.plot(x, trend.law.factor * x**trend.law.exponent, "--", color=colour, label=label)
 
 
 def _vertical(axis: Any, name: str) -> None:
+    """From 0 or logarithmic, with room for the legend above all that is drawn."""
     axis.set_ylabel(name)
     found = [float(y) for line in axis.lines for y in line.get_ydata()]
+    above = min(MARGIN + ROW * len(axis.get_legend_handles_labels()[1]), FREE)
     if _wide(found):
-        axis.set_yscale("log")
+        height = (max(found) / min(found)) ** (1 / (1 - MARGIN - above))
+        _logarithmic(axis, "y")
+        axis.set_ylim(min(found) / height**MARGIN, max(found) * height**above)
     elif found:
-        axis.set_ylim(0, HEADROOM * max(found))
+        axis.set_ylim(0, max(found) / (1 - above))
+
+
+def _logarithmic(axis: Any, which: str) -> None:
+    """Labels at 1, 2, 5, 10, 20: never none, and they do not run into each other."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set(**{f"{which}scale": "log"})
+    ticks = getattr(axis, f"{which}axis")
+    ticks.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ticks.set_major_formatter("{x:g}")
+    ticks.set_minor_formatter(NullFormatter())
 
 
 def _wide(values: Sequence[float | int]) -> bool:
@@ -91,23 +110,25 @@ def _price(lines: list[Series], key: str) -> str:
 
 
 def _exchange(axis: Any, lines: list[Series], price: str) -> None:
-    """What a higher price buys: a line a method, each point with where in the sweep it stands."""
+    """What a higher price buys, a line a method."""
     for i, line in enumerate(lines):
-        known = [
-            (getattr(result, price), result.emd, x)
-            for x, result in zip(line.x, line.results, strict=True)
-            if getattr(result, price) is not None
-        ]
+        known = _bought(line, price)
         axis.plot([paid for paid, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}")
-        for paid, emd, x in known:
-            text = f"{x:g}" if line.numeric else x
-            axis.annotate(text, (paid, emd), (4, 3), textcoords="offset points", fontsize=7)
     axis.set(xlabel=NAMES[price], ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # for what stands beside the points
     axis.set_ylim(0, HEADROOM * max(result.emd for line in lines for result in line.results))
     paid = [getattr(result, price) for line in lines for result in line.results]
     if _wide([each for each in paid if each]):
-        axis.set_xscale("log")
+        _logarithmic(axis, "x")
+
+
+def _bought(line: Series, price: str) -> list[tuple[float, float, str]]:
+    """Price, EMD, and where in the sweep it stands, of each point whose price is known."""
+    return [
+        (float(getattr(result, price)), result.emd, f"{x:g}" if line.numeric else x)
+        for x, result in zip(line.x, line.results, strict=True)
+        if getattr(result, price) is not None
+    ]
 
 
 def _front(axis: Any, line: Series, price: str) -> None:
@@ -117,7 +138,7 @@ def _front(axis: Any, line: Series, price: str) -> None:
     if best:
         how = {"where": "post", "color": FRONT, "label": f"no point is {CHEAPER[price]} and better"}
         axis.step(*zip(*best, strict=True), "o-", **how)
-        axis.legend(fontsize="small", loc="lower right")
+        axis.legend(fontsize="small")
 
 
 def _horizontal(axis: Any, lines: list[Series], key: str) -> None:
