@@ -28,6 +28,7 @@ from industnerf.report.measuring import measuring_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
+from industnerf.report.sweep_index import PRESETS
 from industnerf.schema import Params
 
 OUT, README = Path("results/study"), Path("README.md")
@@ -89,7 +90,7 @@ def check_finished(project: Path, command: str, but: str = "") -> None:
     The stage `but` may be.  `command` is what brings all of them up to date.
     """
     if not (project / PARAMS).exists():
-        raise BadArtifact(f"{project} holds no run: `python -m pipeline.preset {project.name}`")
+        raise BadArtifact(f"{project} holds no run{_instead(project)}")
     require_dvc()
     status = subprocess.run(
         ["dvc", "status", "--json"], cwd=project, capture_output=True, text=True
@@ -102,6 +103,14 @@ def check_finished(project: Path, command: str, but: str = "") -> None:
             f"the study is not finished: {len(outdated)} stages are not up to date, the first is "
             f"{outdated[0]}: `{command}` goes on"
         )
+
+
+def _instead(project: Path) -> str:
+    """What would run `project`; where no preset would, the projects that have run."""
+    if (PRESETS / f"{project.name}.yaml").exists():
+        return f": `python -m pipeline.preset {project.name}`"
+    runs = sorted(path.parent.name for path in project.parent.glob(f"*/{PARAMS}"))
+    return f"; these do: {', '.join(runs) or 'none'}"
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import yaml
@@ -144,3 +145,27 @@ def test_a_sweep_that_the_documents_cannot_show_leaves_what_is_published(monkeyp
     monkeypatch.setattr(publish, "bring", lambda *_: pytest.fail("it was brought"))
     with pytest.raises(BadArtifact, match="has no r2n2 at split"):
         publish.main()
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("organic", "runs/organic holds no run: `python -m pipeline.preset organic`"),
+        ("grid", "runs/grid holds no run; these do: demo, dev"),
+    ],
+)
+def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, said):
+    monkeypatch.chdir(tmp_path)
+    for file in ("conf/experiment/organic.yaml", "runs/dev/params.yaml", "runs/demo/params.yaml"):
+        Path(file).parent.mkdir(parents=True, exist_ok=True)
+        Path(file).touch()
+    Path("runs/grid").mkdir()
+    with pytest.raises(BadArtifact) as found:
+        publish.main(name)
+    assert str(found.value) == said
+
+
+def test_without_any_run_there_is_none_to_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadArtifact, match="runs/grid holds no run; these do: none"):
+        publish.main("grid")
