@@ -16,7 +16,7 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
 
-from nets import Job, emd, run, settings_of
+from nets import Job, emd, run
 
 from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split
@@ -29,22 +29,21 @@ METHOD, VIEWS = "r2n2", (1, 2, 3, 4, 5)
 
 def asked(job: Job) -> dict[int, dict[str, float]]:
     """Views shown -> the EMD of each reported part of the fold."""
-    state, settings = run(job).state, settings_of(job)
+    state = run(job).state
     parts = [
         part
         for part, place in load_split(job.data / "split.json").items()
         if place.fold == job.fold and place.split == "test"
     ]
-    return {
-        count: {part: emd(job, replace(settings, views=count), state, part) for part in parts}
-        for count in VIEWS
-    }
+    shown = {count: replace(job, settings=replace(job.settings, views=count)) for count in VIEWS}
+    return {count: {part: emd(one, state, part) for part in parts} for count, one in shown.items()}
 
 
 def main() -> None:
     data = Path(sys.argv[1])
     folds = {place.fold for place in load_split(data / "split.json").values()}
-    jobs = [Job(data, METHOD, fold, 1) for fold in sorted(folds)]
+    settings = load_params().method.r2n2
+    jobs = [Job(data, METHOD, fold, 1, settings) for fold in sorted(folds)]
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
         found = list(pool.map(asked, jobs))
     emds = {count: {p: x for one in found for p, x in one[count].items()} for count in VIEWS}
