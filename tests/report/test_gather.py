@@ -2,8 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
+
+from industnerf.artifacts.cloud import save_others
 from industnerf.artifacts.files import write_json
-from industnerf.report.gather import Folders, failures_of
+from industnerf.artifacts.split import Place
+from industnerf.report.gather import Folders, _empty_answers, failures_of
 
 HANDED_ON = {"torn": "no faces"}
 
@@ -35,3 +39,15 @@ def test_every_stage_says_what_failed_in_it_and_once(tmp_path: Path):
         "hull": {"blurred": "no outline"},
         "scoring hull": {"far": "not a number"},
     }
+
+
+def test_answers_without_points_are_counted_by_split(tmp_path: Path):
+    """The first answer is the cloud itself; what `load_others` reads are the other seven."""
+    some, none = np.ones((4, 3)), np.empty((0, 3))
+    for part, others in {"a": [some, none, none], "b": [some], "c": [none, some]}.items():
+        (tmp_path / "net" / part).mkdir(parents=True)
+        save_others(tmp_path / "net" / part, others)
+    index = {"schema": 1, "keys": dict.fromkeys("abcd", "")}
+    write_json(tmp_path / "net" / "index.json", index)
+    places = {part: Place("dev" if part == "c" else "test", None) for part in "abcd"}
+    assert _empty_answers(tmp_path, ["net"], places) == {("net", "test"): 2, ("net", "dev"): 1}

@@ -164,9 +164,16 @@ def test_it_says_how_many_views_were_given_and_of_which_answers_a_number_is(stud
     text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
     assert " | 1 (8 answers) | test | " in text
     assert " | 12 | test | " in text
-    (said,) = [line for line in text.splitlines() if "of the first answer alone" in line]
+    (said,) = [line for line in text.splitlines() if "of the first answer that has points" in line]
     assert said.startswith("occupancy is given one view at a time and asked 8 times: ")
     assert "all pictures and the viewer" in said
+
+
+def test_answers_without_a_point_are_counted(study):
+    rows = table1(replace(with_nets(study), empty_answers={("occupancy", "test"): 5}), SETTINGS)
+    assert {row.method: row.empty_answers for row in rows if row.empty_answers} == {"occupancy": 5}
+    text = table1_md(rows, [Extra(None, 1.5)] * len(rows), 0.9)
+    assert "has points. 5 of the 24 answers over the test parts have none: each counts" in text
 
 
 def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):

@@ -1,10 +1,14 @@
 """Everything the report is made of, read once."""
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from industnerf.artifacts.cloud import Cloud, load_remarks
+import numpy as np
+
+from industnerf.artifacts.cloud import OTHERS, Cloud, load_remarks
+from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.part import Part, load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import Place, load_split
@@ -61,6 +65,7 @@ class Study:
     folders: Folders
     given: dict[str, Views]  # method -> what it was given of those views
     seeds_sd: dict[str, float]  # method -> how far its mean EMD moves with the seed, where known
+    empty_answers: dict[tuple[str, str], int] = field(default_factory=dict)  # by method and split
 
 
 @dataclass(frozen=True)
@@ -79,14 +84,14 @@ def gather(folders: Folders, about: About) -> Study:
     """Read every artefact; raises BadArtifact that names the first one missing or torn."""
     methods = about.methods
     known = {name: load_method(name) for name in methods}
-    photographed = read_index(folders.views)
+    photographed, places = read_index(folders.views), load_split(folders.split)
     return Study(
         about.preset,
         about.seed,
         about.views,
         known,
         {part.part_id: part for part in load_parts(folders.parts)},
-        load_split(folders.split),
+        places,
         [row for name in methods for row in load_method_scores(folders.scores / name, name)],
         failures_of(folders, methods),
         {name: _remarks(folders.clouds / name) for name in methods},
@@ -104,6 +109,7 @@ def gather(folders: Folders, about: About) -> Study:
         folders,
         {name: views_of(known[name], about.views, about.settings) for name in methods},
         {},
+        _empty_answers(folders.clouds, methods, places),
     )
 
 
@@ -132,6 +138,20 @@ def _training(clouds: Path) -> tuple[int, int]:
     """The most that any part, or any of several nets, took."""
     made = [Cloud.training(clouds / part) for part in read_index(clouds)]
     return max(made, key=lambda one: one[::-1], default=(0, 0))
+
+
+def _empty_answers(
+    clouds: Path, methods: list[str], places: dict[str, Place]
+) -> dict[tuple[str, str], int]:
+    """How many answers of the parts of each split have no point, of methods that give several."""
+    found = Counter[tuple[str, str]]()
+    for name in methods:
+        for part in read_index(clouds / name):
+            if (path := clouds / name / part / OTHERS).exists():
+                (ends,) = read_npz(path, ("ends",), "reconstruct")
+                empty = np.count_nonzero(np.diff(ends, prepend=0) == 0)
+                found[name, places[part].split] += int(empty)
+    return dict(found)
 
 
 def _lesson(states: Path, hold_out: str) -> Lesson | None:

@@ -60,7 +60,14 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         Folders(*[folder / "unpublished"] * 8),
         _given(params),
         {},
+        _empty_answers(folder),
     )
+
+
+def _empty_answers(folder: Path) -> dict[tuple[str, str], int]:
+    """0 in a table of before it had that column."""
+    rows = csv_rows(folder / "table1.csv")
+    return {(row["method"], row["split"]): int(row.get("empty_answers") or 0) for row in rows}
 
 
 def _given(params: Mapping[str, Any]) -> dict[str, Views]:

@@ -86,7 +86,7 @@ def notes(rows: Sequence[Row]) -> list[str]:
     found = [
         f"{row.method} is given one view at a time and asked {row.answers} times: EMD (even) is "
         "the mean over its answers; EMD (iid), EMD (full), all pictures and the viewer are of the "
-        "first answer alone."
+        f"first answer that has points.{_empty(row)}"
         for row in several
     ]
     if _seeds(rows):
@@ -96,6 +96,16 @@ def notes(rows: Sequence[Row]) -> list[str]:
             "or where these parts have other EMDs than there."
         )
     return found
+
+
+def _empty(row: Row) -> str:
+    """Nothing if every answer has points."""
+    if not row.empty_answers:
+        return ""
+    return (
+        f" {row.empty_answers} of the {row.answers * row.parts} answers over the {row.split} parts "
+        "have none: each counts as the failure of that answer, not as one of the part."
+    )
 
 
 def _seeds(rows: Sequence[Row]) -> bool:
