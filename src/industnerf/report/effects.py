@@ -11,14 +11,13 @@ from industnerf.errors import BadArtifact
 from industnerf.report.formats import csv_rows
 from industnerf.report.leaves import leaves
 from industnerf.report.lookup import EVEN
-from industnerf.report.statistics import paired_change
+from industnerf.report.statistics import SEED, paired_change
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 
 METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
 HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
 UNKNOWN = "not yet measured"
-SEED = 0  # of the draws that intervals are of, whatever the seed of a point
 RGB = ("rgb_mse", "P1-union")
 
 

@@ -11,6 +11,7 @@ from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 
 EXACT = 20  # families up to which every pattern of signs is tried: 2**20 sums are 8 MB
+SEED = 0  # of the draws of intervals over points of a sweep, whatever the seeds of these
 DRAWS = 65_536  # patterns of signs that stand for all where there are more families
 
 

@@ -5,12 +5,11 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
-from industnerf.report.statistics import Change, paired_change
+from industnerf.report.statistics import SEED, Change, paired_change
 from industnerf.report.sweep_points import Point
 from industnerf.report.sweep_series import Series
 from industnerf.schema import ReportParams
 
-SEED = 0  # of the draws that intervals are of, whatever the seed of a point
 HEAD = ["series", "from", "to", "EMD changes by", "ci_low", "ci_high", "parts", "better on"]
 
 
