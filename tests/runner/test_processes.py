@@ -37,6 +37,10 @@ def fail():
     raise ZeroDivisionError("a bug")
 
 
+def note_process(path):
+    path.write_text(str(os.getpid()))
+
+
 def fail_saying(text):
     raise RuntimeError(text)
 
@@ -156,6 +160,19 @@ def test_a_full_disk_says_nothing_of_the_piece_of_work_and_a_closed_file_does(ru
     assert [outcomes[index].lost for index in range(4)] == [True, True, False, False]
     assert outcomes[1].error == "cloud.json: cannot be written: No space left on device"
     assert outcomes[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
+
+
+def test_a_worker_that_is_killed_between_two_pieces_costs_none(tmp_path):
+    """As the kernel kills who sits idle on much memory; an outcome in hand, no piece is begun."""
+    works = [partial(note_process, tmp_path / name) for name in "ab"]
+    outcomes = ProcessRunner(1).map(works, 60.0)
+    first = next(outcomes)
+    idle = int((tmp_path / "a").read_text())
+    os.kill(idle, signal.SIGKILL)
+    while Path(f"/proc/{idle}/stat").read_text().split()[2] != "Z":
+        time.sleep(0.01)
+    assert [outcome.error for outcome in (first, *outcomes)] == [None, None]
+    assert (tmp_path / "b").read_text() != str(idle)
 
 
 @pytest.mark.parametrize("said", [TORCH_IS_FULL, WARP_IS_FULL])

@@ -33,7 +33,8 @@ RUNNERS = ("process", "serial", "submitit")
 def runner_from_environment() -> Runner:
     """The runner that INDUSTNERF_RUNNER names.
 
-    Raises BadParams for an unknown one, and for a device that INDUSTNERF_DEVICE names in vain.
+    Raises BadParams for an unknown one, and for a device that INDUSTNERF_DEVICE names and this
+    machine lacks.
     """
     name = runner_name()
     check_device(here=name != "submitit")

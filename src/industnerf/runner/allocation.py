@@ -69,7 +69,10 @@ class Waiting:
 
 
 def allocation_from_environment() -> Allocation:
-    """Raises BadParams for a value that is no number, or too few minutes."""
+    """What INDUSTNERF_SLURM_* ask of SLURM for a job.
+
+    Raises BadParams for a value that is no number, or too few minutes.
+    """
     minutes = _number("MINUTES", "minutes", 120)
     if minutes < LEAST_MINUTES:
         raise BadParams(

@@ -14,8 +14,8 @@ from typing import Any
 from industnerf.runner.base import Fault, Outcome, Work, attempt
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-LOOK_S = 1.0  # a clock that runs on much longer between two looks: this process was stopped
-KILL_S = 1.0  # in which who kills all processes of a job has come from a piece of it to us
+LOOK_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
+KILL_S = 1.0  # within it, whoever kills every process of a job has come to this one too
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,8 @@ class ProcessRunner:
     def map(
         self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
     ) -> Iterator[Outcome]:
-        os.environ.update(
-            dict.fromkeys(THREADS, "1")
-        )  # inherited by the workers, before they import numpy
+        # inherited by the workers, before they import numpy
+        os.environ.update(dict.fromkeys(THREADS, "1"))
         limits = _Limits(limit_s, memory_mb, self.shielded)
         todo = list(enumerate(works))[::-1]
         busy: dict[Connection, _Worker] = {}
