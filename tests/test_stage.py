@@ -5,6 +5,7 @@ import json
 import os
 import sys
 import time
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -188,7 +189,7 @@ class Lossy:
 def test_what_the_cluster_lost_is_no_result(place, monkeypatch):
     """Else DVC would take the stage for done, and the report would blame the method."""
     monkeypatch.setattr(stage, "runner_from_environment", Lossy)
-    lost = r"(?s)1 of 2 parts failed.*p2: job 7 vanished.*the same command goes on"
+    lost = r"(?s)1 of 2 parts failed.*p2: job 7 vanished.*give the same command again"
     with pytest.raises(PartsFailed, match=lost):
         run_stage("s", tasks(place, [1, 2]), place / "out", "report")
     run_stage("s", tasks(place, [1, 2]), place / "out", "report")
@@ -200,7 +201,7 @@ def test_what_a_full_disk_ended_is_no_result_and_made_once_there_is_room(place):
     (full := place / "full").touch()
     task = Task("p", partial(store_on_a_disk, full=full), 0, ())
     several = [*tasks(place, [1]), task]
-    with pytest.raises(PartsFailed, match=r"(?s)No space left.* is mended, the same"):
+    with pytest.raises(PartsFailed, match=r"(?s)No space left.*give the same command again"):
         run_stage("s", several, place / "out", "report")
     full.unlink()
     run_stage("s", several, place / "out", "report")
@@ -219,6 +220,16 @@ def test_what_a_full_disk_ended_is_no_result_and_made_once_there_is_room(place):
 def test_advice_is_what_would_change_something(place, on_failure, numbers, advice):
     with pytest.raises(PartsFailed, match=advice):
         run_stage("s", tasks(place, numbers), place / "out", on_failure)
+
+
+def test_where_not_all_failures_are_shown_it_says_where_they_are(place):
+    failing = [replace(task, part_id=f"p{i}") for i in range(12) for task in tasks(place, [13])]
+    with pytest.raises(PartsFailed) as refused:
+        run_stage("s", failing, place / "out", "strict")
+    said = str(refused.value).splitlines()
+    assert said[0].startswith("stage s: 12 of 12 parts failed")
+    assert said[-2] == f"  and 2 more: {place / 'out' / 'failures.json'}"
+    assert sum(line.endswith("thirteen") for line in said) == 10
 
 
 def test_what_was_lost_is_said_however_much_failed_before(place, monkeypatch):

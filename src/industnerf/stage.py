@@ -23,6 +23,7 @@ from industnerf.runner import runner_from_environment
 from industnerf.store import Cost, Store, key_of
 
 SCHEMA = 1
+SHOWN = 10  # failures that are named where a stage refuses
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def run_stage(
     write_failures(out, failures)
     nothing = needs_one and not index
     if lost or (failures and (on_failure == "strict" or nothing)):
-        raise _refusal(step, failures, len(index), lost, nothing)
+        raise _refusal(step, out, failures, len(index), lost, nothing)
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -167,19 +168,21 @@ def _peak_mb() -> float:
 
 
 def _refusal(
-    step: str, failures: dict[str, str], succeeded: int, lost: set[str], nothing: bool
+    step: str, out: Path, failures: dict[str, str], succeeded: int, lost: set[str], nothing: bool
 ) -> PartsFailed:
-    first = sorted(failures, key=lambda part: part not in lost)[:10]
-    shown = "\n".join(f"  {part}: {failures[part]}" for part in first)
+    first = sorted(failures, key=lambda part: part not in lost)[:SHOWN]
+    shown = "".join(f"  {part}: {failures[part]}\n" for part in first)
+    if more := len(failures) - len(first):
+        shown += f"  and {more} more: {out / 'failures.json'}\n"
     advice = "Mend or deselect them (parts.select), or set on_failure: report."
     if nothing:
         advice = "No later stage can do anything then: mend them, or choose other parts."
     if lost:
         advice = (
-            f"{len(lost)} of them were lost on the way, not tried in vain: once what is said of "
-            "them is mended, the same command goes on."
+            f"Of these, {len(lost)} were lost by the machine or the cluster, which says nothing of "
+            "the part: mend what is named, and give the same command again."
         )
     return PartsFailed(
-        f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, "
-        f"the others are stored:\n{shown}\n{advice}"
+        f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, the rest are "
+        f"stored. Failed:\n{shown}{advice}"
     )

@@ -180,7 +180,7 @@ def test_strict_ends_with_the_broken_files_named(own_files, root, tmp_path):
     )
     code, output = project.run()
     assert code != 0
-    assert "error: stage solids: 2 of 4 parts failed, the others are stored:" in output
+    assert "error: stage solids: 2 of 4 parts failed, the rest are stored. Failed:" in output
     assert "Traceback" not in output
     assert len(project.finished()) == 2
 
