@@ -21,12 +21,17 @@ def source_of(module: str) -> Path | None:
     return Path(spec.origin) if spec and spec.origin else None
 
 
+def _tree(module: str) -> ast.Module:
+    """The syntax tree of `module`; empty if there is no such module."""
+    source = source_of(module)
+    return ast.parse(source.read_text()) if source else ast.Module([], [])
+
+
 @cache
 def imports_of(module: str) -> frozenset[str]:
     """Modules of the suite that `module` names in an import statement, late imports included."""
-    source = source_of(module)
     found = set()
-    for node in ast.walk(ast.parse(source.read_text()) if source else ast.Module([], [])):
+    for node in ast.walk(_tree(module)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -53,11 +58,9 @@ def closure(module: str) -> frozenset[str]:
 @cache
 def code_digest(module: str) -> str:
     """A digest of the closure's syntax trees: comments, layout and docstrings do not count."""
-    parts = []
-    for name in sorted(closure(module)):
-        source = source_of(name)
-        tree = ast.parse(source.read_text()) if source else ast.Module([], [])
-        parts.append(f"{name}\n{ast.dump(_without_docstrings(tree))}")
+    parts = [
+        f"{name}\n{ast.dump(_without_docstrings(_tree(name)))}" for name in sorted(closure(module))
+    ]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
