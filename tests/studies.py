@@ -42,6 +42,7 @@ def study_of(
         "folders": Folders(*[Path("nowhere")] * 8),
         "given": dict.fromkeys(emds, Views(12)),
         "seeds_sd": {},
+        "empty_answers": {},
     }
     return Study(**(values | changes))
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from industnerf import attempts
 from industnerf.artifacts.files import read_json, write_json
-from industnerf.errors import PartsFailed
+from industnerf.errors import BadArtifact, PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
 from industnerf.store import Cost, Store, key_of
@@ -61,9 +61,9 @@ def run_stage(
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
-    nothing then.  It also does where a part was lost, by the cluster or for want of room on a disk:
-    that is no result, and DVC must not take it for one.  Raises BadParams before anything is done
-    for what INDUSTNERF_* do not allow.
+    nothing then.  It also does where a part was lost, by the cluster or for want of room on a disk
+    or in a GPU: that is no result, and DVC must not take it for one.  Raises BadParams before
+    anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]
@@ -94,18 +94,26 @@ def read_index(folder: Path) -> dict[str, str]:
 
     Raises BadArtifact if the stage was not run, as does `read_failures`.
     """
-    return read_json(folder / "index.json", SCHEMA, _stage_of(folder))["keys"]
+    return _read(folder / "index.json")["keys"]
 
 
 def read_failures(folder: Path) -> dict[str, str]:
     """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
-    return read_json(folder / "failures.json", SCHEMA, _stage_of(folder))["failures"]
+    return _read(folder / "failures.json")["failures"]
 
 
 def write_failures(folder: Path, failures: dict[str, str]) -> None:
     """What `read_failures` reads."""
     said = dict(sorted(failures.items()))  # they come in the order in which parts end
     write_json(folder / "failures.json", {"schema": SCHEMA, "failures": said})
+
+
+def _read(path: Path) -> Any:
+    """What is missing here was not torn: its stage, and maybe those before it, were not run."""
+    stage = _stage_of(path.parent)
+    if not path.exists():
+        raise BadArtifact(f"{path} is missing; `dvc repro {stage}` writes it.")
+    return read_json(path, SCHEMA, stage)
 
 
 def _stage_of(folder: Path) -> str:

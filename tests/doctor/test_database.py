@@ -185,7 +185,9 @@ def test_tables_of_an_older_mlflow_are_found_behind_a_journal(plain: WorkingCopy
     cut_off(plain.places.database)
     (finding,) = plain.find("database")
     assert f"the installed MLflow wants {newest_version()}" in finding.what
-    assert finding.mend.startswith("mlflow db upgrade sqlite:///mlflow.db || ")
+    upgrade, aside = finding.mend.split(" || ")
+    assert upgrade == "mlflow db upgrade sqlite:///mlflow.db"
+    assert "mv mlflow.db-journal mlflow.db.broken-journal" in aside
 
 
 def test_what_no_journal_mends_is_found_broken(plain: WorkingCopy, made: Path):

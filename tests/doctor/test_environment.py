@@ -1,6 +1,7 @@
 """Installed packages, in an environment of the test's own."""
 
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -82,12 +83,12 @@ def test_an_install_that_was_cut_off_is_found_and_mended(tmp_path: Path, wheels:
     environment = Environment(tmp_path, wheels, root)
     environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel==2.0")
     (info,) = tmp_path.glob("env/lib/python*/site-packages/steel-2.0.dist-info")
-    for left in (None, "", "Metadata-Version: 2.1\nName: steel\n"):
+    for left in (None, b"", b"Metadata-Version: 2.1\nName: steel\n", b"Name: \xc3"):
         (info / "METADATA").unlink()  # never written to: it may be a link to uv's cache
         if left is not None:
-            (info / "METADATA").write_text(left)
+            (info / "METADATA").write_bytes(left)
         torn, mend, other, _ = environment.find()
-        assert torn == "does not say of which package and version it is: an install was cut off"
+        assert torn == "is no whole package with a name and a version: an install was cut off"
         assert mend.startswith(f"rm -rf {info.relative_to(tmp_path)} && ")
         assert other == "iron-ore is missing"
         environment.run("bash", "-c", mend)
@@ -101,7 +102,8 @@ def test_what_is_left_of_a_package_that_is_not_pinned_goes(
     environment = Environment(tmp_path, wheels, root)
     environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel", "iron-ore")
     (info,) = tmp_path.glob("env/lib/python*/site-packages/steel-2.0.dist-info")
-    (info.parent / "~teel-1.0.dist-info").mkdir()
+    shutil.copytree(info, aside := info.with_name("~teel-1.0.dist-info"))
+    (aside / "METADATA").write_text("Metadata-Version: 2.1\nName: steel\nVersion: 1.0\n")
     _, mend = environment.find()
     environment.run("bash", "-c", mend)
     assert environment.find() == []

@@ -152,6 +152,11 @@ def test_a_sweep_that_the_documents_cannot_show_leaves_what_is_published(monkeyp
     [
         ("organic", "runs/organic holds no run: `python -m pipeline.preset organic`"),
         ("grid", "runs/grid holds no run; these do: demo, dev"),
+        (
+            "seeds",
+            "runs/seeds holds no run: `python -m pipeline.sweep experiment=seeds`, then "
+            "pipeline.sweeps publishes it",
+        ),
     ],
 )
 def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, said):
@@ -159,6 +164,8 @@ def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, sai
     for file in ("conf/experiment/organic.yaml", "runs/dev/params.yaml", "runs/demo/params.yaml"):
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).touch()
+    Path("conf/experiment/organic.yaml").write_text("preset: organic")
+    Path("conf/experiment/seeds.yaml").write_text("hydra: {mode: MULTIRUN}")
     Path("runs/grid").mkdir()
     with pytest.raises(BadArtifact) as found:
         publish.main(name)

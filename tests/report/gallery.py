@@ -125,4 +125,5 @@ def study(folder: Path) -> Study:
         ),
         dict.fromkeys(EMD, Views(12)),
         {},
+        {},
     )

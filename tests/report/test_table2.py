@@ -84,6 +84,7 @@ def study_of(rendering: bool, method: str = "hull") -> Study:
         Folders(*[Path("nowhere")] * 8),
         dict.fromkeys((method, "oracle"), Views(12)),
         {},
+        {},
     )
 
 

@@ -27,7 +27,7 @@ def test_a_signal_comes_when_the_block_is_over():
 def test_so_does_one_that_another_thread_is_sent():
     """Linux gives a process's signal to any thread that does not block it."""
     ready, over = threading.Event(), threading.Event()
-    other = threading.Thread(target=lambda: (ready.set(), over.wait()))
+    other = threading.Thread(target=lambda: (ready.set(), over.wait()), daemon=True)
     other.start()
     ready.wait()
     done = []

@@ -79,7 +79,7 @@ def _findings(places: Places, read: Path, mode: str = "ro") -> list[Finding]:
         return []
     what = f"has tables of version {version}, the installed MLflow wants {wanted}"
     upgrade = f"mlflow db upgrade sqlite:///{places.words(places.database)}"
-    mend = f"{upgrade} || ({_set_aside(places, places.database)})"  # a migration may have been cut
+    mend = f"{upgrade} || ({_set_aside(places)})"  # a migration may have been cut
     return [Finding(places.database, what, mend)]
 
 
@@ -89,20 +89,21 @@ def _unreadable(places: Places, error: sqlite3.Error) -> Finding:
 
 
 def _broken(places: Places, fault: str) -> Finding:
-    """Its journal goes with it: SQLite would delete that beside a new database."""
     path = places.database
     what = (
         f"{fault}; no run is logged. From reports on disk runs are logged anew; those of reports "
         f"that were overwritten since stay in {path.name}.broken alone"
     )
-    journal = [_journal(path)] if _journal(path).exists() else []
-    return Finding(path, what, _set_aside(places, path, *journal))
+    return Finding(path, what, _set_aside(places))
 
 
-def _set_aside(places: Places, *paths: Path) -> str:
-    name = places.database.name
-    aside = [path.with_name(path.name.replace(name, f"{name}.broken", 1)) for path in paths]
-    moves = [f"mv {places.words(*pair)}" for pair in zip(paths, aside, strict=True)]
+def _set_aside(places: Places) -> str:
+    """Its journal goes with it: SQLite would delete that beside a new database."""
+    path = places.database
+    aside = path.with_name(f"{path.name}.broken")
+    moves = [f"mv {places.words(path, aside)}"]
+    if _journal(path).exists():
+        moves.append(f"mv {places.words(_journal(path), _journal(aside))}")
     return " && ".join([*moves, "python -m industnerf.tracking"])
 
 

@@ -5,7 +5,7 @@ import shlex
 import shutil
 import sys
 import tomllib
-from importlib.metadata import Distribution, PathDistribution, distributions
+from importlib.metadata import PathDistribution
 from pathlib import Path
 
 from industnerf.doctor.findings import Finding
@@ -29,24 +29,32 @@ def find(places: Places) -> list[Finding]:
 
 
 def _installed() -> dict[str, str]:
-    """Name -> version, of what says both."""
-    whole = [found for found in distributions() if _is_whole(found)]
-    return {plain(found.metadata["Name"]): found.version.partition("+")[0] for found in whole}
+    """Name -> version, of what says both; of two of a name the one that Python finds first."""
+    whole = [PathDistribution(path) for path in _folders() if _is_whole(path)]
+    return {plain(one.metadata["Name"]): one.version.partition("+")[0] for one in whole[::-1]}
 
 
-def _is_whole(found: Distribution) -> bool:
-    return all(found.metadata.get(key) for key in ("Name", "Version"))
+def _folders() -> list[Path]:
+    return [path for at in dict.fromkeys(sys.path) for path in Path(at).glob("*.dist-info")]
+
+
+def _is_whole(folder: Path) -> bool:
+    """Not what does not say its name and version, nor what pip had put aside as `~orch`."""
+    try:
+        said = PathDistribution(folder).metadata
+    except UnicodeDecodeError:  # cut within a letter
+        return False
+    return not folder.name.startswith("~") and all(said.get(key) for key in ("Name", "Version"))
 
 
 def _torn() -> list[Path]:
-    """The folders of what does not say both."""
-    folders = [path for at in dict.fromkeys(sys.path) for path in Path(at).glob("*.dist-info")]
-    return sorted(path for path in folders if not _is_whole(PathDistribution(path)))
+    """What an install that was cut off left."""
+    return sorted(path for path in _folders() if not _is_whole(path))
 
 
 def _cut_off(places: Places, path: Path, name: str, is_pinned: bool) -> Finding:
     """What is not pinned only goes: pip cannot install a name such as `~orch`, which it left."""
-    what = "does not say of which package and version it is: an install was cut off"
+    what = "is no whole package with a name and a version: an install was cut off"
     remove = f"rm -rf {places.words(path)}"
     return Finding(path, what, f"{remove} && {_installer()} {name}" if is_pinned else remove)
 

@@ -55,7 +55,7 @@ def _files(out: Path) -> Iterator[tuple[Path, os.stat_result]]:
 
 
 def is_cut_short(path: Path) -> bool:
-    """Whether the end of a file is not what its kind ends in; of other kinds nothing is known."""
+    """Whether a file is not whole, as far as its kind tells; of other kinds nothing is known."""
     if path.suffix == ".json":
         return not _is_json(path)
     if path.suffix not in ENDS:

@@ -1,7 +1,7 @@
 """Everything the report is made of, read once."""
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ class Study:
     folders: Folders
     given: dict[str, Views]  # method -> what it was given of those views
     seeds_sd: dict[str, float]  # method -> how far its mean EMD moves with the seed, where known
-    empty_answers: dict[tuple[str, str], int] = field(default_factory=dict)  # by method and split
+    empty_answers: dict[tuple[str, str], int]  # by method and split, where several are given
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def _training(clouds: Path) -> tuple[int, int]:
 def _empty_answers(
     clouds: Path, methods: list[str], places: dict[str, Place]
 ) -> dict[tuple[str, str], int]:
-    """How many answers of the parts of each split have no point, of methods that give several."""
+    """Answers without a point, over the parts of each split that did not fail."""
     found = Counter[tuple[str, str]]()
     for name in methods:
         for part in read_index(clouds / name):

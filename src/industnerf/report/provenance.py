@@ -11,6 +11,7 @@ from typing import Any
 from industnerf import revision
 from industnerf.errors import BadArtifact
 
+SCHEMA = 1
 PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
 
 
@@ -21,7 +22,7 @@ def made_by(command: str) -> dict[str, Any]:
     """
     changed = revision.changed()
     return {
-        "schema": 1,
+        "schema": SCHEMA,
         "command": command,
         "date": _today(),
         "commit": revision.commit(),
@@ -36,15 +37,18 @@ def origin() -> dict[str, Any]:
         commit = revision.commit()[:7] + (" with changes" if revision.changed() else "")
     except BadArtifact:
         commit = "none"
-    return {"schema": 1, "date": _today(), "commit": commit}
+    return {"schema": SCHEMA, "date": _today(), "commit": commit}
 
 
 def read_made(folder: Path) -> dict[str, Any]:
     """What `made.json` of a result in `folder` says of it; raises BadArtifact if it is torn."""
     path = folder / "made.json"
     try:
-        return json.loads(path.read_text())
-    except (OSError, ValueError) as error:
+        made = json.loads(path.read_text())
+        if made["schema"] != SCHEMA:
+            raise ValueError(f"its schema is {made['schema']}, this code reads {SCHEMA}")
+        return made
+    except (OSError, ValueError, TypeError, KeyError) as error:
         raise BadArtifact(
             f"{path} cannot be read ({error}); what makes {folder} writes it"
         ) from None
@@ -76,7 +80,7 @@ def _today() -> str:
 def environment() -> dict[str, Any]:
     """`environment.json`: what the numbers and the seconds may depend on beside the commit."""
     return {
-        "schema": 1,
+        "schema": SCHEMA,
         "python": platform.python_version(),
         "platform": " ".join(filter(None, (platform.system(), platform.machine(), _libc()))),
         "cpu": cpu_model(),

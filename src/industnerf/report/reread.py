@@ -65,9 +65,10 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
 
 
 def _empty_answers(folder: Path) -> dict[tuple[str, str], int]:
-    """0 in a table of before it had that column."""
+    """None in a table of before it had that column."""
     rows = csv_rows(folder / "table1.csv")
-    return {(row["method"], row["split"]): int(row.get("empty_answers") or 0) for row in rows}
+    known = [row for row in rows if row.get("empty_answers")]
+    return {(row["method"], row["split"]): int(row["empty_answers"]) for row in known}
 
 
 def _given(params: Mapping[str, Any]) -> dict[str, Views]:

@@ -43,7 +43,7 @@ class Row:
     undertrained: str  # why a net does not deserve its name, or empty
     emd_mm: float  # EMD (even) of each part in mm, their mean
     answers: int  # whose mean the score is; but EMD (iid) and (full) are of the first with points
-    empty_answers: int  # of all parts; each scores as a failure
+    empty_answers: int | None  # over the parts that did not fail; each scores as a failure
     seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
 
 
@@ -107,7 +107,7 @@ def _row(
         undertrained="",
         emd_mm=fmean(row.score.value * study.parts[row.part_id].diagonal_mm for row in even),
         answers=study.given[method.name].answers,
-        empty_answers=study.empty_answers.get((method.name, split), 0),
+        empty_answers=study.empty_answers.get((method.name, split)),
         seeds_sd=study.seeds_sd.get(method.name) if split == "test" else None,
     )
 

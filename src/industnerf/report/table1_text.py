@@ -103,8 +103,8 @@ def _empty(row: Row) -> str:
     if not row.empty_answers:
         return ""
     return (
-        f" {row.empty_answers} of the {row.answers * row.parts} answers over the {row.split} parts "
-        "have none: each counts as the failure of that answer, not as one of the part."
+        f" {row.empty_answers} of the {row.answers * (row.parts - row.failures)} answers over the "
+        f"{row.split} parts that did not fail have none: each scores as a failure, of one answer."
     )
 
 

@@ -18,7 +18,10 @@ Work = Callable[[], None]
 LACKING = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.ENFILE}
 
 # What torch and Warp say of a GPU whose memory, which all processes on it share, is used up.
-FULL_GPU = re.compile(r"CUDA out of memory|Failed to allocate \d+ bytes on device 'cuda")
+FULL_GPU = re.compile(
+    r"CUDA (error: )?out of memory|CUBLAS_STATUS_ALLOC_FAILED"
+    r"|Failed to allocate \d+ bytes on device 'cuda"
+)
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,10 @@ def cubes(making: Making) -> Any:
 
 
 def features(making: Making) -> Any:
-    """E(I) of one view, and the features of all views pooled at the points of X; None without E."""
+    """E(I) of one view, and the features of all views pooled at the points of X.
+
+    None without E, and where N is not told of this view (R10).
+    """
     coarse, view = making.coarse, making.view
     if coarse.features is None:
         return None
