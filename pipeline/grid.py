@@ -5,6 +5,7 @@ python -m pipeline.grid        resumable; what is done is in the store
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from industnerf.artifacts.cloud import files_of_cloud
 from industnerf.artifacts.files import read_json, write_json, write_text
@@ -34,13 +35,21 @@ def main() -> None:
     few = seed_parts(tested)  # those are asked with many points too
     tasks = [_task(part, part in few, params) for part in tested]
     run_stage("grid", tasks, OUT, "report")
-    cells = {p: read_json(OUT / p / "grid.json", SCHEMA, "grid")["cells"] for p in read_index(OUT)}
-    found = lines(cells)
+    found = lines({part: _cells(OUT / part / "grid.json") for part in read_index(OUT)})
     RESULTS.mkdir(parents=True, exist_ok=True)
     write_text(RESULTS / "grid.csv", grid_csv(found))
     write_text(RESULTS / "grid.md", grid_md(found))
     write_json(RESULTS / "made.json", made)
     print(f"{RESULTS / 'grid.md'}, {RESULTS / 'grid.csv'}")
+
+
+def _cells(path: Path) -> dict[str, Any]:
+    """Raises BadArtifact if the file is torn: then so is the store's, from where it was taken."""
+    try:
+        return read_json(path, SCHEMA, "grid")["cells"]
+    except BadArtifact:
+        said = f"{path} cannot be read; `python -m industnerf.doctor` says how it is mended"
+        raise BadArtifact(said) from None
 
 
 def _reconstructed() -> set[str]:

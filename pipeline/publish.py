@@ -28,7 +28,7 @@ from industnerf.report.measuring import measuring_block
 from industnerf.report.provenance import made_by
 from industnerf.report.publish import publish
 from industnerf.report.readme import study_block
-from industnerf.report.sweep_index import PRESETS, sweeping
+from industnerf.report.sweep_index import PRESETS, brought_by, sweeping
 from industnerf.schema import Params
 
 OUT, README = Path("results/study"), Path("README.md")
@@ -109,7 +109,8 @@ def _instead(project: Path) -> str:
     """What would run `project`; where no preset would, the projects that have run."""
     name = project.name
     if name in sweeping(Path.cwd()):
-        return f": `python -m pipeline.sweep experiment={name}`, then pipeline.sweeps publishes it"
+        sweep = f"`python -m pipeline.sweep experiment={name}`"
+        return f": {sweep}, which `python -m {brought_by(name)}` publishes"
     if (PRESETS / f"{name}.yaml").exists():
         return f": `python -m pipeline.preset {name}`"
     runs = sorted(path.parent.name for path in project.parent.glob(f"*/{PARAMS}"))

@@ -68,8 +68,9 @@ def clear(folder: Path) -> None:
         return
     if "multirun.yaml" not in there:  # which Hydra writes
         raise BadArtifact(f"{folder} holds something else than a sweep; name another folder")
-    for params in folder.glob("[0-9]*/params.yaml"):
-        shutil.rmtree(params.parent)
+    for point in folder.iterdir():
+        if point.is_dir() and point.name.isdigit():  # one that failed early has no params.yaml
+            shutil.rmtree(point)
     for name in (*(table for _, table in TABLES), PICTURE):
         (folder / name).unlink(missing_ok=True)
 

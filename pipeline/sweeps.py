@@ -15,7 +15,14 @@ from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
 from industnerf.report.blocks import replace_block
 from industnerf.report.provenance import read_made
-from industnerf.report.sweep_index import PUBLISHED, TABLES, index, presets
+from industnerf.report.sweep_index import (
+    BROUGHT_BY,
+    PUBLISHED,
+    TABLES,
+    brought_by,
+    index,
+    presets,
+)
 from industnerf.report.sweep_plot import plot
 from industnerf.report.sweep_points import SELECT, core_seconds, preset_of
 from industnerf.report.sweep_reread import reread_sweep
@@ -36,7 +43,8 @@ def publish(sweep: Path, machine: str) -> None:
     """Copy tables and plot; raises BadArtifact if the sweep is not finished or of no preset."""
     name = preset_of(sweep)
     if name not in [preset.name for preset in presets(Path.cwd())]:
-        raise BadArtifact(f"{sweep} is of preset {name!r}, not of a sweep of conf/experiment/")
+        publishes = f"; `python -m {brought_by(name)}` publishes it" if name in BROUGHT_BY else ""
+        raise BadArtifact(f"{sweep} is of preset {name!r}, which has no row here{publishes}")
     needed = [*(file for _, file in TABLES), "sweep.png"]
     if missing := [file for file in needed if not (sweep / file).exists()]:
         raise BadArtifact(f"{sweep} lacks {', '.join(missing)}; the same sweep writes them")

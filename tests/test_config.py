@@ -83,9 +83,12 @@ def test_a_whole_number_will_do_for_a_number(values):
     assert isinstance(fov, float)
 
 
-def test_a_missing_or_torn_file_is_named(tmp_path):
-    with pytest.raises(BadParams, match="is missing; run from the root"):
+def test_a_missing_or_torn_file_is_named(tmp_path, monkeypatch):
+    with pytest.raises(BadParams, match=r"params\.yaml is missing$"):
         config.read_yaml(tmp_path / "params.yaml")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadParams, match=r"^params\.yaml is missing; run from the root"):
+        config.read_yaml(config.PARAMS)
     (tmp_path / "params.yaml").write_text("views: [1, 2")
     with pytest.raises(BadParams, match="is not readable"):
         config.read_yaml(tmp_path / "params.yaml")

@@ -29,7 +29,8 @@ def read_yaml(path: Path) -> dict[str, Any]:
     try:
         content = OmegaConf.to_container(OmegaConf.load(path))
     except FileNotFoundError:
-        raise BadParams(f"{path} is missing; run from the root of the repository.") from None
+        hint = "; run from the root of the repository" if path.parent == Path() else ""
+        raise BadParams(f"{path} is missing{hint}") from None
     except (YAMLError, OmegaConfBaseException, OSError) as error:
         raise BadParams(f"{path} is not readable: {error}") from None
     if not isinstance(content, dict):

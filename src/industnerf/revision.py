@@ -23,5 +23,6 @@ def _git(*arguments: str) -> str:
     try:
         done = subprocess.run(["git", *arguments], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
-        raise BadArtifact(f"no commit to publish under: git {arguments[0]}: {error}") from None
+        why = (getattr(error, "stderr", "") or str(error)).strip()
+        raise BadArtifact(f"no commit to publish under: git {arguments[0]}: {why}") from None
     return done.stdout

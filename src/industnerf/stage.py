@@ -28,7 +28,7 @@ SHOWN = 10  # failures that are named where a stage refuses
 
 @dataclass(frozen=True)
 class Task:
-    """What to do for one part: `make(target)` fills the folder `target`.
+    """What to do for one part, or one net: `make(target)` fills the folder `target`.
 
     It may return how many of its seconds are to stand aside: `Cost.aside_s`.
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
@@ -182,15 +182,18 @@ def _refusal(
     shown = "".join(f"  {part}: {failures[part]}\n" for part in first)
     if more := len(failures) - len(first):
         shown += f"  and {more} more: {out / 'failures.json'}\n"
-    advice = "Mend or deselect them (parts.select), or set on_failure: report."
+    what, advice = "parts", "Mend or deselect them (parts.select), or set on_failure: report."
+    if step == "train":
+        what = "nets"
+        advice = "Mend what is named; with on_failure: report their parts count as failed."
     if nothing:
         advice = "No later stage can do anything then: mend them, or choose other parts."
     if lost:
         advice = (
             f"Of these, {len(lost)} were lost by the machine or the cluster, which says nothing of "
-            "the part: mend what is named, and give the same command again."
+            "them: mend what is named, and give the same command again."
         )
     return PartsFailed(
-        f"stage {step}: {len(failures)} of {len(failures) + succeeded} parts failed, the rest are "
+        f"stage {step}: {len(failures)} of {len(failures) + succeeded} {what} failed, the rest are "
         f"stored. Failed:\n{shown}{advice}"
     )

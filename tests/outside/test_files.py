@@ -58,6 +58,13 @@ def test_an_unknown_part_is_named():
         baked(PARTS, [GEAR, "gear-spur"])
 
 
+def test_clouds_of_two_sets_are_said_to_be():
+    with pytest.raises(BadParams, match="parts of several sets"):
+        baked(PARTS, [GEAR, VASE])
+    with pytest.raises(BadParams, match="no part is called 'gear-spur'"):
+        baked(PARTS, [GEAR, VASE, "gear-spur"])
+
+
 def test_a_cad_file_is_a_part_by_its_name(tmp_path):
     mesh = solids.box(1, 2, 3)
     trimesh.Trimesh(mesh.vertices, mesh.faces).export(tmp_path / "My Bracket.stl")

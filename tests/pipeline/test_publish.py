@@ -154,8 +154,8 @@ def test_a_sweep_that_the_documents_cannot_show_leaves_what_is_published(monkeyp
         ("grid", "runs/grid holds no run; these do: demo, dev"),
         (
             "seeds",
-            "runs/seeds holds no run: `python -m pipeline.sweep experiment=seeds`, then "
-            "pipeline.sweeps publishes it",
+            "runs/seeds holds no run: `python -m pipeline.sweep experiment=seeds`, which "
+            "`python -m pipeline.spread` publishes",
         ),
     ],
 )

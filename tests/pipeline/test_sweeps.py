@@ -124,7 +124,7 @@ def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
         (project / f"conf/experiment/{name}.yaml").write_text(text)
     (project / "docs/ablation.csv").touch()
     (project / "results/seeds").mkdir(parents=True)
-    (project / "results/seeds/made.json").write_text('{"sweeps": {"seeds": {}}}')
+    (project / "results/seeds/made.json").write_text('{"schema": 1, "sweeps": {"seeds": {}}}')
     main()
     assert (
         "\nOther sweeps, and where their results stand: `ablation` in [method.md](method.md), "
@@ -137,7 +137,10 @@ def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
 
 def test_a_sweep_of_no_preset_is_refused(project: Path):
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: study\n")
-    with pytest.raises(BadArtifact, match="preset 'study'"):
+    with pytest.raises(BadArtifact, match=r"preset 'study', which has no row here$"):
+        main("runs/sweeps/now")
+    (project / "runs/sweeps/now/0/params.yaml").write_text("preset: seeds\n")
+    with pytest.raises(BadArtifact, match=r"here; `python -m pipeline\.spread` publishes it"):
         main("runs/sweeps/now")
 
 

@@ -167,8 +167,19 @@ def test_an_interrupted_fresh_start_goes_on_without_fresh(desk, fake):
 def test_an_early_ctrl_c_keeps_nothing_and_says_so(desk, fake):
     fake.AT[0] = lambda: (ctrl_c(), ctrl_c())
     code, _, errors = desk.run()
-    assert (code, errors) == (130, "interrupted; nothing is kept\n")
+    assert (code, errors) == (130, "interrupted; nothing of this run is kept\n")
     assert desk.files() == {"set", "params.yaml"}
+
+
+def test_what_an_earlier_run_kept_is_not_taken_for_this_ones(desk, fake):
+    """With --fresh it is dropped, and belongs to another run."""
+    fake.AT[3] = ctrl_c
+    assert desk.run()[0] == 130
+    os.utime(desk.checkpoint, (0, 0))
+    fake.AT.clear()
+    fake.AT[0] = lambda: (ctrl_c(), ctrl_c())
+    code, _, errors = desk.run("--fresh")
+    assert (code, errors) == (130, "interrupted; nothing of this run is kept\n")
 
 
 def crash():

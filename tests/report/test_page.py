@@ -6,12 +6,13 @@ from html.parser import HTMLParser
 
 import pytest
 
-from industnerf.report.exhibits import Exhibits
+from industnerf.report.exhibits import Exhibits, exhibits
 from industnerf.report.formats import brief
 from industnerf.report.markup import Column, Line, part_link, table
 from industnerf.report.page import page
 from industnerf.report.results import Results
 from industnerf.report.scenes import scene
+from industnerf.report.sheet import contact_sheet
 from industnerf.report.snapshots import Snapshots
 from tests.report import gallery
 from tests.report.conftest import SETTINGS
@@ -158,6 +159,14 @@ def test_what_there_is_nothing_of_is_left_out(study):
     assert shown.count("Is the confidence right?") == 0
     assert shown.count("Held-out views") == 0
     assert "nothing to show" in shown
+
+
+def test_a_page_without_a_part_to_show_has_no_sheet(study):
+    assert contact_sheet(study, []) is None
+    shown = exhibits(study, [], None, b"", None)
+    text = page(Results.of(study, SETTINGS), shown)
+    assert text.count("Contact sheet") == 0
+    assert "Table 1" in text
 
 
 def test_a_table_leaves_out_the_columns_that_no_line_fills():

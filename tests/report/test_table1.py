@@ -179,6 +179,15 @@ def test_answers_without_a_point_are_counted(study):
     assert "has points. 5 of the 16 answers over the test parts that did not fail have" in text
 
 
+def test_of_one_family_it_says_that_there_is_no_interval(study):
+    rows = table1(study, SETTINGS)
+    assert {(row.split, row.families) for row in rows} == {("test", 2), ("dev", 1)}
+    extras = [Extra(None, 1.5)] * len(rows)
+    assert "the lowest and the highest part" in table1_md(rows, extras, 0.9)
+    tested = [row for row in rows if row.split == "test"]
+    assert "the lowest and the highest part" not in table1_md(tested, extras[: len(tested)], 0.9)
+
+
 def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):
     rows = table1(replace(study, seeds_sd={"hull": 0.0123}), SETTINGS)
     shown = {(row.method, row.split): row.seeds_sd for row in rows if row.seeds_sd is not None}

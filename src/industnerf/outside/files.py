@@ -46,9 +46,15 @@ def baked(parts: PartsParams, wanted: Iterable[str]) -> PartsParams:
         missing[name] = sorted(set(wanted) - known)
         if not missing[name]:
             return replace(parts, source="embedded", path=str(folder), select=sorted(wanted))
+    unknown = set.intersection(*map(set, missing.values()))
+    if not unknown:
+        raise BadParams(
+            f"the clouds are of parts of several sets ({', '.join(FOLDERS)}), which are scored "
+            "apart: give a folder for each"
+        )
     fewest = min(missing, key=lambda name: len(missing[name]))
     raise BadParams(
-        f"no part is called {missing[fewest][0]!r}: name the cloud after its part, or give the "
+        f"no part is called {min(unknown)!r}: name the cloud after its part, or give the "
         f"part's name or CAD file too; `python -m industnerf.parts list --set {fewest}`"
     )
 

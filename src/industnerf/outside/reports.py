@@ -16,8 +16,9 @@ def folder_for(root: Path, place: Path, part: str, sources: Iterable[Path]) -> P
     """The folder below `root` for the report of the clouds at `place`, of `part` if it is named.
 
     That of the same question, if it was asked before; else the first of `clouds`, `clouds-2`, ...
-    that is not there.  It is made, and notes at once of what it is: of two that ask at the same
-    time each has its own, and files of one name from two places do not replace each other's.
+    that is not there.  It is made, and notes at once of what it is: of two questions that
+    are asked at the same time each has its own, and files of one name from two places do not
+    replace each other's.
     Raises BadParams if one of the `sources`, which are read, lies where the report would go.
     """
     sources = tuple(sources)

@@ -8,6 +8,7 @@ surface, 2 if what it was given is wrong, 130 after Ctrl-C.
 """
 
 import sys
+import time
 
 from industnerf import environment
 from industnerf.errors import ReconstructionFailed, SuiteError
@@ -16,6 +17,7 @@ from industnerf.runner.device import check_device
 
 
 def main() -> int:
+    began = time.time()
     options = parse(sys.argv[1:], __doc__)
     try:
         environment.read_local_file()
@@ -27,14 +29,16 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1 if isinstance(error, ReconstructionFailed) else 2
     except KeyboardInterrupt:
-        print(f"interrupted; {_outlook(options)}", file=sys.stderr)
+        print(f"interrupted; {_outlook(options, began)}", file=sys.stderr)
         return 130
     return 0
 
 
-def _outlook(options: Options) -> str:
-    if not options.checkpoint.exists():
-        return "nothing is kept"
+def _outlook(options: Options, began: float) -> str:
+    """What is kept, and how to go on; `began` is the time at which this run did."""
+    path = options.checkpoint
+    if not path.exists() or (options.fresh and path.stat().st_mtime < began):
+        return "nothing of this run is kept"
     command = "the same command without --fresh" if options.fresh else "the same command"
     return f"{command} goes on from {options.checkpoint}"
 

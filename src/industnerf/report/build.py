@@ -60,7 +60,8 @@ def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) ->
     shown = exhibits(study, chosen, sheet, front, curves)
     write_text(out / "report.html", page(results, shown, grid_html(grid), stamp()))
     (out / "pareto.png").write_bytes(front)
-    (out / "contact_sheet.png").write_bytes(sheet)
+    if sheet:
+        (out / "contact_sheet.png").write_bytes(sheet)
     if curves:
         (out / "sparsification.png").write_bytes(curves)
     write_json(out / "summary.json", _summary(results, out))

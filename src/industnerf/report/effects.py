@@ -85,7 +85,12 @@ def _ordered(name: str, default: str) -> list[str]:
 
 
 def _only_change(settings: dict[str, Any], usual: dict[str, str]) -> tuple[str, str] | None:
-    """The one reading that is not as usual; two empty texts if all are, None if several are not."""
+    """The one reading that is not as usual; two empty texts if all are, None if several are not.
+
+    Raises BadArtifact if the sweep did not know one of them.
+    """
+    if missing := [name for name in usual if f"readings.{name}" not in settings]:
+        raise BadArtifact(f"the sweep was run before {missing[0]} was a reading: run it anew")
     now = {name: settings[f"readings.{name}"] for name in usual}
     changed = [(name, value) for name, value in now.items() if value != usual[name]]
     return ("", "") if not changed else changed[0] if len(changed) == 1 else None

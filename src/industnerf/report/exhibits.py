@@ -18,7 +18,7 @@ SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is large
 class Exhibits:
     """All that the page shows beside numbers."""
 
-    sheet: bytes  # JPEG
+    sheet: bytes | None  # JPEG, if there is a part to be shown
     scenes: Sequence[Scene]
     snapshots: Snapshots
     front: bytes  # PNG: EMD against seconds
@@ -27,12 +27,12 @@ class Exhibits:
 
 
 def exhibits(
-    study: Study, parts: list[Part], sheet: bytes, front: bytes, curves: bytes | None
+    study: Study, parts: list[Part], sheet: bytes | None, front: bytes, curves: bytes | None
 ) -> Exhibits:
     """Exhibits of `parts`; `sheet` is their contact sheet, `front` EMD against seconds, all PNG.
 
     Raises BadArtifact if a file is torn.
     """
-    small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX)
+    small = jpeg(Image.open(io.BytesIO(sheet)), SHEET_PX) if sheet else None
     scenes = [scene(study, part) for part in parts]
     return Exhibits(small, scenes, snapshots(study, parts), front, album(study), curves)

@@ -152,7 +152,8 @@ def _cost(study: Study, costs: Sequence[CostRow], method: str) -> Iterable[Goal]
         row.cost
         for row in costs
         if (row.stage, row.method) == ("reconstruct", method)
-        and study.places[row.part_id].split == "test"
+        and (place := study.places.get(row.part_id))  # of a published study it may have no score
+        and place.split == "test"
     ]
     if not mine:
         return
@@ -220,4 +221,5 @@ def _beside(goal: Goal) -> str:
 
 def goals_md(found: Sequence[Goal]) -> str:
     """`goals.md`: the table, or why there is none."""
-    return markdown(COLUMNS, map(cells, found)) if found else "None of the methods ran.\n"
+    none = "No method that has goals ran, or there is no test part.\n"
+    return markdown(COLUMNS, map(cells, found)) if found else none

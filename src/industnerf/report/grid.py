@@ -99,7 +99,8 @@ def read_grid(path: Path) -> list[Line]:
             means[cell][row["subject"]] = float(row["mean"])
             parts[cell] = int(row["parts"])
     except (KeyError, ValueError, TypeError) as error:
-        raise BadArtifact(f"{path} is no table of a grid: {error!r}; pipeline.grid") from None
+        said = f"{path} is no table of a grid: {error!r}; `python -m pipeline.grid` writes it"
+        raise BadArtifact(said) from None
     return [Line(cell, means[cell], parts[cell]) for cell in means]
 
 

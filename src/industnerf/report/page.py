@@ -81,6 +81,8 @@ def _anchor(name: str) -> str:
 
 
 def _sheet(exhibits: Exhibits) -> str:
+    if exhibits.sheet is None:
+        return ""
     about = "contact sheet: a row a part, a column a method, coloured by the error"
     return picture("jpeg", exhibits.sheet, about, "sheet") + note(texts.SHEET)
 

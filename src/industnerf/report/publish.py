@@ -50,7 +50,7 @@ def publish(report: Path, out: Path, made: dict[str, Any], project: Path) -> Non
     needed = [*(report / name for name in COPIED), *(project / name for name, _ in KEPT.values())]
     for path in needed:
         if not path.exists():
-            raise BadArtifact(f"{path} is missing; `dvc repro -f report` writes it")
+            raise BadArtifact(f"{path} is missing; `dvc repro -f -s report` in {project} writes it")
     draft = out.with_name(f".{out.name}.draft")
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)

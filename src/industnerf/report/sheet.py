@@ -22,8 +22,10 @@ WORST = 0.05  # error in diagonals at the end of the colour scale
 SEEN, HIDDEN = np.array([70, 90, 120], np.uint8), np.array([225, 150, 60], np.uint8)
 
 
-def contact_sheet(study: Study, parts: list[Part]) -> bytes:
-    """A PNG with a row for each of `parts` and a column for each method."""
+def contact_sheet(study: Study, parts: list[Part]) -> bytes | None:
+    """A PNG with a row for each of `parts` and a column for each method; None without a part."""
+    if not parts:
+        return None
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -43,7 +45,10 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
             else:
                 axis.text(0.5, 0.5, "failed", ha="center", va="center", transform=axis.transAxes)
         label = "\n".join([*wrap(part.designation, LETTERS), f"({part.family})"])
-        row[0].set_ylabel(label, rotation=0, ha="left", va="center", fontsize=FONT)
+        # parse_math: of own parts it holds the names of files, and a name may have dollars
+        row[0].set_ylabel(
+            label, rotation=0, ha="left", va="center", fontsize=FONT, parse_math=False
+        )
         row[0].yaxis.set_label_coords(-0.95 * LABEL / CELL, 0.5)
     for axis, head in zip(axes[0], heads, strict=True):
         axis.set_title(head, fontsize=FONT)
@@ -60,7 +65,7 @@ def contact_sheet(study: Study, parts: list[Part]) -> bytes:
 
 def _pictures(study: Study, part: Part, colour_map) -> list[UInt8[np.ndarray, "h w 3"] | None]:
     views = load_views(study.folders.views / part.part_id)
-    view = nicest_view(views.cameras[views.train])
+    view = int(views.train[nicest_view(views.cameras[views.train])])
     truth = Truth.load(study.folders.truth / part.part_id)
     surface = load_mesh(study.folders.parts / part.part_id)
     shown = np.where(truth.visible[:, None], SEEN, HIDDEN)

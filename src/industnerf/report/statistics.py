@@ -21,8 +21,8 @@ def bootstrap_interval(
     """Percentile interval of the mean under a cluster bootstrap.
 
     Whole families are drawn with replacement, the same ones for every method; a draw's mean is over
-    all parts in it.  With one family there is nothing to draw from, and the interval is the whole
-    line's honest stand-in: the smallest and the largest value.
+    all parts in it.  With one family there is nothing to draw from: what comes back is no interval
+    but the smallest and the largest value, and who shows it says so.
     """
     if len(set(families)) < 2:
         return min(values), max(values)

@@ -23,6 +23,13 @@ ELSEWHERE = {
     "seeds": f"[{SEEDS}](../{SEEDS}/seeds.md)",
     "seeds_nets": f"[{SEEDS}](../{SEEDS}/seeds.md)",
 }
+# all others are brought by pipeline.sweeps
+BROUGHT_BY = {
+    "ablation": "effects",
+    "readings": "effects",
+    "seeds": "spread",
+    "seeds_nets": "spread",
+}
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
@@ -70,6 +77,11 @@ def _others(root: Path) -> str:
     where = ", ".join(f"`{name}` {_where(root, name)}" for name in sorted(names))
     lines = _lines(root, sorted(names))
     return f"\nOther sweeps, and where their results stand: {where}.\n\n{lines}"
+
+
+def brought_by(name: str) -> str:
+    """The module that publishes a sweep of the preset `name`."""
+    return f"pipeline.{BROUGHT_BY.get(name, 'sweeps')}"
 
 
 def sweeping(root: Path) -> set[str]:

@@ -44,6 +44,7 @@ class Row:
     emd_mm: float  # EMD (even) of each part in mm, their mean
     answers: int  # whose mean the score is; but EMD (iid) and (full) are of the first with points
     empty_answers: int | None  # over the parts that did not fail; each scores as a failure
+    families: int  # of the parts; of one there is no interval: lowest and highest part instead
     seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
 
 
@@ -108,6 +109,7 @@ def _row(
         emd_mm=fmean(row.score.value * study.parts[row.part_id].diagonal_mm for row in even),
         answers=study.given[method.name].answers,
         empty_answers=study.empty_answers.get((method.name, split)),
+        families=len(set(families)),
         seeds_sd=study.seeds_sd.get(method.name) if split == "test" else None,
     )
 

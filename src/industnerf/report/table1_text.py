@@ -31,6 +31,10 @@ COLUMNS = (
     "learned from",
     "paper",
 )
+ONE_FAMILY = (
+    "Where all parts are of one family an interval has nothing to be drawn from: in its place "
+    "stand the lowest and the highest part, and no difference can be told from chance."
+)
 HELD_OUT = {"family": "of other families", "part": "others", "none": "and itself"}
 
 
@@ -89,6 +93,8 @@ def notes(rows: Sequence[Row]) -> list[str]:
         f"first answer that has points.{_empty(row)}"
         for row in several
     ]
+    if any(row.families < 2 for row in rows):
+        found.append(ONE_FAMILY)
     if _seeds(rows):
         found.append(
             f"{SEEDS}: standard deviation, over the seeds of experiment=seeds, of the mean EMD "

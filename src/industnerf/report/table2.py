@@ -18,7 +18,10 @@ from industnerf.report.statistics import bootstrap_interval
 from industnerf.report.subsets import figure3
 from industnerf.schema import ReportParams
 
-LEFT_OUT = "Table 2 is left out: no method of this study renders the held-out views."
+LEFT_OUT = (
+    "Table 2 is left out: there is no rendering of a held-out view, for no method renders them, "
+    "there are none, or all parts failed."
+)
 
 
 @dataclass(frozen=True)
