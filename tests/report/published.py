@@ -9,7 +9,7 @@ import numpy as np
 
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.build import write_tables
-from industnerf.report.comparisons import OURS
+from industnerf.report.comparisons import TESTED
 from industnerf.report.gather import Study
 from industnerf.report.results import Results
 from industnerf.report.statistics import holm, sign_flip_p
@@ -119,8 +119,8 @@ def _stratum(row, scores):
 
 def _comparisons(rows, scores):
     families = (
-        [row for row in rows if row["method"] in OURS],
-        [row for row in rows if row["method"] not in OURS],
+        [row for row in rows if row["method"] in TESTED],
+        [row for row in rows if row["method"] not in TESTED],
     )
     return [pair for family in families for pair in _corrected(family, scores)]
 

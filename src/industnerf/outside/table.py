@@ -7,14 +7,14 @@ from statistics import fmean
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
-from industnerf.report.comparisons import OURS
+from industnerf.report.comparisons import TESTED
 from industnerf.report.formats import brief, csv_rows, short
 from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval, paired_change
 from industnerf.schema import ReportParams
 
 HEADS = ("part", "EMD", "x floor", "mm", "H-95, mm", "within 0.5 mm", "")
-BESIDE = (*OURS, "carve", "hull")  # of the study, beside what is asked about
+BESIDE = (*TESTED, "carve", "hull")  # of the study, beside what is asked about
 ASIDE = "outside the study"
 Values = dict[str, dict[str, float]]  # method -> part -> EMD (even)
 

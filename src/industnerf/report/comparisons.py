@@ -1,11 +1,11 @@
 """Is the paper's method, or the best that we have, better than what stands beside it?
 
-Each of OURS is compared with every other method on the EMD (even) of every test part, failures
-included, by a paired permutation test that flips the signs of whole families.  Nulls and bounds are
-compared with nothing: they are shown no picture, or the answer, so they are yardsticks, and a test
-against one would only make every other p-value larger.  Each net is compared with what it must
-beat to deserve its name (report/table1.py).  These two questions are a family of hypotheses each to
-Holm's correction.
+Each of TESTED is compared with every other method on the EMD (even) of every test part, failures
+included, by a paired permutation test that flips the signs of whole families.  With nulls and
+bounds they are not compared: these are shown no picture, or the answer, so they are yardsticks,
+and a test against one would only make every other p-value larger.  Each net is compared with what
+it must beat to deserve its name, one of them a null (report/table1.py).  To Holm's correction these
+two questions are a set of hypotheses each.
 """
 
 from collections.abc import Iterable
@@ -14,6 +14,7 @@ from statistics import fmean
 
 from industnerf.artifacts.scores import Score
 from industnerf.methods.base import Method, Role
+from industnerf.report import paper
 from industnerf.report.formats import csv_text, intervals_of, markdown
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
@@ -22,8 +23,8 @@ from industnerf.report.table1 import MUST_BEAT
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 
-OURS = ("industnerf_plus", "industnerf")
-LEFT_OUT = f"There is nothing to compare {' or '.join(OURS)} with, or no test part to do it on."
+TESTED = ("industnerf_plus", paper.METHOD)  # the best first
+LEFT_OUT = f"There is nothing to compare {' or '.join(TESTED)} with, or no test part to do it on."
 
 
 @dataclass(frozen=True)
@@ -46,23 +47,25 @@ class Comparison:
 def comparisons(study: Study, settings: ReportParams) -> list[Comparison]:
     """A comparison for each of `pairs` and of `nets` that has a test part in common."""
     asked = pairs(study.methods.values()), nets(study)
-    return [each for family in asked for each in _corrected(study, settings, family)]
+    return [each for question in asked for each in _corrected(study, settings, question)]
 
 
 def _corrected(
-    study: Study, settings: ReportParams, family: list[tuple[str, str]]
+    study: Study, settings: ReportParams, question: list[tuple[str, str]]
 ) -> list[Comparison]:
     found = [
-        comparison for one, other in family if (comparison := _compare(study, settings, one, other))
+        comparison
+        for one, other in question
+        if (comparison := _compare(study, settings, one, other))
     ]
     raised = holm([comparison.p for comparison in found])
     return [replace(each, p_holm=p) for each, p in zip(found, raised, strict=True)]
 
 
 def pairs(methods: Iterable[Method]) -> list[tuple[str, str]]:
-    """Each of OURS with every other method that is neither a null nor a bound, no pair twice."""
+    """Each of TESTED with every other method that is neither a null nor a bound, no pair twice."""
     names = [method.name for method in methods if method.role == Role.METHOD]
-    ours = [name for name in OURS if name in names]
+    ours = [name for name in TESTED if name in names]
     return [
         (one, other) for i, one in enumerate(ours) for other in names if other not in ours[: i + 1]
     ]

@@ -5,12 +5,13 @@ from pathlib import Path
 from statistics import fmean, median
 
 from industnerf.errors import BadArtifact
+from industnerf.report import paper
+from industnerf.report.comparisons import TESTED
 from industnerf.report.formats import brief, csv_rows, markdown, short
 from industnerf.report.lookup import EVEN
 from industnerf.report.provenance import made_where
 
 Cells = dict[str, str]
-OURS = ("industnerf", "industnerf_plus")
 RIVALS = {"retrieval": "better than retrieval on", "mean_shape": "than the mean shape on"}
 MEAN = ("emd_even", "ci_low", "ci_high")
 STEPS = ("views", "truth", "train", "reconstruct", "evaluate")
@@ -22,9 +23,9 @@ NODES, PARTS = 64, 10_000  # of docs/scaling.md
 def nets_block(folder: Path) -> str:
     """docs/baselines.md: every method that learns from other parts, against those it must beat."""
     rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
-    ours = next((row for row in rows if row["method"] == OURS[0]), None)
+    ours = next((row for row in rows if row["method"] == paper.METHOD), None)
     costs, even = csv_rows(folder / "cost.csv"), _even(folder)
-    heads = ["method", "minutes", "most steps", "EMD", "mm", f"x `{OURS[0]}`", "paper, x its own"]
+    heads = ["method", "minutes", "most steps", "EMD", "mm", f"x `{paper.METHOD}`"]
     lines = [
         [
             f"`{row['method']}`",
@@ -38,7 +39,8 @@ def nets_block(folder: Path) -> str:
         for row in rows
         if int(row["learned_from"])
     ]
-    return f"On {made_where(folder)}.\n\n{markdown([*heads, *RIVALS.values()], lines)}"
+    heads += ["paper, x its own", *RIVALS.values()]
+    return f"On {made_where(folder)}.\n\n{markdown(heads, lines)}"
 
 
 def _to_ours(row: Cells, ours: Cells) -> tuple[str, str]:
@@ -60,7 +62,7 @@ def _even(folder: Path) -> dict[tuple[str, str], float]:
 
 
 def _wins(even: dict[tuple[str, str], float], method: str, rival: str) -> str:
-    """On how many of the parts `method` has the lower EMD; nothing if one of them is the other."""
+    """On how many of the parts `method` has the lower EMD; nothing if it is a rival itself."""
     both = [(even[method, p], even[m, p]) for m, p in even if m == rival and (method, p) in even]
     return f"{100 * fmean(a < b for a, b in both):.0f} %" if both and method not in RIVALS else ""
 
@@ -117,7 +119,7 @@ def cluster_block(folder: Path) -> str:
         "photographs": sum(_seconds(costs, "views")),
         **{
             f"`{name}`": sum(_seconds(costs, "reconstruct", name)) + _aside(costs, name)
-            for name in OURS
+            for name in TESTED[::-1]
         },
         f"all {methods} methods": sum(_seconds(costs, "reconstruct")) + _aside(costs),
         "scoring them": sum(_seconds(costs, "evaluate")),

@@ -12,6 +12,7 @@ from functools import partial
 from statistics import fmean
 
 from industnerf.artifacts.scores import PartScore, Score
+from industnerf.report import paper
 from industnerf.report.comparisons import even_by_part
 from industnerf.report.costs import CostRow
 from industnerf.report.formats import brief, csv_text, markdown
@@ -19,7 +20,7 @@ from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.millimetres import in_mm, unit_in_mm
 
-OURS, PLUS, HULL = "industnerf", "industnerf_plus", "hull"
+PLUS, HULL = "industnerf_plus", "hull"
 YARDSTICKS = ("tsdf", "oracle")
 WHOLE = 0.98  # share of the surface that the reference rig sees, from which on it counts as all
 POCKETS = "pockets"
@@ -62,7 +63,7 @@ class Goal:
 def goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
     """All that the study has the methods, and the seconds, for."""
     found = [*_clouds(study)]
-    for method in (OURS, PLUS):
+    for method in (paper.METHOD, PLUS):
         found += [*_pictures(study, method), *_confidence(study, method)]
         found += _cost(study, costs, method)
     return found
@@ -72,8 +73,8 @@ def _clouds(study: Study) -> Iterable[Goal]:
     """Of the EMD (even), and of what is made of it."""
     hull = even_by_part(study, HULL)
     asked: list[tuple[str, str, float, bool, Callable[[Found], float | None]]] = [
-        (OURS, MEAN_EMD, 0.020, False, _mean),
-        (OURS, WHOLE_EMD, 1.4, False, partial(_floors, study)),
+        (paper.METHOD, MEAN_EMD, 0.020, False, _mean),
+        (paper.METHOD, WHOLE_EMD, 1.4, False, partial(_floors, study)),
         (PLUS, MEAN_EMD, 0.0122, False, _mean),
         (PLUS, "share of parts on which it beats the hull", 0.8, True, partial(_wins, hull)),
         (

@@ -8,12 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import fmean
 
+from industnerf.report import paper
 from industnerf.report.formats import csv_rows, markdown, short
 from industnerf.report.grid import FLOOR, Line, read_grid
 from industnerf.report.provenance import made_where, read_made
 from industnerf.report.table2 import LOSSES
 
-OURS, HULL = "industnerf", "hull"
+HULL = "hull"
 SCOPES = ("P1-union", "P1-frame")
 CHOICES = {  # what is another than in P1-even: a cell of the grid
     "P1-even": (4096, "even", "visible", "distance", "diagonal"),
@@ -35,10 +36,11 @@ def measuring_block(study: Path, grid: Path) -> str:
     made = read_made(grid)
     cells = {line.cell: line for line in read_grid(grid / "grid.csv")}
     protocols = [_protocol(name, cells[cell]) for name, cell in CHOICES.items() if cell in cells]
-    heads = ["id", "reading", f"EMD, `{OURS}`", "floor", "x floor", f"EMD, `{HULL}`", "parts"]
+    subjects = f"EMD, `{paper.METHOD}`", "floor", "x floor", f"EMD, `{HULL}`"
+    heads = ["id", "reading", *subjects, "parts"]
     return (
         f"R12: results/{study.name}/scores.csv, test parts, {made_where(study)}.\n\n"
-        f"{markdown(['id', 'reading', 'loss', f'`{OURS}`', 'parts'], _scopes(study))}\n"
+        f"{markdown(['id', 'reading', 'loss', f'`{paper.METHOD}`', 'parts'], _scopes(study))}\n"
         f"R13: results/{grid.name}/grid.csv, test parts, {made['date']}, "
         f"commit {made['commit'][:7]}.\n\n"
         f"{markdown(heads, protocols)}"
@@ -50,7 +52,7 @@ def _scopes(study: Path) -> Iterator[list[str]]:
     rows = [
         row
         for row in csv_rows(study / "scores.csv")
-        if (row["method"], row["split"]) == (OURS, "test")
+        if (row["method"], row["split"]) == (paper.METHOD, "test")
     ]
     for loss in LOSSES:
         values = {scope: _values(rows, loss.metric, scope) for scope in SCOPES}
@@ -65,6 +67,6 @@ def _values(rows: list[dict[str, str]], metric: str, protocol: str) -> list[floa
 
 
 def _protocol(name: str, line: Line) -> list[str]:
-    ours, floor, hull = (line.means[subject] for subject in (OURS, FLOOR, HULL))
+    ours, floor, hull = (line.means[subject] for subject in (paper.METHOD, FLOOR, HULL))
     a, b, c = (short(mean, line.decimals) for mean in (ours, floor, hull))
     return ["R13", f"`{name}`", a, b, short(ours / floor, 2), c, str(line.parts)]

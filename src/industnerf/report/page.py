@@ -6,7 +6,7 @@ from html import escape
 from importlib.resources import files
 
 from industnerf.report import table2, texts
-from industnerf.report.comparisons import OURS
+from industnerf.report.comparisons import TESTED
 from industnerf.report.exhibits import Exhibits
 from industnerf.report.figures import calibration, distribution, failures, remarks, renderings
 from industnerf.report.formats import brief
@@ -116,10 +116,10 @@ def _headline(results: Results) -> str:
     said = [
         f"<b>{method}</b> is at {row.emd_even:.4f} "
         f"({row.ratio_to_floor:.2f} floors, {brief(row.emd_mm)} mm)"
-        for method in (*OURS[::-1], "hull")
+        for method in (*TESTED[::-1], "hull")
         if (row := rows.get(method))
     ]
-    if not any(method in rows for method in OURS):
+    if not any(method in rows for method in TESTED):
         return ""
     return f"<p>Mean EMD in bounding-box diagonals, and in mm: {', '.join(said)}.</p>"
 

@@ -18,7 +18,7 @@ from industnerf.report.lookup import EVEN
 from industnerf.report.subsets import seed_parts
 
 Emds = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
-Emds0 = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with seed 0
+ByMethod = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with one seed
 PRINTED = 1e-5  # relative: a mean as seeds.csv prints it
 
 
@@ -88,7 +88,7 @@ def spreads(folders: Sequence[Path]) -> list[Spread]:
     return sorted((spread(*each) for each in read_sweeps(folders).items()), key=lambda s: s.mean)
 
 
-def seed_0(reports: Sequence[Path]) -> Emds0:
+def seed_0(reports: Sequence[Path]) -> ByMethod:
     """The EMDs (even) of the fixed parts with seed 0, from the scores.csv of each of `reports`."""
     found: dict[str, dict[str, float]] = defaultdict(dict)
     for report in reports:
@@ -99,7 +99,7 @@ def seed_0(reports: Sequence[Path]) -> Emds0:
 
 
 def with_mm(
-    rows: Sequence[Spread], seed_0: Emds0, diagonals_mm: Mapping[str, float]
+    rows: Sequence[Spread], seed_0: ByMethod, diagonals_mm: Mapping[str, float]
 ) -> list[Spread]:
     """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`."""
     return [replace(row, mm=_mm(row, seed_0.get(row.method, {}), diagonals_mm)) for row in rows]

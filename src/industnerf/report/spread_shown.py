@@ -9,7 +9,7 @@ from pathlib import Path
 
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
-from industnerf.report.spread import Emds0, is_run_of
+from industnerf.report.spread import ByMethod, is_run_of
 from industnerf.report.spread_files import read_seeds
 from industnerf.report.subsets import seed_parts
 
@@ -21,7 +21,7 @@ def with_spread(study: Study, seeds: Path) -> Study:
     return replace(study, seeds_sd={row.method: row.sd for row in known})
 
 
-def _fixed(study: Study) -> Emds0:
+def _fixed(study: Study) -> ByMethod:
     """The EMDs (even) of the fixed parts."""
     even = {name: only(scores_of(study, name, "test"), *EVEN) for name in study.methods}
     fixed = seed_parts({row.part_id for rows in even.values() for row in rows})

@@ -137,5 +137,5 @@ def without_failures(study: Study, row: Row) -> float | None:
 
 def to_ours(rows: list[Row], row: Row) -> float | None:
     """EMD (even) of `row` as a multiple of the paper's method's on the same parts, if it ran."""
-    ours = [one.emd_even for one in rows if (one.method, one.split) == (paper.OURS, row.split)]
+    ours = [one.emd_even for one in rows if (one.method, one.split) == (paper.METHOD, row.split)]
     return row.emd_even / ours[0] if ours else None

@@ -121,7 +121,7 @@ def _seeds(rows: Sequence[Row]) -> bool:
 
 def _published(emd: float | None) -> str:
     """The paper's EMD, and which multiple of its own method's that is: `0.0482 (3.96 x)`."""
-    return "" if emd is None else f"{emd:.4f} ({emd / paper.EMD[paper.OURS]:.2f} x)"
+    return "" if emd is None else f"{emd:.4f} ({emd / paper.EMD[paper.METHOD]:.2f} x)"
 
 
 def lesson(row: Row) -> str:

@@ -108,7 +108,7 @@ def _line(
         high,
         fmean(row.score.value for row in frames) if frames else None,
         fmean(row.score.floor for row in mine),
-        paper.TABLE2.get(loss.metric) if mine[0].method == paper.OURS else None,
+        paper.TABLE2.get(loss.metric) if mine[0].method == paper.METHOD else None,
         len(mine),
         sum(row.score.status != "ok" for row in only(scores, *EVEN)),
         mean_in_mm(study, settings, mine),
