@@ -107,23 +107,26 @@ def study(folder: Path) -> Study:
     """The study whose files `lay_out` wrote into `folder`."""
     nowhere = folder / "nowhere"
     return Study(
-        "gallery",
-        0,
-        12,
-        {name: load_method(name) for name in EMD},
-        {name: part(name) for name in PARTS},
-        {name: Place("test", None) for name in PARTS},
-        [score for name in PARTS for score in scores(name)],
-        {"box": dict.fromkeys(PARTS, BROKEN), "parts": {"torn-part": "torn.step: no solid"}},
-        {},
-        dict.fromkeys(EMD, (0, 0)),
-        {},
-        dict.fromkeys(PARTS, 0.9),
-        dict.fromkeys(PARTS, 1.0),
-        Folders(
+        preset="gallery",
+        seed=0,
+        views=12,
+        methods={name: load_method(name) for name in EMD},
+        parts={name: part(name) for name in PARTS},
+        places={name: Place("test", None) for name in PARTS},
+        scores=[score for name in PARTS for score in scores(name)],
+        failures={
+            "box": dict.fromkeys(PARTS, BROKEN),
+            "parts": {"torn-part": "torn.step: no solid"},
+        },
+        remarks={},
+        training=dict.fromkeys(EMD, (0, 0)),
+        lessons={},
+        seen_by_training=dict.fromkeys(PARTS, 0.9),
+        seen_by_rig=dict.fromkeys(PARTS, 1.0),
+        folders=Folders(
             nowhere, folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere
         ),
-        dict.fromkeys(EMD, Views(12)),
-        {},
-        {},
+        given=dict.fromkeys(EMD, Views(12)),
+        seeds_sd={},
+        empty_answers={},
     )

@@ -45,7 +45,7 @@ class Lesson:
     settled: bool  # every net's validation loss had stopped falling
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Study:
     """One run of the pipeline."""
 
@@ -86,30 +86,32 @@ def gather(folders: Folders, about: About) -> Study:
     known = {name: load_method(name) for name in methods}
     photographed, places = read_index(folders.views), load_split(folders.split)
     return Study(
-        about.preset,
-        about.seed,
-        about.views,
-        known,
-        {part.part_id: part for part in load_parts(folders.parts)},
-        places,
-        [row for name in methods for row in load_method_scores(folders.scores / name, name)],
-        failures_of(folders, methods),
-        {name: _remarks(folders.clouds / name) for name in methods},
-        {name: _training(folders.clouds / name) for name in methods},
-        {
+        preset=about.preset,
+        seed=about.seed,
+        views=about.views,
+        methods=known,
+        parts={part.part_id: part for part in load_parts(folders.parts)},
+        places=places,
+        scores=[row for name in methods for row in load_method_scores(folders.scores / name, name)],
+        failures=failures_of(folders, methods),
+        remarks={name: _remarks(folders.clouds / name) for name in methods},
+        training={name: _training(folders.clouds / name) for name in methods},
+        lessons={
             name: lesson
             for name in methods
             if (lesson := _lesson(folders.states / name, about.hold_out)) is not None
         },
-        {name: load_views(folders.views / name).seen_by_training for name in photographed},
-        {
+        seen_by_training={
+            name: load_views(folders.views / name).seen_by_training for name in photographed
+        },
+        seen_by_rig={
             name: Truth.load(folders.truth / name).visible_share
             for name in read_index(folders.truth)
         },
-        folders,
-        {name: views_of(known[name], about.views, about.settings) for name in methods},
-        {},
-        _empty_answers(folders.clouds, methods, places),
+        folders=folders,
+        given={name: views_of(known[name], about.views, about.settings) for name in methods},
+        seeds_sd={},
+        empty_answers=_empty_answers(folders.clouds, methods, places),
     )
 
 
