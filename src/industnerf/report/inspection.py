@@ -11,6 +11,7 @@ from industnerf.artifacts.scores import PartScore
 from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
+from industnerf.report.millimetres import in_mm
 
 WITHIN, COVERED = "within_", "covered_"  # names of metrics begin so, and end with a tolerance
 
@@ -42,7 +43,7 @@ def inspection(study: Study) -> list[Inspected]:
 
 def _line(study: Study, method: str, scores: list[PartScore], metrics: list[str]) -> Inspected:
     even = only(scores, *EVEN)
-    emds = [row.score.value * study.parts[row.part_id].diagonal_mm for row in even]
+    emds = in_mm(study, even)
     worst = _values(scores, "hausdorff95")
     return Inspected(
         method,

@@ -8,6 +8,7 @@ from industnerf.methods.base import Method, Role
 from industnerf.report import paper
 from industnerf.report.gather import Lesson, Study
 from industnerf.report.lookup import EVEN, only, scores_of
+from industnerf.report.millimetres import in_mm
 from industnerf.report.statistics import bootstrap_interval
 from industnerf.schema import ReportParams
 
@@ -106,7 +107,7 @@ def _row(
         learned_from=learned_from,
         hold_out=hold_out,
         undertrained="",
-        emd_mm=fmean(row.score.value * study.parts[row.part_id].diagonal_mm for row in even),
+        emd_mm=fmean(in_mm(study, even)),
         answers=study.given[method.name].answers,
         empty_answers=study.empty_answers.get((method.name, split)),
         families=len(set(families)),

@@ -52,5 +52,6 @@ RENDERINGS = (
 )
 SHEET = (
     "A row a part and a column a method, coloured by the distance to the true surface; of several "
-    "answers of a net it is the first. contact_sheet.png beside this page is larger."
+    "answers of a net it is the first that has points. contact_sheet.png beside this page is "
+    "larger."
 )

@@ -12,7 +12,7 @@ from industnerf.report.formats import brief
 from industnerf.report.gather import Study
 from industnerf.report.lookup import Scores
 from industnerf.report.markup import note
-from industnerf.report.scenes import Scene
+from industnerf.report.scenes import POINTS, Scene
 
 COLOURINGS = {
     "error": "error, mm",
@@ -26,8 +26,8 @@ HELP = (
     "Drag to turn, shift-drag to shift; once clicked, the wheel zooms and the arrow keys turn; "
     "a double click goes back. Both sides have one camera. Error is the distance to the true "
     "surface; on the truth's own side it is the distance to the nearest point of the other side's "
-    "cloud: what that one misses. Points are spread evenly, up to 6000 a cloud. Of several answers "
-    "of a net the first is shown, while its EMD is the mean over all of them."
+    f"cloud: what that one misses. Points are spread evenly, up to {POINTS} a cloud. Of several "
+    "answers of a net the first that has points is shown; its EMD is the mean over all of them."
 )
 
 

@@ -33,17 +33,22 @@ def document(text: str, values: dict[str, Any], stages: dict[str, dict[str, Any]
     """All parameters as Markdown; `text` is params.yaml, and `values` what it holds."""
     sources = Sources(leaves(values), comments(text), stages)
     sections = [name for name, value in values.items() if isinstance(value, dict)]
-    methods = [name for name in values["method"] if name not in NERFS]
-    prefixes = [name for name in sections if name != "method"]
-    prefixes += [f"method.{name}" for name in methods]
+    sections.remove("method")
+    methods = [f"method.{name}" for name in values["method"] if name not in NERFS]
     single = [key for key in sources.values if "." not in key]
-    blocks = [HEAD, "\n## The study\n\n" + _table(sources, "", {"": single})]
-    blocks += [
-        _titled(sources, prefix) + _table(sources, f"{prefix}.", {"": _below(sources, prefix)})
-        for prefix in prefixes
-    ]
-    blocks.insert(1 + len(prefixes) - len(methods) + 1, _nerfs(sources))
-    return "".join(blocks)
+    return "".join(
+        [
+            f"{HEAD}\n## The study\n\n{_table(sources, '', {'': single})}",
+            *(_section(sources, name) for name in sections),
+            _nerfs(sources),
+            *(_section(sources, name) for name in methods),
+        ]
+    )
+
+
+def _section(sources: Sources, prefix: str) -> str:
+    keys = {"": _below(sources, prefix)}
+    return _titled(sources, prefix) + _table(sources, f"{prefix}.", keys)
 
 
 def _nerfs(sources: Sources) -> str:
