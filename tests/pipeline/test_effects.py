@@ -52,7 +52,8 @@ def workplace(tmp_path, monkeypatch):
         lines = [f"a,of-a,{name},{score},ok\n" for name in names for score in scores]
         (folder / "0/reports/scores.csv").write_text(head + "".join(lines))
         (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
-        (folder / "made.json").write_text(json.dumps({"date": "2026-01-31", "commit": "abc"}))
+        made = {"schema": 1, "date": "2026-01-31", "commit": "abc"}
+        (folder / "made.json").write_text(json.dumps(made))
         (folder / "sweep.csv").write_text("of the sweep\n")
         return folder
 

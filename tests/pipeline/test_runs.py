@@ -39,7 +39,7 @@ REPORT = {
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
     "emd_full,parts,failures,parameters,steps,paper_emd,"
-    "size,learned_from,hold_out,undertrained,emd_mm,answers,seeds_sd"
+    "size,learned_from,hold_out,undertrained,emd_mm,answers,seeds_sd,empty_answers,families"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
 TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"

@@ -44,9 +44,9 @@ class Row:
     undertrained: str  # why a net does not deserve its name, or empty
     emd_mm: float  # EMD (even) of each part in mm, their mean
     answers: int  # whose mean the score is; but EMD (iid) and (full) are of the first with points
+    seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
     empty_answers: int | None  # over the parts that did not fail; each scores as a failure
     families: int  # of the parts; of one there is no interval: lowest and highest part instead
-    seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
 
 
 def table1(study: Study, settings: ReportParams) -> list[Row]:
