@@ -19,7 +19,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
-from industnerf.config import build
+from industnerf.config import PARAMS, build
 from industnerf.errors import BadArtifact, BadParams, SuiteError
 from industnerf.report.provenance import origin
 from industnerf.report.sweep import write_sweep
@@ -69,7 +69,9 @@ def clear(folder: Path) -> None:
     if "multirun.yaml" not in there:  # which Hydra writes
         raise BadArtifact(f"{folder} holds something else than a sweep; name another folder")
     for point in folder.iterdir():
-        if point.is_dir() and point.name.isdigit():  # one that failed early has no params.yaml
+        # one that failed early has no params.yaml, and nothing else; what has may be somebody's
+        is_point = point.is_dir() and point.name.isdigit()
+        if is_point and ((point / PARAMS).exists() or not any(point.iterdir())):
             shutil.rmtree(point)
     for name in (*(table for _, table in TABLES), PICTURE):
         (folder / name).unlink(missing_ok=True)
