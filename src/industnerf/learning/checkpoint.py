@@ -32,9 +32,10 @@ def load(path: Path) -> dict[str, Any] | None:
     A file that is torn is said to be so, and goes: hours begin anew, but no net is lost to it.
     Raises OSError or MemoryError where it is the machine that cannot read it: then it stays.
     """
-    if not path.exists():
+    try:
+        content = io.BytesIO(path.read_bytes())
+    except FileNotFoundError:  # none yet, or another process found it torn
         return None
-    content = io.BytesIO(path.read_bytes())
     try:
         return torch.load(content, map_location="cpu", weights_only=True)
     except TORN as error:

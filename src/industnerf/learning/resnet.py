@@ -29,7 +29,7 @@ class Block(nn.Module):
 
 
 class ResNet18(nn.Sequential):
-    """Images (b, 3, h, w) in [0, 1] to features (b, `features`); as published with `width` 64."""
+    """Images (b, 3, h, w) to features (b, `features`); as published with `width` 64."""
 
     def __init__(self, features: int, width: int = 64) -> None:
         widths = [width, 2 * width, 4 * width, 8 * width]

@@ -10,6 +10,7 @@ from torch import nn
 
 from industnerf.artifacts.part import load_mesh
 from industnerf.geometry.boxes import Cube
+from industnerf.learning.glances import Glances
 from industnerf.methods import load_method
 from industnerf.methods.base import Example
 from industnerf.methods.occupancy.lesson import Lesson
@@ -28,9 +29,9 @@ def lesson(settings: OccupancySettings) -> Lesson:
     images = [rng.integers(0, 256, (count, 32, 32, 3), np.uint8) for count in (3, 2)]
     points = rng.random((2, 40, 3), np.float32)
     turns = [np.tile(np.eye(3), (count, 1, 1)) for count in (3, 2)]
-    return Lesson(
-        settings, images, turns, points, np.stack([np.ones(40, bool), np.zeros(40, bool)])
-    )
+    glances = Glances(images, turns, settings.augment, settings.frame)
+    inside = np.stack([np.ones(40, bool), np.zeros(40, bool)])
+    return Lesson(glances, points, inside, settings.queries)
 
 
 def net(constant: float | None = None) -> OccupancyNet:
@@ -66,7 +67,7 @@ def test_points_are_of_the_enlarged_cube_and_known_to_be_inside(photographed: Pa
     inputs = load_method("occupancy").inputs
     example = Example("part", photographed / "part", photographed / "views", inputs)
     taught = Lesson.of([example, example], SMALL, np.random.default_rng(3))
-    assert [x.shape for x in taught.images] == [(SMALL.views, 32, 32, 3)] * 2
+    assert [x.shape for x in taught.glances.images] == [(SMALL.views, 32, 32, 3)] * 2
     reach = (1 + SMALL.padding) / 2
     assert 0.99 * reach < np.abs(taught.points).max() <= reach
     # the box without the ball on its side

@@ -133,5 +133,6 @@ def test_a_net_of_the_views_axes_is_taught_in_them(photographed: Path):
     example = Example("part", photographed / "part", photographed / "views", inputs)
     taught = Lesson.of([example], replace(SMALL, frame="view"), np.random.default_rng(0))
     expected = load_views(photographed / "views").cameras.c2w[:, :3, :3]
-    assert len(taught.turns[0]) == len(taught.images[0])
-    assert all((np.abs(expected - turn).max(axis=(1, 2)) < 1e-12).any() for turn in taught.turns[0])
+    turns, images = taught.glances.turns[0], taught.glances.images[0]
+    assert len(turns) == len(images)
+    assert all((np.abs(expected - turn).max(axis=(1, 2)) < 1e-12).any() for turn in turns)

@@ -4,13 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float32, Int, UInt8
+from jaxtyping import Float, Float32
 from torch import Tensor
 
 from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
-from industnerf.learning.augment import as_tensor, augmented
-from industnerf.learning.frames import rolled, turns_of
+from industnerf.learning.glances import Batch, Glances
 from industnerf.learning.targets import surface_points
 from industnerf.methods.atlasnet.chamfer import chamfer
 from industnerf.methods.atlasnet.network import AtlasNet
@@ -18,8 +17,6 @@ from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings
 
 DENSE = 16384  # points of a surface that every step draws its few from
-
-Batch = Int[np.ndarray, "b"]
 
 
 class Lessons:
@@ -29,10 +26,7 @@ class Lessons:
         self, examples: Sequence[Example], settings: AtlasNetSettings, rng: np.random.Generator
     ) -> None:
         self.settings, self.device = settings, device()
-        self.images: list[UInt8[np.ndarray, "views px px 3"]] = [
-            one.rgb(settings.image_px, settings.views) for one in examples
-        ]
-        self.turns = [turns_of(one.cameras(settings.views), settings.frame) for one in examples]
+        self.glances = Glances.of(examples, settings)
         self.surfaces: Float32[np.ndarray, "parts dense 3"] = np.stack(
             [surface_points(*one.mesh, DENSE, rng) for one in examples]
         )
@@ -41,27 +35,16 @@ class Lessons:
         self, net: AtlasNet, which: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
         """Loss of the auto-encoder: to give back the points that it is shown."""
-        views = self._views(which, rng)
-        points = self._points(which, self._turns(which, views), rng)
+        turns = self.glances.axes(which, self.glances.drawn(which, rng))
+        points = self._points(which, turns, rng)
         return self._loss(net, points, points, rng)
 
     def from_pictures(
         self, net: AtlasNet, which: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
         """Loss of points guessed from one view of each part, drawn at random."""
-        views = self._views(which, rng)
-        images = [self.images[part][view] for part, view in zip(which, views, strict=True)]
-        seen, turns = as_tensor(np.stack(images), self.device), self._turns(which, views)
-        if net.training:
-            seen, rolls = augmented(seen, self.settings.augment, rng)
-            turns = rolled(turns, rolls, self.settings.frame)
+        seen, turns = self.glances.shown(net, which, rng)
         return self._loss(net, seen, self._points(which, turns, rng), rng)
-
-    def _views(self, which: Batch, rng: np.random.Generator) -> list[int]:
-        return [int(rng.integers(len(self.images[part]))) for part in which]
-
-    def _turns(self, which: Batch, views: list[int]) -> Float[np.ndarray, "b 3 3"]:
-        return np.stack([self.turns[part][view] for part, view in zip(which, views, strict=True)])
 
     def _points(
         self, which: Batch, turns: Float[np.ndarray, "b 3 3"], rng: np.random.Generator
