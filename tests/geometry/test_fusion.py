@@ -14,6 +14,7 @@ CAMERAS = cameras_around(5, 192, 30.0)
 AHEAD = np.eye(3, 4, dtype=np.float32)  # from the origin: u = x / z, v = y / z
 N, TRUNCATION = 16, 0.25
 AT = (np.indices((N, N, N)) + 0.5) * 2 / N - 1
+BEYOND = np.linalg.norm(AT, axis=0) > 1  # the ball
 BUMPY = np.random.default_rng(0).uniform(3.4, 4.6, (5, 48, 48)).astype(np.float32)
 BUMPY[:, ::5] = 0  # background, as much of it as images show
 BUMPY[:, :, 7] = fusion.UNKNOWN
@@ -46,7 +47,7 @@ def fused_slowly(depth: np.ndarray, projections: np.ndarray) -> np.ndarray:
         values[cell] = total / weights if weights else TRUNCATION
     beside = np.pad(left > 0, 1)
     near = np.any([beside[tuple(slice(i, i + N) for i in s)] for s in np.ndindex(3, 3, 3)], axis=0)
-    return np.where(near & ((left > 0) | (values < 0)), values, -TRUNCATION)
+    return np.where(near & ((left > 0) | (values < 0)) & ~BEYOND, values, -TRUNCATION)
 
 
 def test_what_is_fused_is_what_plain_loops_say():
@@ -70,9 +71,9 @@ def test_a_gpu_fuses_the_same(monkeypatch):
 
 
 def test_cells_behind_a_camera_are_in_no_image():
-    """With a wide lens close by, corners of the cube are behind cameras: none knows of them."""
+    """With a wide lens close by, much of the ball is behind cameras: none knows of it."""
     values = fusion.fuse(np.ones((1, 8, 8), np.float32), AHEAD[None], N, 0.125)
-    assert (values[AT[2] < 0] == np.float32(0.125)).all()
+    assert (values[(AT[2] < 0) & ~BEYOND] == np.float32(0.125)).all()
     assert (values < 0).any()
 
 
@@ -101,12 +102,18 @@ def test_cells_beside_the_plane_of_a_camera_are_out_of_frame():
     """Their column, before it is bounded, is more than 32 bits hold."""
     close = AHEAD * np.float32([[1], [1], [1e-12]])
     values = fusion.fuse(np.ones((1, 8, 8), np.float32), close[None], N, 0.125)
-    assert (values == np.float32(0.125)).all()
+    assert (values[~BEYOND] == np.float32(0.125)).all()
 
 
 def test_images_that_show_nothing_say_nothing():
     values = fusion.fuse(np.zeros((2, 8, 8), np.float32), AHEAD[None].repeat(2, 0), N, 0.125)
-    assert (values == np.float32(0.125)).all()
+    assert (values[~BEYOND] == np.float32(0.125)).all()
+
+
+def test_beyond_the_ball_is_nothing_whether_a_view_looks_there_or_not():
+    """Or few views would leave solid corners of the cube far from any part."""
+    values = fusion.fuse(BUMPY, seen(), N, TRUNCATION)
+    assert (values[BEYOND] == np.float32(-TRUNCATION)).all()
 
 
 def test_a_slope_is_measured_on_the_flatter_side():

@@ -74,7 +74,7 @@ def test_cloud_and_mesh_lie_near_the_ball(ball_photographs, tmp_path, monkeypatc
 
 @pytest.mark.parametrize("method", SETTINGS)
 def test_an_interrupted_run_goes_on(ball_photographs, tmp_path, monkeypatch, capsys, method):
-    """To the same bytes, but for a trained E: its features of views that were not due differ."""
+    """To the same bytes, from where it stopped: at once, or where all views are told by E anew."""
     whole, out = tmp_path / "whole.ply", tmp_path / "cloud.ply"
     assert reconstruct(ball_photographs, whole, method, monkeypatch) == 0
     with monkeypatch.context() as patch:
@@ -85,17 +85,14 @@ def test_an_interrupted_run_goes_on(ball_photographs, tmp_path, monkeypatch, cap
         def stop_after_seven(self: Any, loss: float) -> None:
             told(self, loss)
             taken.append(loss)
-            self._stop.asked = len(taken) == 7
+            self._stop.asked = len(taken) >= 7
 
         patch.setattr(watching, "step", stop_after_seven)
         assert reconstruct(ball_photographs, out, method, monkeypatch) == 130
     assert not out.exists()
     assert reconstruct(ball_photographs, out, method, monkeypatch) == 0
     assert "going on from" in capsys.readouterr().out
-    if method == "industnerf_plus":
-        assert out.read_bytes() == whole.read_bytes()
-    sizes = [len(trimesh.load(path).vertices) for path in (whole, out)]
-    assert sizes[1] == pytest.approx(sizes[0], rel=0.2)
+    assert out.read_bytes() == whole.read_bytes()
 
 
 def test_the_state_of_a_run_is_what_the_file_takes(ball_photographs, tmp_path, monkeypatch, capsys):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Bool, Float32
 from scipy.ndimage import binary_dilation, minimum_filter
 
 from industnerf.geometry.cellwise import handed, told
@@ -87,8 +87,9 @@ def fuse(
 ) -> Float32[np.ndarray, "r r r"]:
     """Signed distance at the centre of every cell: `truncation` where nothing is seen.
 
-    What is seen empty is outside; beside the rest it keeps its distance, or the surface would
-    be drawn inwards by all views that look past it.  Images that show nothing say nothing.
+    What is seen empty, or lies beyond the ball, is outside; beside the rest it keeps its distance,
+    or the surface would be drawn inwards by all views that look past it.  Images that show nothing
+    say nothing.
     """
     from industnerf.geometry import fusing
 
@@ -101,4 +102,12 @@ def fuse(
     mean = told(fusing.measure_mean, near, *about)
     values = np.full(len(every), -truncation, np.float32)
     values[near] = np.where(left[near] | (mean < 0), mean, -np.float32(truncation))
-    return values.reshape(solid.shape)
+    values = values.reshape(solid.shape)
+    values[beyond_region(grid_res)] = -truncation
+    return values
+
+
+def beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
+    """Which cells are not in the unit ball, which holds the part: views may not show them."""
+    squares = ((np.arange(grid_res) + 0.5) * (2 / grid_res) - 1) ** 2
+    return squares[:, None, None] + squares[:, None] + squares > 1

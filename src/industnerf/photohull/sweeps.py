@@ -125,18 +125,19 @@ class Sweeper:
         return told(kernel, cells, handed(self._solid, wp.uint8), *inputs)
 
     def _beside(self, taken: Cells) -> Cells:
-        """The surface cells among the 26 about each of `taken`."""
+        """The surface cells among the 26 about each of `taken`; none at the rim."""
         side = self._side
         place = np.stack(np.unravel_index(taken, self._solid.shape), axis=1)
-        about = (place[:, None] + STEPS).reshape(-1, 3).clip(0, side - 1)
-        near = np.unique((about @ [side * side, side, 1]).astype(np.int32))
+        about = (place[:, None] + STEPS).reshape(-1, 3)
+        core = ((about > 0) & (about < side - 1)).all(axis=1)
+        near = np.unique((about[core] @ [side * side, side, 1]).astype(np.int32))
         near = near[self._solid.ravel()[near] > 0]
         at = np.stack(np.unravel_index(near, self._solid.shape))
         bare = np.zeros(len(near), bool)
         for axis in range(3):
             for step in (-1, 1):
                 there = at.copy()
-                there[axis] = (there[axis] + step).clip(0, side - 1)
+                there[axis] += step
                 bare |= self._solid[tuple(there)] == 0
         return near[bare]
 

@@ -14,9 +14,8 @@ from pykdtree.kdtree import KDTree
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras, projections_from_ball, reduced_size
-from industnerf.geometry.fusion import fuse
+from industnerf.geometry.fusion import beyond_region, fuse
 from industnerf.geometry.isosurface import isosurface
-from industnerf.methods.industnerf.fused import beyond_region
 from industnerf.reconstruct.views import scaled
 
 LONGEST = 256  # px, the longer side of what the cameras see: a pixel is about a cell

@@ -2,6 +2,9 @@
 
 A ray has s radiance points (samples), each with its k neighbours in the cloud; slots without a
 neighbour have weight 0.  Any number of rays may lead the shapes.  Readings R8, R9, R15 and R16.
+
+Reconstruction takes (11), (13) and R16 in one compiled pass, `kernels.confide`; here they stand to
+be read, and as what that pass is tested against.
 """
 
 import math
@@ -57,8 +60,8 @@ def colour_scale(reading: ScaleReading, contrast: float) -> float:
     """L of eq. (12), which the paper does not give, in units of RGB in [0, 1].
 
     max: sqrt(3), the largest distance of two colours, so that S > 0 unless black is rendered
-    white.  unit: 1.  contrast: the spread of the colours looked at, of the
-    background beside the part too, which the caller measures.
+    white.  unit: 1.  contrast: the spread of the colours looked at, of the background beside the
+    part too, which the caller measures.
     """
     match reading:
         case "max":

@@ -98,7 +98,7 @@ SEARCH = """
         w[i] = v;
         total += v;
     }
-    if (!(total > 0.0f)) count = 0;  // its one neighbour is so far off that it weighs nothing
+    if (!(total > 0.0f)) count = 0;  // all are so far off that they weigh nothing
     for (int i = 0; i < count; ++i) w[i] /= total;
     sizes.data[slot] = count;
 """.replace("FLOOR", f"{FLOOR}f")

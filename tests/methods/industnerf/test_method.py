@@ -106,6 +106,6 @@ def test_confident_points_are_of_the_candidates(name, cloud, photographed):
     result = reconstructed(name, photographed, cloud)
     known = {tuple(point) for point in result.candidates.points_mm.tolist()}
     same = [tuple(p) in known for p in result.points_mm.astype(np.float32).tolist()]
-    # where densities end without much of a slope, more of the points stand beside matter
-    least = {"nerf": 0.5, "industnerf_plus": 0.75, "industnerf_depth": 0.9}.get(name, 0.95)
+    # a tent is made sure at all eight corners of a cell, of which some stand beside matter
+    least = {"nerf": 0.5, "industnerf_plus": 0.5, "industnerf_depth": 0.9}.get(name, 0.95)
     assert np.mean(same) > least if cloud == "confident" else not any(same)

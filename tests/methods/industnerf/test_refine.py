@@ -5,6 +5,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf import witnesses  # a class called Test... would be collected
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.levels import WARM_UP, Layer, cells_of, grid, spacing_of
@@ -105,10 +106,11 @@ def test_without_residuals_nothing_is_taken_over():
     assert refined(training, told, torch.Generator().manual_seed(0)).residuals is None
 
 
-def test_where_nothing_is_sure_nothing_is_divided():
+def test_where_no_view_is_sure_of_anything_there_is_no_next_level():
     training = a_training("divided", **FREE)
-    layer = refined(training, told_of(torch.zeros(len(training.points))), torch.Generator())
-    assert len(layer.points) == len(layer.residuals[0]) == len(layer.residuals[1]) == 0
+    nothing = told_of(torch.zeros(len(training.points)))
+    with pytest.raises(ReconstructionFailed, match=r"after level 0 no view is surer than 0\.1"):
+        refined(training, nothing, torch.Generator())
 
 
 def test_the_warm_up_is_divided_into_the_first_grid_whatever_follows():

@@ -179,6 +179,8 @@ def test_contrast_is_the_diagonal_of_the_box_of_colours():
     pixels = Pixels(Scene(images, seen.eyes, seen.background), shown)
     assert contrast_of(pixels) == pytest.approx((90**2 + 100**2 + 30**2) ** 0.5 / 255, rel=1e-6)
     assert contrast_of(Pixels(seen, torch.zeros_like(shown))) == 1
+    plain = Scene(torch.full_like(images, 100), seen.eyes, seen.background)
+    assert contrast_of(Pixels(plain, shown)) == 1 / 255  # (12) divides by it
 
 
 def a_surface(seed: int, count: int) -> Surface:

@@ -128,12 +128,12 @@ class Field(nn.Module):
 
     @torch.no_grad()
     def settle(self) -> None:
-        """After a step, bring what points learn by themselves back to where it has a gradient."""
+        """After a step, bring what points learn by themselves back to where it means something."""
         if self._settings.residual.use and self.network is None:
             self.rgb.clamp_(0, 1)
             activation = self._settings.readings.activation
             if activation != "distance":
-                # at 0 a density that is cut off below still has its gradient, below it has none
+                # at 0 `relu` still has its gradient; `cut_exp` is 0 from some way above EMPTY
                 self.raw.clamp_(0 if activation == "relu" else EMPTY, self._settings.ceiling)
 
     def numbers(self) -> int:

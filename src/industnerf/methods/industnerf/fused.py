@@ -36,7 +36,6 @@ def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -
     depth, projections = depth_images(on_cpu(surface), sure.cpu().numpy(), posed, ways.surface_px)
     reach = ways.fusion.truncation * spacing
     values = fuse(depth, projections, grid_res, reach)
-    values[beyond_region(grid_res)] = -reach
     lo, rng = np.full(3, spacing / 2 - 1), np.random.default_rng(seed)
     points = isosurface_points(values, 0.0, lo, spacing, ways.fusion.points, rng)
     return described(points, seen, reach)
@@ -45,12 +44,6 @@ def fused(surface: Surface, posed: Posed, ways: IndustnerfSettings, seed: int) -
 def on_cpu(surface: Surface) -> Surface:
     """The same, where SciPy's kin can read it."""
     return Surface(*(values.cpu() for values in vars(surface).values()))
-
-
-def beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
-    """Which cells are not in the unit ball: no view may have them in frame, and X ends there."""
-    squares = ((np.arange(grid_res) + 0.5) * (2 / grid_res) - 1) ** 2
-    return squares[:, None, None] + squares[:, None] + squares > 1
 
 
 def depth_images(

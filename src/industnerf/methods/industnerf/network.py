@@ -79,7 +79,8 @@ def activate(
     softplus log(1 + exp(raw)): positive everywhere (until it underflows), so that the paper's
              "points with sigma > 0" are all points.
 
-    Where a density is cut, above `ceiling` and at 0, it has no gradient in its own raw value.
+    Where a density is cut, above the `ceiling` of cut_exp and at 0, it has no gradient in its own
+    raw value.
     """
     match reading:
         case "distance":

@@ -18,14 +18,16 @@ from industnerf.schema.carving import BLOCK, COARSEST
 
 
 class PhotoHull:
-    """What the photographs leave of the hull; the hull itself, where they are not believed."""
+    """What the photographs leave of the hull; the hull itself, where they are not believed or
+    leave nothing.
+    """
 
     def __init__(
         self, posed: Posed, outlines: Float32[np.ndarray, "n h w"], ways: SpaceCarvingSettings
     ) -> None:
         rig = rig_about(posed.cameras, posed.centre, posed.radius)
         cells = carved(outlines, posed.rgb, rig, of_two_pixels(ways, rig.px_across))
-        self.believed = cells.believed
+        self.believed = cells.believed and bool(cells.left.any())
         self.remarks = remarks(cells, ways, "the result stays nearer to the visual hull")
         left = depth_in(cells.left) if cells.left.any() else np.inf
         self._depth = np.minimum(cells.depth, left)

@@ -6,9 +6,18 @@ from jaxtyping import Float32, Int64
 from pykdtree.kdtree import KDTree
 from torch import Tensor
 
+from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf.beside import finer_surface
 from industnerf.methods.industnerf.distribution import density_to_sample, effective_cells
-from industnerf.methods.industnerf.levels import WARM_UP, Layer, divided, near_any, on_grid, sampled
+from industnerf.methods.industnerf.levels import (
+    WARM_UP,
+    Layer,
+    divided,
+    name_of,
+    near_any,
+    on_grid,
+    sampled,
+)
 from industnerf.methods.industnerf.training import Training
 from industnerf.methods.industnerf.witnesses import Testimony
 
@@ -19,7 +28,7 @@ def refined(training: Training, told: Testimony | None, generator: torch.Generat
     """The points that follow on those of `training`, of which the views said what was `told`.
 
     The warm-up's are divided into the first grid; so are all others where `refine` says so.  Of
-    a relief those beside its surface are.
+    a relief those beside its surface are.  Raises ReconstructionFailed if there are none.
     """
     ways, old = training.ways, training.points.positions
     field = training.field
@@ -32,6 +41,11 @@ def refined(training: Training, told: Testimony | None, generator: torch.Generat
         points = divided(old[near & (sigma > 0)], training.spacing)
     else:
         points, spacing = _drawn(training, told, sigma, generator)
+    if not len(points):
+        raise ReconstructionFailed(
+            f"after {name_of(training.level)} no view is surer than {SEEN} of a point that has a "
+            "density: are there steps enough, and do the cameras agree on where the part is?"
+        )
     which = nearest(old, points)
     return Layer(
         points,

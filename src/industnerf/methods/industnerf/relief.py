@@ -14,7 +14,8 @@ carving falls back to where it started; faster, if the photographs are not belie
 Such hollows are shallow.  What is carved deeper inside the visual hull than `back_within` stays
 carved: it is a pocket.
 
-An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings.
+An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings of the
+first level.
 """
 
 import torch
@@ -23,7 +24,7 @@ from torch import Tensor
 
 from industnerf.schema import ReliefSettings
 
-MARGIN = 2.0  # beyond the hull, where points are needed to say where it ends
+MARGIN = 2.0  # of the level's own, beyond the hull: points needed there to say where it ends
 FARTHEST = 9.0  # distances are kept within this: nothing is learned from larger ones
 
 

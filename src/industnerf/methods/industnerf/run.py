@@ -55,7 +55,7 @@ class Watch:
         """A source view and its re-rendering."""
 
     def wants_checkpoint(self) -> bool:
-        """Whether `checkpoint` is to be called."""
+        """Whether `checkpoint` is to be called; asked after steps that a run can go on from."""
         return False
 
     def checkpoint(self, state: dict[str, Any]) -> None:
@@ -72,7 +72,7 @@ class Outcome:
     view: Int16[np.ndarray, "n"]
     steps: int
     parameters: int
-    candidates: Float32[np.ndarray, "m 3"]  # every point with a density
+    candidates: Float32[np.ndarray, "m 3"]  # every point with a density, as the views were asked
     certainty: Float32[np.ndarray, "m"]  # their confidence
     losses: list[float]  # of every step
     first_steps: dict[str, int]  # of every level, and of the colours alone
@@ -168,7 +168,7 @@ class Work:
         self._watch.begin(name, self.training.steps - self.training.taken)
         while self.training.taken < self.training.steps:
             self._took(self.training.step())
-            if self._watch.wants_checkpoint():
+            if self.training.can_stop and self._watch.wants_checkpoint():
                 self._watch.checkpoint(self.state())
 
     def _recolour(self) -> None:
@@ -210,11 +210,10 @@ class Work:
     def outcome(self) -> Outcome:
         """The cloud, of the last level."""
         ways = self._settings
-        sigma, (_, rgb) = self.training.density(), self.training.values()
-        points = self.training.points.positions
+        _, rgb = self.training.values()
+        points, dense = self.training.points.positions, self.training.filled
         reading = ways.readings.cloud
         cloud = final_cloud(points, rgb, self.told, self._posed, ways, reading, self._seed)
-        dense = sigma > 0
         return Outcome(
             self._in_world(cloud.points),
             (cloud.rgb * 255).round().to(torch.uint8).cpu().numpy(),
@@ -275,8 +274,9 @@ def pictures(
 ) -> Renderings:
     """The field of `training` from `cameras`, before `background`, depth in the cameras' unit.
 
-    Colour and opacity as soft as it was learned.  Depth is that of its surface, as hard as this is
-    looked for, and of the soft one in pixels that pass the hard one by.
+    Colour and opacity as soft as it was learned, but for space that is empty for the hard surface,
+    which is skipped as it was when colours were learned.  Depth is that of its surface, as hard as
+    this is looked for, and of the soft one in pixels that pass the hard one by.
     """
     where = training.points.positions.device
     behind = torch.tensor(background, dtype=torch.float32, device=where)

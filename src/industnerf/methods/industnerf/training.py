@@ -26,8 +26,8 @@ from industnerf.rendering.points import Points
 from industnerf.rendering.render import Renderer, Seen
 from industnerf.schema import IndustnerfSettings
 
-SWEEP = 20  # steps from one look for empty points, and from one look of all views, to the next
-OUTLINE = 1.0  # spacings beyond the hull: no pixel that is farther can tell anything new
+SWEEP = 20  # steps from one look at all points, and at all views, to the next; one at the end
+OUTLINE = 1.0  # first spacings beyond the hull: no pixel that is farther tells anything new
 CROWD = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
 
 
@@ -89,7 +89,8 @@ class Training:
         box = (-side,) * 3, (side,) * 3
         self.renderer = Renderer(self.points, *box, ways.step * self.spacing, ways.stop)
         self._fine = Renderer(self.points, *box, ways.fine_step * self.spacing, ways.stop)
-        self._filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
+        # which points had a density when it was last looked for
+        self.filled = torch.ones(len(points), dtype=torch.bool, device=points.device)
 
     @cached_property
     def pixels(self) -> Pixels:
@@ -168,7 +169,7 @@ class Training:
             )
 
     def _fill(self, filled: Bool[Tensor, "m"]) -> None:
-        self._filled = filled
+        self.filled = filled
         self.points.fill(filled)
 
     def _keep(self, needed: Bool[Tensor, "m"]) -> Int64[Tensor, "k"]:
@@ -206,7 +207,7 @@ class Training:
             self.relief.fall_back(self.field.raw, self._pace())
             self.relief.settle(self.field.raw, self.taken + 1, self.steps)
         self.taken += 1
-        if self.taken % SWEEP == 0:
+        if self._all_told:
             self._sweep()
             self.field.encode_anew()
         return loss.detach()
@@ -259,14 +260,29 @@ class Training:
         pixels = Pixels(self._scene, shown)
         return testimony(self._scene, pixels, renderer, values, rgb, self.ways.readings)
 
+    @property
+    def can_stop(self) -> bool:
+        """Whether `state` is all that a later step depends on.
+
+        While E learns it is only just after all views were told by E as it is: `restore` has them
+        told so, and between two such looks some are told by an E of some steps ago.
+        """
+        sources = self.field.sources
+        return not (sources and sources.learns) or self._all_told
+
+    @property
+    def _all_told(self) -> bool:
+        """Whether the last step ended with a look at all points and all views."""
+        return self.taken % SWEEP == 0 or self.taken == self.steps
+
     def state(self) -> dict[str, Any]:
-        """All that a later step depends on, but what E made of the views: that is encoded anew."""
+        """All that a later step depends on, but what E made of the views: see `can_stop`."""
         return {
             "taken": self.taken,
             "points": self.points.positions,
             "spacing": self.spacing,
             "trust": self._trust,
-            "filled": self._filled,
+            "filled": self.filled,
             "field": self.field.state_dict(),
             "adam": self._adam.state_dict(),
         }

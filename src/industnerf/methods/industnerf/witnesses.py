@@ -79,10 +79,13 @@ def testimony(
 
 
 def contrast_of(pixels: Pixels) -> float:
-    """R8 `contrast`: the largest distance between two colours of the views, along their axes."""
+    """R8 `contrast`: the largest distance between two colours of the views, along their axes.
+
+    At least one step of an 8-bit picture, for (12) divides by it.
+    """
     view, row, column = pixels.shown.unbind(1)
     colours = pixels.colours[view, row, column]
-    return float((colours.amax(0) - colours.amin(0)).norm()) if len(colours) else 1.0
+    return max(float((colours.amax(0) - colours.amin(0)).norm()), 1 / 255) if len(colours) else 1.0
 
 
 def joined(parts: list[Surface]) -> Surface:
