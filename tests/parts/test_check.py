@@ -158,7 +158,9 @@ def test_a_folder_without_cad_is_named(tmp_path):
 
 def test_a_folder_is_searched_for_files_and_not_for_hidden_ones_or_folders(folder):
     (folder / "deep.stl").mkdir()
-    for name in ("._good.stl", "deep.stl/more.STL"):  # macOS writes the former beside each file
+    (folder / ".venv").mkdir()
+    # macOS writes the first beside each file
+    for name in ("._good.stl", ".venv/sample.stl", "deep.stl/more.STL"):
         (folder / name).write_bytes((folder / "good.stl").read_bytes())
     found = [str(path.relative_to(folder)) for path in find_files([folder])]
     assert found == ["bad.stl", "deep.stl/more.STL", "good.stl", "open.ply"]

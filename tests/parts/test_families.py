@@ -14,7 +14,7 @@ with warnings.catch_warnings():
 
 from industnerf.errors import BadPart
 from industnerf.parts.catalogue import catalogue
-from industnerf.parts.checks import MOST_BACK_FACES
+from industnerf.parts.checks import MOST_BACK_FACES, VOLUME_WITHIN
 from industnerf.parts.recipe import Recipe
 
 pytestmark = [
@@ -55,7 +55,7 @@ def test_a_part_drawn_anew_is_the_part_that_was_baked(family, recipe):
     fresh, stored = bake(family, recipe).entry, ENTRIES[recipe.id]
     now, then = fresh.measured, stored.measured
     # Each mesh is off the same volume by the recipe's tolerance at most.
-    assert now.volume_mm3 == pytest.approx(then.volume_mm3, rel=2 * recipe.volume_tolerance)
+    assert now.volume_mm3 == pytest.approx(then.volume_mm3, rel=2 * VOLUME_WITHIN)
     # Boxes differ by the chord error of either, 5e-4 of the diagonal.
     diagonal = float(np.linalg.norm(then.extents_mm))
     assert now.extents_mm == pytest.approx(then.extents_mm, rel=0, abs=1e-3 * diagonal)

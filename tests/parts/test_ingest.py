@@ -81,7 +81,7 @@ def test_what_is_no_part_is_refused_and_leaves_nothing(tmp_path):
 
 
 def test_a_missing_folder_names_the_stage_that_fills_it(tmp_path):
-    with pytest.raises(BadArtifact, match="dvc repro -f -s solids"):
+    with pytest.raises(BadArtifact, match="dvc repro solids"):
         ingest(tmp_path / "nowhere", "p", "own", None, settings(), tmp_path / "out")
 
 

@@ -25,7 +25,8 @@ def params(**changes):
 @pytest.fixture
 def folder(tmp_path):
     folder = tmp_path / "cad"
-    for name in ("A b.STL", "sub/c.step", "sub/c.obj", "sub/c.mtl", "notes.txt", ".hidden.stl"):
+    hidden = (".hidden.stl", ".trash/old.stl")
+    for name in ("A b.STL", "sub/c.step", "sub/c.obj", "sub/c.mtl", "notes.txt", *hidden):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).touch()
     return folder
@@ -153,6 +154,13 @@ def test_a_part_with_the_name_of_a_file_that_failed_is_refused(folder, read):
     (folder / "sub c step bolt m8.stl").touch()
     with pytest.raises(BadParams, match="two parts share the id 'sub-c-step-bolt-m8'"):
         parts(folder, read, split_bodies=True)
+
+
+def test_a_file_that_nobody_asked_for_is_no_rival(folder, read):
+    """It was not read, as those that failed were not."""
+    (folder / "sub c step bolt m8.stl").touch()
+    found = parts(folder, read, split_bodies=True, select=["sub-c-step"])
+    assert len(found) == 3
 
 
 def test_a_folder_without_a_catalogue_says_what_to_set(tmp_path):

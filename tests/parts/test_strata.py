@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.strata import FORMULAS, SAMPLES, Shape, shape_of, strata
+from industnerf.parts.strata import FORMULAS, SAMPLES, Shape, shape_of
 from tests.solids import SOME_TURN, ball, box, cup, moved, prism, together, torus, tube
 
 HOLLOW = together(
@@ -53,7 +53,7 @@ def test_scale_and_place_do_not_matter(name):
 def test_nor_does_the_pose(name):
     """The box's diagonal turns with the part, and with it the thresholds, by up to sqrt(3)."""
     mesh, expected = SOLIDS[name]
-    assert strata(moved(mesh, turn=SOME_TURN)) == expected
+    assert shape_of(moved(mesh, turn=SOME_TURN)).strata == expected
 
 
 def test_equal_meshes_have_equal_strata():
@@ -96,4 +96,4 @@ def test_a_mesh_without_area_is_refused():
         np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2]], np.int32)
     )
     with pytest.raises(ValueError, match="no area"):
-        strata(line)
+        shape_of(line)

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32, UInt, UInt8
 
+from industnerf.artifacts.files import write_text
 from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadPart
 from industnerf.parts import checks
@@ -58,22 +59,22 @@ def bake(family: str, recipe: Drawable) -> Baked:
         reference_volume_mm3=round(drawn.reference_volume_mm3, 4),
         sha256=digest(stored, mesh.faces, mesh.finish),
     )
-    _require_true(entry, recipe.volume_tolerance)
+    _require_true(entry)
     return Baked(entry, stored, mesh.faces.astype(narrow), mesh.finish)
 
 
-def _require_true(entry: Entry, tolerance: float) -> None:
+def _require_true(entry: Entry) -> None:
     if entry.back_face_share > checks.MOST_BACK_FACES:
         raise BadPart(
             f"part {entry.id!r} crosses itself: {entry.back_face_share:.2%} of the rays from "
             f"outside meet a face from behind, at most {checks.MOST_BACK_FACES:.2%} may. Draw it "
             "otherwise, or unite its solids as meshes (MeshBoolean)."
         )
-    if abs(entry.volume_deviation) > tolerance:
+    if abs(entry.volume_deviation) > checks.VOLUME_WITHIN:
         raise BadPart(
             f"part {entry.id!r}: the mesh's volume is {entry.volume_deviation:+.2%} off that of "
-            f"the {entry.reference}, at most {tolerance:.2%} may be. Mesh it finer, or mend the "
-            "drawing."
+            f"the {entry.reference}, at most {checks.VOLUME_WITHIN:.2%} may be. Mesh it finer, or "
+            "mend the drawing."
         )
 
 
@@ -101,13 +102,13 @@ def write(baked: list[Baked], kept: list[Entry], folder: Path) -> None:
     for part in baked:
         _replace(folder / f"{part.entry.id}.npz", part)
     entries = [part.entry for part in baked] + kept
-    for path in folder.glob("*.npz"):
-        if path.stem not in {entry.id for entry in entries}:
-            path.unlink()
     ordered = sorted(entries, key=lambda entry: (entry.family, entry.id))
     rows = [dataclasses.asdict(entry) for entry in ordered]
     text = json.dumps({"schema": SCHEMA, "unit": "mm", "parts": rows}, indent=1) + "\n"
-    (folder / "catalogue.json").write_text(text, encoding="utf-8")
+    write_text(folder / "catalogue.json", text)
+    for path in folder.glob("*.npz"):
+        if path.stem not in {entry.id for entry in entries}:
+            path.unlink()
 
 
 def _replace(path: Path, part: Baked) -> None:

@@ -56,7 +56,7 @@ def find_files(paths: Sequence[Path]) -> list[Path]:
     """`paths`, with the files of every known type in place of each folder; no hidden ones."""
     files: list[Path] = []
     for path in paths:
-        below = [p for p in sorted(path.rglob("*")) if is_cad(p) and p.is_file()]
+        below = [p for p in sorted(path.rglob("*")) if is_cad(p, path)]
         if path.is_dir() and not below:
             raise BadParams(f"check: no file in {path} ends in {', '.join(SUFFIXES)}")
         files += below if path.is_dir() else [path]

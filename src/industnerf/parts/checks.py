@@ -12,6 +12,7 @@ from industnerf.errors import BadPart
 from industnerf.geometry.beams import beams
 
 MOST_BACK_FACES = 1e-3  # share of the rays; a part with more crosses or folds through itself
+VOLUME_WITHIN = 5e-3  # of the exact volume, or that of a finer mesh
 
 FirstFace = Callable[
     [Float[np.ndarray, "rays 3"], Float[np.ndarray, "rays 3"]], Int[np.ndarray, "rays"]

@@ -70,7 +70,9 @@ def examine(path: Path, units: str, split: bool, settings: CleanParams, target: 
 
 def findings_of(target: Path, file: str) -> list[Finding]:
     """The findings in the folder `target`; `file` is the name under which to report them."""
-    rows, cost = (json.loads((target / n).read_text()) for n in ("findings.json", "cost.json"))
+    rows, cost = (
+        json.loads((target / n).read_text(encoding="utf-8")) for n in ("findings.json", "cost.json")
+    )
     known = {"file": file, "seconds": cost["seconds"], "peak_mb": cost["peak_mb"]}
     return [Finding(**(_listed(row) | known)) for row in rows]
 

@@ -22,9 +22,9 @@ class OwnFile:
 def find_files(place: Path, pattern: str, select: list[str]) -> list[OwnFile]:
     """The CAD files at `place`: itself, or those in it that match `pattern`, by id.
 
-    In a folder, files of types that are never read are passed over, as are hidden ones.  With
-    `select`, only files that it names, or of which it names a solid.  Raises BadParams if there
-    is none, or if two would share an id.
+    In a folder, files of types that are never read are passed over, as are hidden ones, and all
+    in hidden folders.  With `select`, only files that it names, or of which it names a solid.
+    Raises BadParams if there is none, or if two would share an id.
     """
     require_place(place)
     if place.is_file():
@@ -33,7 +33,7 @@ def find_files(place: Path, pattern: str, select: list[str]) -> list[OwnFile]:
         paths = sorted(place.glob(pattern))
     except (ValueError, NotImplementedError) as error:
         raise BadParams(f"parts.pattern: {pattern!r}: {error}") from None
-    files = [path for path in paths if path.is_file() and is_cad(path)]
+    files = [path for path in paths if is_cad(path, place)]
     if not files:
         raise BadParams(
             f"parts.path: no file in {place} matches parts.pattern {pattern!r} and ends in "
@@ -94,9 +94,10 @@ def solid_slugs(names: Sequence[str]) -> list[str]:
     return several if distinct else [str(i) for i in range(1, len(names) + 1)]
 
 
-def is_cad(path: Path) -> bool:
-    """Whether the name is that of a type that is read, and not a hidden file's."""
-    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+def is_cad(path: Path, place: Path) -> bool:
+    """Whether `path` is a file of a type that is read, and not hidden, nor in a hidden folder."""
+    hidden = any(name.startswith(".") for name in path.relative_to(place).parts)
+    return not hidden and path.suffix.lower() in SUFFIXES and path.is_file()
 
 
 def _wanted(select: Sequence[str], file_ids: set[str]) -> set[str]:

@@ -49,7 +49,6 @@ class Recipe:
     parameters: dict[str, float | int | str]  # the arguments of `draw`; lengths in mm
     finish: str = "steel"  # of whatever the drawing gives none
     finer: int = 1  # than the usual mesh, for thin blades and the like
-    volume_tolerance: float = 5e-3  # of the mesh, from the volume of the drawing
     origin: ClassVar[str] = "embedded"
 
     def drawing(self) -> Assembly:

@@ -20,7 +20,6 @@ class Drawable(Protocol):
     library: str
     origin: str  # the name of its set
     parameters: dict[str, float | int | str]
-    volume_tolerance: float
 
     def meshed(self) -> Meshed: ...
 

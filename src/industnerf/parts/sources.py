@@ -64,7 +64,8 @@ def own_parts(place: Path, solids: Path, read: set[str], parts: Any) -> list[Sou
         for source in _parts_of(file, solids / file.file_id, parts)
     ]
     ids = Counter(source.part_id for source in found)
-    ids.update(file.file_id for file in files if file.file_id not in read)  # it failed by this name
+    asked = {file.file_id for file in find_files(place, parts.pattern, parts.select)}
+    ids.update(asked - read)  # what could not be read failed by this name
     twice = [part_id for part_id, count in ids.items() if count > 1]
     if twice:
         raise BadParams(f"parts.path: two parts share the id {twice[0]!r}; rename a file")

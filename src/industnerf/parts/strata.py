@@ -71,10 +71,6 @@ class Shape:
         return tuple(name for name in FORMULAS if holds[name])
 
 
-def strata(mesh: Mesh) -> tuple[str, ...]:
-    return shape_of(mesh).strata
-
-
 def shape_of(mesh: Mesh) -> Shape:
     """Measure `mesh`; raises ValueError if it has no area."""
     rng = generator(0, "strata")

@@ -60,8 +60,9 @@ def test_content_wins_over_the_name_with_a_remark(read):
     assert read("part.obj", SAMPLES["box.3mf"]).format == "3MF"
 
 
-def test_a_binary_stl_that_begins_with_solid_is_binary(read):
-    solids = read("part.stl", binary_stl(header=b"solid facet normal of a liar"))
+@pytest.mark.parametrize("header", [b"solid facet normal of a liar", b"ply to stl", b"glTF to stl"])
+def test_the_header_of_a_binary_stl_may_say_anything(read, header):
+    solids = read("part.stl", binary_stl(header=header))
     assert (solids.format, len(solids.solids[0].mesh.faces)) == ("binary STL", 12)
 
 

@@ -123,12 +123,36 @@ def test_obj_objects_are_solids_and_groups_are_not(read):
     assert [(s.name, len(s.mesh.faces)) for s in solids.solids] == [("first", 24), ("second", 12)]
 
 
-def test_coff_colours_of_vertices(read):
-    rows = "".join(f"{x} {y} {z} 255 0 0 255\n" for x, y, z in CORNERS)
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("COFF", "255 0 0 255"),
+        ("COFF", "255 0 0"),
+        ("CNOFF", "0 0 1 255 0 0"),
+        ("CNOFF", "0 0 1 1.0 0.0 0.0 1.0"),
+    ],
+)
+def test_coff_colours_of_vertices(read, head, said):
+    """They stand behind the normal, if there is one, and may have a fourth number."""
+    rows = "".join(f"{x} {y} {z} {said}\n" for x, y, z in CORNERS)
     faces = "".join("3 {} {} {}\n".format(*face) for face in FACES)
-    assert [f.name for f in read("c.off", f"COFF\n8 12 0\n{rows}{faces}".encode()).finishes] == [
+    assert [f.name for f in read("c.off", f"{head}\n8 12 0\n{rows}{faces}".encode()).finishes] == [
         "#ff0000"
     ]
+
+
+def test_an_obj_may_name_several_libraries_in_a_line(read, tmp_path):
+    """Of one that is missing it is said; a name with a blank in it is one name."""
+    for name, colour in (("a.mtl", "1 0 0"), ("b.mtl", "0 0 1"), ("a b.mtl", "0 1 0")):
+        (tmp_path / name).write_text(f"newmtl {name[0]}\nKd {colour}\n")
+    points = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+    faces = ["f {} {} {}\n".format(*(face + 1)) for face in FACES]
+    halves = "usemtl a\n" + "".join(faces[:6]) + "usemtl b\n" + "".join(faces[6:])
+    found = read("two.obj", f"mtllib a.mtl b.mtl gone.mtl\n{points}{halves}".encode())
+    assert sorted(finish.name for finish in found.finishes) == ["#0000ff", "#ff0000"]
+    assert "its materials are missing: gone.mtl" in found.remarks
+    one = read("one.obj", f"mtllib a b.mtl\n{points}usemtl a\n{''.join(faces)}".encode())
+    assert [finish.name for finish in one.finishes] == ["#00ff00"]
 
 
 def threedxml_pair(loop=""):

@@ -7,10 +7,8 @@ import numpy as np
 
 from industnerf.artifacts.split import Place
 from industnerf.parts.catalogue import Entry
-from industnerf.parts.checks import MOST_BACK_FACES
+from industnerf.parts.checks import MOST_BACK_FACES, VOLUME_WITHIN
 from industnerf.parts.strata import FORMULAS
-
-VOLUME_WITHIN = 5e-3  # of the reference; see `volume_tolerance` of industnerf.parts.recipe
 
 
 def percent(share: float, decimals: int = 1) -> str:

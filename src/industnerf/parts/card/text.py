@@ -32,7 +32,7 @@ parts, marks proportions that are ours and not from the standard's table.
 
 ## Checks
 
-A part that fails one of these is not baked; only, the volume of springs may be off by 2 %.
+A part that fails one of these is not baked.
 
 {checks}
 

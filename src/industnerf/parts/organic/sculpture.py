@@ -28,7 +28,6 @@ class Sculpture:
     parameters: dict[str, float | int | str]  # of the formula; lengths in mm
     edge_mm: float
     palette: tuple[Finish, ...]
-    volume_tolerance: float = 5e-3  # of the mesh, from one four times finer
     origin: ClassVar[str] = "organic"
     library: ClassVar[str] = "manifold3d"
 

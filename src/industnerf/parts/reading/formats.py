@@ -63,14 +63,14 @@ def recognise(path: Path) -> tuple[Format, tuple[str, ...]]:
 def by_content(path: Path, head: bytes, size: int) -> Format | None:
     """The format that the bytes tell, or None."""
     start = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    if is_binary_stl(head, size):  # first, for its header may say anything
+        return STL
     if head.startswith(b"glTF"):
         return GLB
     if head.startswith(b"PK\3\4"):
         return _archived(path)
     if re.match(rb"ply\s", head):
         return PLY
-    if is_binary_stl(head, size):
-        return STL
     if b"ISO-10303-21;" in head[:1024]:
         return STEP
     if b"DBRep_DrawableShape" in head[:256] or b"CASCADE Topology V" in head[:256]:

@@ -1,5 +1,6 @@
 """Wavefront OBJ: one body per `o`; groups are not bodies, for many programs write one per face."""
 
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -29,13 +30,19 @@ def read_obj(path: Path) -> Content:
 
 def _materials(path: Path, scene: Scene, remarks: list[str]) -> dict[str, Material]:
     known: dict[str, Material] = {}
-    for text in scene.libraries:
+    for text in chain.from_iterable(map(_names, scene.libraries)):
         library = named(path, text)
         if library is None:
             remarks.append(f"its materials are missing: {text[:80]}")
         else:
             known |= materials(library)
     return known
+
+
+def _names(line: str) -> list[str]:
+    """The files that one `mtllib` names: several, or one whose name holds blanks."""
+    words = line.split()
+    return words if all(word.lower().endswith(".mtl") for word in words) else [line]
 
 
 def _body(

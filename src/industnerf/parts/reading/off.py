@@ -47,9 +47,8 @@ def _content(head: str, points: list[list[str]], polygons: list[list[str]]) -> C
     faces = np.concatenate(corners) if corners else np.zeros((0, 3), np.int64)
     albedo = np.array([_colour(words) for words in paint]).reshape(-1, 3)
     if head.startswith("C") and np.isnan(albedo).all():
-        albedo = np.array([_colour(row[-4:][:3] if len(row) > 6 else row[3:]) for row in points])[
-            faces
-        ].mean(axis=1)
+        first = 6 if "N" in head[:-3] else 3  # behind the normals, if it has them
+        albedo = np.array([_colour(row[first:]) for row in points])[faces].mean(axis=1)
     return Content((Body("solid 1", vertices, faces, albedo),), None, None, False)
 
 
