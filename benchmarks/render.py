@@ -22,11 +22,12 @@ from rich.table import Table
 from solids import solids
 
 from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.png import DEEPEST
 from industnerf.artifacts.views import Frame, Views, save_views
 from industnerf.capture.chance import draws_of
 from industnerf.capture.develop import develop, through_centres
 from industnerf.capture.materials import Materials
-from industnerf.capture.photograph import DEPTH_STEPS, shading, share_seen
+from industnerf.capture.photograph import shading, share_seen
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.capture.surface import Surface
 from industnerf.config import load_params
@@ -77,7 +78,7 @@ def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
         frames.append(develop(surface, shade, K, c2w, *plain))
         seconds += perf_counter() - start, casting
         profile.runcall(develop, surface, shade, K, c2w, *plain)
-    step_mm = (settings.radius + 1) * radius_mm / DEPTH_STEPS
+    step_mm = (settings.radius + 1) * radius_mm / DEEPEST
     behind = np.ones((len(frames), 3))
     views = Views(Path(), "part", cameras, held_out, behind, step_mm, share)
     written, size = write(views, frames)

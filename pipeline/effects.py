@@ -34,7 +34,7 @@ def main(folder: str) -> None:
     document, points = DOCUMENTS[preset]
     made = read_made(sweep)
     text = f"{made['date']}, commit {made['commit']}.\n\n{found_by(sweep, preset)}"
-    write_text(document, replace_block(document.read_text(), preset, text))
+    write_text(document, replace_block(document.read_text(encoding="utf-8"), preset, text))
     shutil.copyfile(sweep / "sweep.csv", points)
 
 

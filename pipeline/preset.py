@@ -56,7 +56,7 @@ def main(preset: str) -> None:
 
 def read_preset(path: Path) -> dict[str, Any]:
     """The values of a preset; raises BadParams if they would be a group's and change nothing."""
-    if not any(map(HEADER.fullmatch, head_of(path.read_text()))):
+    if not any(map(HEADER.fullmatch, head_of(path.read_text(encoding="utf-8")))):
         raise BadParams(
             f"{path} does not begin with the line '# @package _global_': its values would change "
             "nothing"
@@ -95,7 +95,9 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
     config = project / ".dvc" / "config"
-    if not config.exists() or "cache" not in config.read_text():  # new, or interrupted before
+    if not config.exists() or "cache" not in config.read_text(
+        encoding="utf-8"
+    ):  # new, or interrupted before
         for key, value in SETTINGS.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote

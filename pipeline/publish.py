@@ -47,7 +47,7 @@ def main(what: str = "study") -> None:
             measured(LEAKAGE)  # raises before anything is copied
         bring(Path(), OUT, "make repro")
     for document, blocks in shown(OUT, PARAMS).items():
-        text = document.read_text()
+        text = document.read_text(encoding="utf-8")
         for name, content in blocks.items():
             text = replace_block(text, name, content)
         write_text(document, text)

@@ -19,7 +19,9 @@ README, RUN, PUBLISHED = Path("README.md"), Path("runs/demo"), Path("results/dem
 
 def main() -> None:
     bring(RUN, PUBLISHED, "make demo")
-    write_text(README, replace_block(README.read_text(), "demo", demo_block(PUBLISHED)))
+    write_text(
+        README, replace_block(README.read_text(encoding="utf-8"), "demo", demo_block(PUBLISHED))
+    )
     with Image.open(RUN / "reports/contact_sheet.png") as sheet:
         sheet.thumbnail((WIDTH, WIDTH))
         sheet.save("docs/demo.png", optimize=True)

@@ -36,7 +36,9 @@ def main(sweep: str = "", machine: str = "") -> None:
         redraw(PUBLISHED / machine)
     elif sweep:
         publish(Path(sweep), machine)
-    write_text(DOCUMENT, replace_block(DOCUMENT.read_text(), "sweeps", index(Path.cwd())))
+    write_text(
+        DOCUMENT, replace_block(DOCUMENT.read_text(encoding="utf-8"), "sweeps", index(Path.cwd()))
+    )
 
 
 def publish(sweep: Path, machine: str) -> None:

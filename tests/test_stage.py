@@ -135,7 +135,7 @@ def test_costs_stay_out_of_what_is_hashed(place):
 )
 def test_a_stage_that_was_not_run_is_named_as_dvc_has_it(tmp_path, folder, name):
     for read in (read_index, read_failures):
-        with pytest.raises(BadArtifact, match=rf"{folder}/.* is missing; `dvc repro {name}`"):
+        with pytest.raises(BadArtifact, match=rf"{folder}/.* is missing\. `dvc repro {name}`"):
             read(tmp_path / folder)
 
 

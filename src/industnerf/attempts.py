@@ -25,7 +25,7 @@ def begin(scratch: Path) -> float:
 def spent(scratch: Path) -> float:
     """Seconds from the beginning of each attempt to the last file that it saved in `scratch`."""
     try:
-        note = json.loads((scratch / FILE).read_text())
+        note = json.loads((scratch / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):  # there was none, or its note is torn
         return 0.0
     return note["before"] + max(0.0, max(_saved(scratch), default=note["begun"]) - note["begun"])

@@ -24,7 +24,7 @@ def source_of(module: str) -> Path | None:
 def _tree(module: str) -> ast.Module:
     """The syntax tree of `module`; empty if there is no such module."""
     source = source_of(module)
-    return ast.parse(source.read_text()) if source else ast.Module([], [])
+    return ast.parse(source.read_text(encoding="utf-8")) if source else ast.Module([], [])
 
 
 @cache

@@ -25,7 +25,7 @@ def read_local_file(path: Path = FILE) -> None:
 
     Raises BadParams for a line that is no `NAME=value` of a name in INDUSTNERF_* or SBATCH_*.
     """
-    lines = path.read_text().splitlines() if path.is_file() else []
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue

@@ -84,7 +84,7 @@ class Store:
     def cost(self, step: str, key: str) -> Cost | None:
         """What the result cost, or None where that is not known here."""
         path = self.root / step / key / "cost.json"
-        return Cost(**json.loads(path.read_text())) if path.exists() else None
+        return Cost(**json.loads(path.read_text(encoding="utf-8"))) if path.exists() else None
 
     def put(self, step: str, key: str, make: Callable[[Path], Cost]) -> None:
         """Let `make` fill a folder, then move it into place in one rename.

@@ -89,8 +89,13 @@ def log_report(report: Path, params: Mapping[str, Any]) -> None:
 
 
 def _log(report: Path, params: Mapping[str, Any]) -> None:
-    summary, note = json.loads((report / "summary.json").read_text()), report / LABEL
-    tags = json.loads(note.read_text()) if note.exists() else {}  # made at a commit not noted
+    summary, note = (
+        json.loads((report / "summary.json").read_text(encoding="utf-8")),
+        report / LABEL,
+    )
+    tags = (
+        json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+    )  # made at a commit not noted
     mlflow, experiment = _client()
     results = _digest(summary["results"], tags.get("point", ""))
     same = mlflow.search_runs(

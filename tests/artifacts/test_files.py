@@ -1,12 +1,29 @@
 """Small files: whole or as they were before, whatever the text holds."""
 
 import os
+import subprocess
+import sys
 
 import pytest
 
 from industnerf.artifacts import whole
 from industnerf.artifacts.files import write_text
 from industnerf.errors import BadArtifact
+
+
+def test_text_is_utf8_whatever_the_locale(tmp_path):
+    """Report and README say that they are, and go from one machine to another."""
+    steps = r"""
+from pathlib import Path
+from industnerf.artifacts.files import read_json, write_json, write_text
+write_json(Path("a.json"), {"schema": 1})
+write_text(Path("a.json"), Path("a.json").read_text().replace("1", '1, "unit": "m\u00b2"'))
+assert read_json(Path("a.json"), 1, "x")["unit"] == "m\u00b2"
+"""
+    ascii_alone = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    command = [sys.executable, "-c", steps]
+    subprocess.run(command, cwd=tmp_path, check=True, env=os.environ | ascii_alone)
+    assert "\u00b2".encode() in (tmp_path / "a.json").read_bytes()
 
 
 def test_a_name_that_is_not_utf8_is_written_as_it_is(tmp_path):

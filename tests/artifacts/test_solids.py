@@ -78,7 +78,7 @@ def test_a_mesh_that_does_not_hang_together_is_refused(solids, tmp_path, arrays,
 
 
 def test_what_is_missing_torn_or_of_another_schema_is_named(solids, tmp_path):
-    with pytest.raises(BadArtifact, match=r"solids\.json is missing\..*`dvc repro -f -s solids`"):
+    with pytest.raises(BadArtifact, match=r"solids\.json is missing\. `dvc repro solids`"):
         Solids.load(tmp_path)
     solids.save(tmp_path)
     data = (tmp_path / "solids.npz").read_bytes()

@@ -15,7 +15,7 @@ def write_text(path: Path, text: str) -> None:
     """Write `text` to `path`, in a folder made for it; raises BadArtifact if it cannot."""
     with written_whole(path) as draft:
         draft.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(text, errors="surrogateescape")  # names of files are any bytes
+        draft.write_text(text, "utf-8", "surrogateescape")  # names of files are any bytes
 
 
 def write_json(path: Path, content: Any) -> None:
@@ -36,15 +36,23 @@ def spoilt(path: Path, what: str, stage: str) -> BadArtifact:
     )
 
 
+def missing(path: Path, stage: str) -> BadArtifact:
+    """The refusal of the file `path`, which `stage` would have written and which is not there."""
+    return BadArtifact(
+        f"{path} is missing. `dvc repro {stage}` writes it, or once more the sweep or preset "
+        "that it is of."
+    )
+
+
 def read_json(path: Path, schema: int, stage: str) -> Any:
     """The JSON object in `path`, whose `schema` must be `schema`.
 
     Raises BadArtifact that names the file and how `stage` writes it anew.
     """
     try:
-        content = json.loads(path.read_text())
+        content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise spoilt(path, "is missing", stage) from None
+        raise missing(path, stage) from None
     except (OSError, ValueError) as error:
         raise spoilt(path, f"is not readable JSON ({error})", stage) from None
     found = content.get("schema") if isinstance(content, dict) else None
@@ -58,5 +66,7 @@ def read_npz(path: Path, names: tuple[str, ...], stage: str) -> list[np.ndarray]
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return [arrays[name] for name in names]
+    except FileNotFoundError:
+        raise missing(path, stage) from None
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
         raise spoilt(path, f"cannot be read ({error})", stage) from None

@@ -3,9 +3,19 @@
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float, UInt16
 from PIL import Image
 
 from industnerf.artifacts.files import spoilt
+
+DEEPEST = 65535  # largest value of a 16-bit pixel
+
+
+def depth_steps(
+    depth_mm: Float[np.ndarray, "*pixels"], step_mm: float
+) -> UInt16[np.ndarray, "*pixels"]:
+    """Depth as a picture holds it: 0 is background, so what is nearer than a step is 1."""
+    return np.maximum(np.rint(depth_mm / step_mm), depth_mm > 0).astype(np.uint16)
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:

@@ -13,11 +13,10 @@ import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
 from industnerf.artifacts.files import read_json, spoilt, write_json
-from industnerf.artifacts.png import read_png, write_png
+from industnerf.artifacts.png import DEEPEST, depth_steps, read_png, write_png
 
 SCHEMA = 1
 FOLDER, INDEX = "renderings", "renderings.json"
-DEEPEST = 65535  # largest value of a 16-bit pixel
 HALF = 128  # the first of 256 levels that is at least half opaque
 # pixels, and what comes after rows and columns
 KINDS = {"rgb": (np.uint8, (3,)), "depth": (np.uint16, ()), "opacity": (np.uint8, ())}
@@ -44,9 +43,7 @@ class Renderings:
         folder, (count, height, width) = cloud / FOLDER, self.opacity.shape
         scale = float(self.depth_mm.max(initial=0.0) or 1.0) / DEEPEST
         sizes = {"count": count, "height": height, "width": width}
-        # what is in front of the background stays there, however near the camera it is
-        nearest = (self.depth_mm > 0).astype(np.uint16)
-        depth = np.maximum(np.rint(self.depth_mm / scale).astype(np.uint16), nearest)
+        depth = depth_steps(self.depth_mm, scale)
         for kind, pixels in (("rgb", self.rgb), ("depth", depth), ("opacity", self.opacity)):
             (folder / kind).mkdir(parents=True)
             for index, image in enumerate(pixels):

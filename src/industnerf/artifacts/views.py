@@ -21,7 +21,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt8
 
 from industnerf.artifacts.files import read_json, write_json
-from industnerf.artifacts.png import read_png, write_png
+from industnerf.artifacts.png import depth_steps, read_png, write_png
 from industnerf.geometry.cameras import Cameras
 
 SCHEMA = 2
@@ -48,7 +48,7 @@ class Views:
     held_out: Bool[np.ndarray, "n"]
     background: Float[np.ndarray, "n 3"]  # in [0, 1]
     depth_scale_mm: float
-    seen_by_training: float  # share of the part's area that a training view has in its frame
+    seen_by_training: float  # share of the part's area that a training view shows
 
     @property
     def train(self) -> np.ndarray:
@@ -120,7 +120,7 @@ def save_views(views: Views, frames: Iterable[Frame], truth: Cameras | None = No
     if truth is not None:
         write_json(views.folder / TRUTH, _truth(truth))
     for index, frame in enumerate(frames):
-        depth = np.rint(frame.depth_mm / views.depth_scale_mm).astype(np.uint16)
+        depth = depth_steps(frame.depth_mm, views.depth_scale_mm)
         write_png(views.folder / f"rgb/{index:03d}.png", frame.rgb)
         write_png(views.folder / f"mask/{index:03d}.png", frame.mask)
         write_png(views.folder / f"depth/{index:03d}.png", depth)

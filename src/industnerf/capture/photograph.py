@@ -7,6 +7,7 @@ proportional to the light that it receives, and mixing over an edge is mixing of
 from pathlib import Path
 
 from industnerf.artifacts.part import Mesh, load_mesh, load_part
+from industnerf.artifacts.png import DEEPEST
 from industnerf.artifacts.views import Views, save_views
 from industnerf.capture.backdrop import backgrounds
 from industnerf.capture.calibration import is_exact, recorded
@@ -22,8 +23,6 @@ from industnerf.capture.surface import Surface
 from industnerf.geometry.cameras import Cameras
 from industnerf.geometry.visibility import area_samples, seen_by
 from industnerf.schema import ViewsParams
-
-DEPTH_STEPS = 65535  # largest value of a 16-bit pixel
 
 
 def photograph(source: Path, target: Path, settings: ViewsParams, seed: int) -> None:
@@ -44,7 +43,7 @@ def photograph(source: Path, target: Path, settings: ViewsParams, seed: int) -> 
         recorded(cameras, held_out, centre, settings.calibration, draws),
         held_out,
         backgrounds(settings, draws),
-        (farthest(settings) + 1) * radius_mm / DEPTH_STEPS,
+        (farthest(settings) + 1) * radius_mm / DEEPEST,
         share_seen(surface, mesh, cameras[~held_out]),
     )
     frames = (

@@ -139,7 +139,7 @@ def newest_version() -> str:
             "MLflow is not installed; `python -m industnerf.doctor environment` says how"
         )
     files = (Path(spec.origin).parent / MIGRATIONS).glob("*.py")
-    texts = [path.read_text() for path in files]
+    texts = [path.read_text(encoding="utf-8") for path in files]
     versions, followed = _named(texts, "revision"), _named(texts, "down_revision")
     if not versions - followed:
         raise BadParams(f"{spec.origin} has no migrations in {MIGRATIONS} of which one is the last")

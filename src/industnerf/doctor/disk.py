@@ -62,7 +62,7 @@ def _held(places: Places) -> int:
 def _entries(index: Path) -> list[str]:
     """Step and key of each result that `index` names; none if it is torn: see `lockfile`."""
     try:
-        made = json.loads(index.read_text())
+        made = json.loads(index.read_text(encoding="utf-8"))
         return [f"{made['step']}/{key}" for key in made["keys"].values()]
     except (ValueError, KeyError, TypeError):
         return []

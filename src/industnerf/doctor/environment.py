@@ -16,7 +16,7 @@ PIN = re.compile(r"([\w.-]+)==([^\s;]+)")
 
 def find(places: Places) -> list[Finding]:
     """Installs that were cut off; in one more, other versions and dependencies that are missing."""
-    pinned = pins((places.root / "constraints.txt").read_text())
+    pinned = pins((places.root / "constraints.txt").read_text(encoding="utf-8"))
     torn = {path: plain(path.name.partition("-")[0]) for path in _torn()}
     found = [_cut_off(places, path, name, name in pinned) for path, name in torn.items()]
     installed = _installed()
@@ -74,7 +74,7 @@ def plain(name: str) -> str:
 
 def _required(root: Path) -> list[str]:
     """The dependencies that pyproject.toml names."""
-    project = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return [plain(re.split(r"[^\w.-]", line)[0]) for line in project["dependencies"]]
 
 

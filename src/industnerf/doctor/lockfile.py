@@ -78,7 +78,7 @@ def _foreign(stages: dict[str, Any], known: set[str]) -> str:
 
 def _stages(pipeline: Path) -> set[str]:
     try:
-        return set(yaml.load(pipeline.read_text(), LOADER)["stages"])
+        return set(yaml.load(pipeline.read_text(encoding="utf-8"), LOADER)["stages"])
     except (yaml.YAMLError, KeyError, TypeError) as error:
         raise BadArtifact(f"{pipeline} is not to be read: {' '.join(str(error).split())}") from None
 

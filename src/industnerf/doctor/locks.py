@@ -44,7 +44,7 @@ def _read(path: Path) -> set[tuple[int, str]] | None:
     """Who is written down; None if the file is torn, and not because DVC is just writing it."""
     for _ in range(LOOKS):
         try:
-            return _entries(json.loads(path.read_text()))
+            return _entries(json.loads(path.read_text(encoding="utf-8")))
         except FileNotFoundError:
             return set()
         except (ValueError, TypeError, AttributeError, KeyError):

@@ -68,7 +68,7 @@ def is_cut_short(path: Path) -> bool:
 
 def _is_json(path: Path) -> bool:
     try:
-        json.loads(path.read_text())
+        json.loads(path.read_text(encoding="utf-8"))
     except ValueError:
         return False
     return True
@@ -76,7 +76,7 @@ def _is_json(path: Path) -> bool:
 
 def _cost_fault(path: Path) -> str:
     try:
-        Cost(**json.loads(path.read_text()))
+        Cost(**json.loads(path.read_text(encoding="utf-8")))
     except FileNotFoundError:
         return "has no cost.json: its time and memory are missing from every table"
     except (ValueError, TypeError) as error:

@@ -44,7 +44,7 @@ def find(places: Places) -> list[Finding]:
 
 def _said_in(file: Path) -> dict[str, str]:
     """The variables that `file` sets."""
-    lines = file.read_text().splitlines() if file.is_file() else []
+    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
     found = [match for line in lines if (match := environment.LINE.fullmatch(line.strip()))]
     return {match["name"]: match["value"].strip() for match in found}
 

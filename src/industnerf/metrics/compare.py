@@ -45,7 +45,9 @@ def compare(
     shown = predicted.points[predicted.kept]
     visible = compare_visible(frame, truth, predicted, settings)
     if truth.kept.all() and predicted.kept.all():
-        full = next(value.value for value in visible if value.protocol == "P1-even")
+        full = next(
+            value.value for value in visible if (value.metric, value.protocol) == ("emd", "P1-even")
+        )
     else:
         full = emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
     iid = emd(farthest_points(truth.points[truth.kept], n), random_points(shown, n, rng))

@@ -47,7 +47,7 @@ class Rig:
     def sees(
         self, points_mm: Float[np.ndarray, "n 3"], depth: float = ON_SURFACE
     ) -> Bool[np.ndarray, "n"]:
-        """Whether an eye sees the point, or would through `depth` diagonals of the part."""
+        """Whether an eye sees the point, or one at most `depth` diagonals before it."""
         tolerance = depth * self._frame.diagonal_mm
         return seen_from(self._scene, points_mm.astype(np.float64), self._eyes, tolerance)
 
@@ -61,8 +61,8 @@ def scored(
 ) -> Bool[np.ndarray, "n"]:
     """Which predicted points count against the visible surface.
 
-    One is left out only if every eye would have to look through more than `hidden` diagonals of
-    the part to see it, AND it is nearer to the hidden truth than to the visible truth.
+    One is left out only if as seen from every eye it lies more than `hidden` diagonals behind the
+    true surface, AND it is nearer to the hidden truth than to the visible truth.
     """
     keep = np.ones(len(predicted_mm), bool)
     if truth_visible.all():

@@ -51,7 +51,7 @@ def costs_csv(rows: list[CostRow]) -> str:
 
 def add_cost(table: Path, row: CostRow) -> None:
     """Append `row` to the cost.csv at `table`: what the report cost is known when it is written."""
-    write_text(table, table.read_text() + csv_text(_cells(row), []))
+    write_text(table, table.read_text(encoding="utf-8") + csv_text(_cells(row), []))
 
 
 def _cells(row: CostRow) -> list[str]:

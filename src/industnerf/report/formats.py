@@ -20,7 +20,7 @@ def csv_text(columns: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
 
 def csv_rows(path: Path) -> list[dict[str, str]]:
     """What `csv_text` wrote to `path`, a row a line, by the names of the columns."""
-    with path.open(newline="") as file:
+    with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
@@ -34,7 +34,9 @@ def markdown_rows(path: Path) -> list[dict[str, str]]:
     """The table that `markdown` wrote at the start of `path`, a row a line, by its columns."""
     heads, _, *lines = (
         line.removeprefix("| ").removesuffix(" |").split(" | ")
-        for line in takewhile(lambda line: line.startswith("|"), path.read_text().splitlines())
+        for line in takewhile(
+            lambda line: line.startswith("|"), path.read_text(encoding="utf-8").splitlines()
+        )
     )
     return [dict(zip(heads, line, strict=True)) for line in lines]
 

@@ -93,7 +93,7 @@ def _costs(results: Results, exhibits: Exhibits) -> str:
 
 
 def _web(name: str) -> str:
-    return files("industnerf.report").joinpath("web", name).read_text()
+    return files("industnerf.report").joinpath("web", name).read_text(encoding="utf-8")
 
 
 def _summary(study: Study, made: str) -> str:

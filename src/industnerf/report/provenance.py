@@ -44,7 +44,7 @@ def read_made(folder: Path) -> dict[str, Any]:
     """What `made.json` of a result in `folder` says of it; raises BadArtifact if it is torn."""
     path = folder / "made.json"
     try:
-        made = json.loads(path.read_text())
+        made = json.loads(path.read_text(encoding="utf-8"))
         if made["schema"] != SCHEMA:
             raise ValueError(f"its schema is {made['schema']}, this code reads {SCHEMA}")
         return made
@@ -57,7 +57,7 @@ def read_made(folder: Path) -> dict[str, Any]:
 def made_where(published: Path) -> str:
     """Machine, day and commit of the results in the folder `published`, as documents say it."""
     made = read_made(published)
-    machine = json.loads((published / "environment.json").read_text())
+    machine = json.loads((published / "environment.json").read_text(encoding="utf-8"))
     return (
         f"{machine['cores']} cores of {machine['cpu']}, {made['date']}, commit "
         f"{made['commit'][:7]}{'' if made['clean'] else ' with changes'}"
@@ -96,7 +96,7 @@ def _libc() -> str:
 def cpu_model(path: Path = Path("/proc/cpuinfo")) -> str:
     """As the processor calls itself, or `unknown`."""
     if path.exists():
-        for line in path.read_text().splitlines():
+        for line in path.read_text(encoding="utf-8").splitlines():
             name, _, value = line.partition(":")
             if name.strip() == "model name":
                 return value.strip()

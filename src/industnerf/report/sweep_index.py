@@ -50,7 +50,9 @@ def presets(root: Path) -> list[Preset]:
 
 def _preset(path: Path) -> Preset:
     """Comments: the package, the question, the time."""
-    _, question, time = (line.lstrip("# ") for line in path.read_text().splitlines()[:3])
+    _, question, time = (
+        line.lstrip("# ") for line in path.read_text(encoding="utf-8").splitlines()[:3]
+    )
     return Preset(path.stem, question, time.rstrip("."))
 
 
@@ -156,7 +158,7 @@ def _plate(root: Path, preset: Preset) -> str:
 
 
 def _about(root: Path, preset: Preset) -> dict[str, Any]:
-    return json.loads((root / PUBLISHED / preset.name / "about.json").read_text())
+    return json.loads((root / PUBLISHED / preset.name / "about.json").read_text(encoding="utf-8"))
 
 
 def _published(root: Path, preset: Preset) -> bool:

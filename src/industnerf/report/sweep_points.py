@@ -104,7 +104,10 @@ def _read(folder: Path) -> Point:
         for row in csv_rows(folder / "reports/table1.csv")
     ]
     families = {row["part_id"]: row["family"] for row in scores}
-    parts = [json.loads(path.read_text()) for path in folder.glob("data/parts/*/part.json")]
+    parts = [
+        json.loads(path.read_text(encoding="utf-8"))
+        for path in folder.glob("data/parts/*/part.json")
+    ]
     params = leaves(read_yaml(folder / "params.yaml"))
     faces = fmean(part["faces"] for part in parts)
     return Point(int(folder.name), params, faces, results, families)

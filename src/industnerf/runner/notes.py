@@ -37,7 +37,7 @@ class Notes:
 
     def outcome(self, index: int) -> Outcome:
         """How the piece of work number `index` ended."""
-        text = (self.folder / f"{index}.json").read_text()
+        text = (self.folder / f"{index}.json").read_text(encoding="utf-8")
         return Outcome(index, **json.loads(text))
 
     def _with(self, suffix: str) -> set[int]:

@@ -11,7 +11,7 @@ OUT = Path("docs/hyperparameters.md")
 
 
 def main() -> None:
-    write_text(OUT, document(PARAMS.read_text(), read_yaml(PARAMS), load_stages()))
+    write_text(OUT, document(PARAMS.read_text(encoding="utf-8"), read_yaml(PARAMS), load_stages()))
     print(f"wrote {OUT}")
 
 
