@@ -109,10 +109,10 @@ def write_failures(folder: Path, failures: dict[str, str]) -> None:
 
 
 def _read(path: Path) -> Any:
-    return read_json(path, SCHEMA, _stage_of(path.parent))
+    return read_json(path, SCHEMA, stage_of(path.parent))
 
 
-def _stage_of(folder: Path) -> str:
+def stage_of(folder: Path) -> str:
     """The name that dvc.yaml has for the stage with this output."""
     of_methods = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
     step = of_methods.get(folder.parent.name)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.doctor import database
-from industnerf.doctor.database import newest_version
+from industnerf.doctor.database import versions
 from tests.doctor.conftest import WorkingCopy
 
 # The tables as they were before the last migration.
@@ -116,7 +116,7 @@ def test_no_database_is_no_fault(plain: WorkingCopy):
 def test_the_version_that_is_wanted_is_that_of_a_fresh_database(made: Path):
     connection = sqlite3.connect(made)
     assert connection.execute("SELECT version_num FROM alembic_version").fetchone() == (
-        newest_version(),
+        versions()[1],
     )
     connection.close()
 
@@ -137,6 +137,29 @@ def test_a_broken_database_is_set_aside_and_made_anew(plain: WorkingCopy, made: 
     tear(plain.places.database)
     plain.mend("database")
     assert plain.places.database.with_name("mlflow.db.broken").exists()
+
+
+def test_a_second_broken_database_leaves_the_first_where_it_lies(plain: WorkingCopy, made: Path):
+    first = plain.places.database.with_name("mlflow.db.broken")
+    first.write_text("the only copy of some runs")
+    shutil.copy(made, plain.places.database)
+    tear(plain.places.database)
+    plain.mend("database")
+    assert first.read_text() == "the only copy of some runs"
+    assert first.with_name("mlflow.db.broken2").exists()
+
+
+def test_tables_of_a_newer_mlflow_stay_where_they_are(plain: WorkingCopy, made: Path):
+    """It is whole: what is to be changed is the MLflow that is installed."""
+    shutil.copy(made, plain.places.database)
+    connection = sqlite3.connect(plain.places.database)
+    connection.execute("UPDATE alembic_version SET version_num = 'of_tomorrow'")
+    connection.commit()
+    connection.close()
+    (finding,) = plain.find("database")
+    assert finding.is_wrong
+    assert finding.mend == ""
+    assert "which is older" in finding.what
 
 
 def test_what_only_the_old_database_has_is_said_to_be_only_there(plain: WorkingCopy, made: Path):
@@ -184,7 +207,7 @@ def test_tables_of_an_older_mlflow_are_found_behind_a_journal(plain: WorkingCopy
     python(OLDER, f"sqlite:///{plain.places.database}")
     cut_off(plain.places.database)
     (finding,) = plain.find("database")
-    assert f"the installed MLflow wants {newest_version()}" in finding.what
+    assert f"the installed MLflow wants {versions()[1]}" in finding.what
     upgrade, aside = finding.mend.split(" || ")
     assert upgrade == "mlflow db upgrade sqlite:///mlflow.db"
     assert "mv mlflow.db-journal mlflow.db.broken-journal" in aside
@@ -214,7 +237,7 @@ def test_a_database_that_is_in_use_is_left_alone(plain: WorkingCopy, made: Path)
 def test_tables_of_an_older_mlflow_are_brought_up_to_date(plain: WorkingCopy):
     python(OLDER, f"sqlite:///{plain.places.database}")
     (finding,) = plain.find("database")
-    assert f"the installed MLflow wants {newest_version()}" in finding.what
+    assert f"the installed MLflow wants {versions()[1]}" in finding.what
     plain.mend("database")
 
 

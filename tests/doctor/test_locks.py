@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from industnerf.doctor import processes
 from tests.doctor.conftest import WorkingCopy
 
 HOLD = """
@@ -86,6 +87,27 @@ def test_a_number_that_another_process_has_by_now_blocks_dvc(
     assert copy.run("dvc repro -f")[0] == 0
 
 
+def test_a_lock_that_a_dvc_at_work_is_in_too_is_left(copy: WorkingCopy, sleeper: subprocess.Popen):
+    """To remove the file would take its lock from it, and let a second DVC in."""
+    rwlock = copy.folder / ".dvc/tmp/rwlock"
+    (copy.folder / "pause").write_text("600")
+    process = copy.start("exec dvc repro -f")
+    try:
+        wait_for(lambda: rwlock.exists() and f'"pid": {process.pid}' in rwlock.read_text())
+        content = json.loads(rwlock.read_text())
+        content["write"]["elsewhere"] = {"pid": sleeper.pid, "cmd": "dvc repro"}
+        rwlock.write_text(json.dumps(content))
+        found = [one for one in copy.find("locks") if one.where == rwlock]
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        (copy.folder / "pause").write_text("0")
+    rwlock.unlink()  # with the two that are in it; the project is shared by tests
+    (foreign,) = [one for one in found if one.is_wrong]
+    assert foreign.what.endswith("ask again when the DVC that is at work has ended")
+    assert foreign.mend == ""
+
+
 def test_a_killed_dvc_is_told_of_and_needs_no_mending(copy: WorkingCopy):
     rwlock = copy.folder / ".dvc/tmp/rwlock"
     (copy.folder / "pause").write_text("600")
@@ -109,6 +131,17 @@ def test_a_process_at_work_is_told_of(plain: WorkingCopy, holder: subprocess.Pop
     (finding,) = plain.find("locks")
     assert f"held by process {holder.pid}" in finding.what
     assert not finding.is_wrong
+
+
+def test_a_lock_on_another_disk_is_not_ours(plain: WorkingCopy, holder: subprocess.Popen, tmp_path):
+    """Numbers of files are unique on a disk alone; only who has the file open may hold it."""
+    lock = plain.folder / "mlflow.db.lock"
+    copied = tmp_path / "copy"
+    copied.touch()
+    known = lock.stat()
+    there = os.stat_result((*known[:2], known.st_dev + 1, *known[3:]))
+    assert processes._may_have_open(holder.pid, known)
+    assert not processes._may_have_open(holder.pid, there)
 
 
 def test_a_stopped_process_is_woken(plain: WorkingCopy, holder: subprocess.Popen):

@@ -1,5 +1,6 @@
 """Results in the store that something spoilt."""
 
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -70,6 +71,19 @@ def test_a_torn_result_is_removed_and_can_be_made_anew(
     assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
 
 
+def test_the_stage_that_took_a_torn_result_is_run_again(copy: WorkingCopy):
+    """DVC's own outputs are whole: without force it would have nothing to do."""
+    Store(copy.places.store).put("views", KEY, make)
+    entry = copy.places.store / "views" / KEY
+    index = copy.folder / "data" / "clouds" / "hull" / "index.json"
+    index.parent.mkdir(parents=True)
+    index.write_text(json.dumps({"schema": 1, "step": "views", "keys": {"part": KEY}}))
+    (entry / "cost.json").unlink()
+    (finding,) = copy.find("stored")
+    again = f"(cd {copy.places.words(copy.folder)} && dvc repro -f -s reconstruct@hull)"
+    assert finding.mend == f"rm -rf {copy.places.words(entry)} && {again}"
+
+
 def test_what_is_not_the_stores_is_left_alone(plain: WorkingCopy):
     """A store may be named that is none: no advice may cost its owner anything."""
     (plain.places.store / "src" / "industnerf").mkdir(parents=True)
@@ -84,3 +98,5 @@ def test_a_file_that_can_be_written_to_is_found_and_closed(plain: WorkingCopy, e
     assert finding.what == "1 of 3 files can be written to, such as 000.png (-rw-r--r--)"
     plain.mend("stored")
     assert picture.read_bytes() == before
+    folders = entry / "out", entry / "out/rgb"
+    assert all(path.stat().st_mode & 0o200 for path in folders)  # or it could not be removed

@@ -57,6 +57,10 @@ def crash():
     os.kill(os.getpid(), signal.SIGSEGV)
 
 
+def kill():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def hang():
     time.sleep(60)
 
@@ -183,6 +187,29 @@ def test_a_full_gpu_says_nothing_of_the_piece_of_work(said):
     assert fault.lost
     assert fault.text.endswith("fewer INDUSTNERF_WORKERS leave more of the GPU to each")
     assert not attempt(partial(fail_saying, "shapes differ"), None).lost
+
+
+def test_a_process_whose_gpu_fails_does_no_other_piece(tmp_path):
+    """Every call to the device would fail in it: one bad piece would spoil all that follow."""
+    works = [
+        partial(note_process, tmp_path / "a"),
+        partial(fail_saying, "CUDA error: an illegal memory access was encountered"),
+        partial(note_process, tmp_path / "b"),
+    ]
+    outcomes = {outcome.index: outcome for outcome in ProcessRunner(1).map(works, 60.0)}
+    assert [outcomes[index].error is None for index in range(3)] == [True, False, True]
+    assert not outcomes[1].lost
+    assert (tmp_path / "a").read_text() != (tmp_path / "b").read_text()
+
+
+@pytest.mark.parametrize("limit_mb", [None, 100_000])
+def test_what_the_kernel_killed_has_failed_only_if_it_had_a_limit(limit_mb, monkeypatch):
+    """Without one it took what there was, which other processes may have left little of."""
+    monkeypatch.setattr(processes, "KILL_S", 0.0)
+    (outcome,) = ProcessRunner(1).map([kill], 60.0, limit_mb)
+    assert outcome.lost == (limit_mb is None)
+    assert outcome.error.startswith("crashed: its process ended with exit code -9; ")
+    assert ("INDUSTNERF_WORKERS" in outcome.error) == outcome.lost
 
 
 def test_signals_that_are_meant_for_the_job_do_not_reach_its_pieces(tmp_path):

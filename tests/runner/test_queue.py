@@ -31,6 +31,7 @@ def test_every_job_has_its_state_and_why():
     [
         ("PENDING", True, False),
         ("REQUEUED", True, False),
+        ("RESV_DEL_HOLD", True, False),
         ("RUNNING", True, True),
         ("COMPLETING", True, False),
         ("COMPLETED", False, False),

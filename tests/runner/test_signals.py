@@ -52,8 +52,21 @@ def test_programs_that_are_started_meanwhile_wait_too():
         assert program.wait() == 0
 
 
+def test_a_terminal_that_goes_is_heard_of_afterwards():
+    came = []
+    before = signal.signal(signal.SIGHUP, lambda number, _: came.append(number))
+    try:
+        with put_off():
+            os.kill(os.getpid(), signal.SIGHUP)
+            assert came == []
+        assert came == [signal.SIGHUP]
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 def test_what_was_there_before_is_there_after():
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    ending = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+    before = {number: signal.getsignal(number) for number in ending}
     with pytest.raises(ValueError, match="within"), put_off():
         raise ValueError("within")
     assert {number: signal.getsignal(number) for number in before} == before

@@ -8,6 +8,7 @@ import re
 import shutil
 import sqlite3
 from importlib.util import find_spec
+from itertools import chain, count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,7 +25,7 @@ def find(places: Places) -> list[Finding]:
     """At most one finding; no database is none.
 
     Raises OSError if there is no room for the copy that `_rolled_back` makes, and BadParams as
-    `newest_version` does.
+    `versions` does.
     """
     path = places.database
     if not path.exists():
@@ -74,10 +75,13 @@ def _findings(places: Places, read: Path, mode: str = "ro") -> list[Finding]:
     fault, version = _read(read, mode)
     if fault:
         return [_broken(places, fault)]
-    wanted = newest_version()
+    known, wanted = versions()
     if version == wanted:
         return []
     what = f"has tables of version {version}, the installed MLflow wants {wanted}"
+    if version not in known:
+        what += ", which is older: `python -m industnerf.doctor environment` says what to install"
+        return [Finding(places.database, what, wrong=True)]
     upgrade = f"mlflow db upgrade sqlite:///{places.words(places.database)}"
     mend = f"{upgrade} || ({_set_aside(places)})"  # a migration may have been cut
     return [Finding(places.database, what, mend)]
@@ -92,15 +96,21 @@ def _broken(places: Places, fault: str) -> Finding:
     path = places.database
     what = (
         f"{fault}; no run is logged. From reports on disk runs are logged anew; those of reports "
-        f"that were overwritten since stay in {path.name}.broken alone"
+        f"that were overwritten since stay in {_aside(path).name} alone"
     )
     return Finding(path, what, _set_aside(places))
+
+
+def _aside(path: Path) -> Path:
+    """Where a broken database goes; not where an earlier one lies."""
+    names = (f"{path.name}.broken{number}" for number in chain([""], count(2)))
+    return next(place for name in names if not (place := path.with_name(name)).exists())
 
 
 def _set_aside(places: Places) -> str:
     """Its journal goes with it: SQLite would delete that beside a new database."""
     path = places.database
-    aside = path.with_name(f"{path.name}.broken")
+    aside = _aside(path)
     moves = [f"mv {places.words(path, aside)}"]
     if _journal(path).exists():
         moves.append(f"mv {places.words(_journal(path), _journal(aside))}")
@@ -127,8 +137,8 @@ def _read(path: Path, mode: str) -> tuple[str, str]:
         connection.close()
 
 
-def newest_version() -> str:
-    """The last of the installed MLflow's migrations: the one that no other follows.
+def versions() -> tuple[set[str], str]:
+    """The installed MLflow's migrations, and the last of them: the one that no other follows.
 
     Read from their text, for importing MLflow takes seconds.  Raises BadParams
     without MLflow, or if it keeps them elsewhere.
@@ -140,10 +150,10 @@ def newest_version() -> str:
         )
     files = (Path(spec.origin).parent / MIGRATIONS).glob("*.py")
     texts = [path.read_text(encoding="utf-8") for path in files]
-    versions, followed = _named(texts, "revision"), _named(texts, "down_revision")
-    if not versions - followed:
+    known, followed = _named(texts, "revision"), _named(texts, "down_revision")
+    if not known - followed:
         raise BadParams(f"{spec.origin} has no migrations in {MIGRATIONS} of which one is the last")
-    return next(iter(versions - followed))
+    return known, next(iter(known - followed))
 
 
 def _named(texts: list[str], name: str) -> set[str]:

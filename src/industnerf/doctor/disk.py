@@ -35,7 +35,7 @@ def find(places: Places) -> list[Finding]:
     if held:
         said += f", or {megabytes(whole)} if parameters or code changed since the "
         said += f"{megabytes(held)} in the store were made"
-    return [_finding(places, path, need, said) for path in (places.store, places.root)]
+    return [_finding(places, path, need, whole, said) for path in (places.store, places.root)]
 
 
 def estimate(root: Path, params: Params) -> int:
@@ -76,13 +76,14 @@ def _free(path: Path) -> int:
     return shutil.disk_usage(_existing(path)).free
 
 
-def _finding(places: Places, path: Path, need: int, said: str) -> Finding:
+def _finding(places: Places, path: Path, need: int, whole: int, said: str) -> Finding:
+    """Whether `need` bytes fit at `path`; a store elsewhere would begin with the `whole`."""
     what = f"{megabytes(_free(path))} are free, {said}"
     if _free(path) >= need:
         return Finding(path, what)
     what += "; free some, or set INDUSTNERF_STORE to a larger disk"
     here = places.root / ".store"
-    if path == places.store and _free(here) >= need:
+    if path == places.store and _free(here) >= whole:
         return Finding(path, what, f"export INDUSTNERF_STORE={shlex.quote(str(here))}")
     if _existing(path).stat().st_dev != places.root.stat().st_dev:
         return Finding(path, what, wrong=True)

@@ -37,7 +37,14 @@ def _rwlock(places: Places, path: Path) -> list[Finding]:
     if entries is None:
         size = path.stat().st_size
         return [Finding(path, f"torn ({size} bytes, not DVC's JSON): DVC stops at it", remove)]
+    if any(is_alive(pid) and _is_dvc(pid) for pid, _ in entries):
+        remove = ""  # the file is theirs too
     return [_entry(path, pid, by, remove) for pid, by in sorted(entries)]
+
+
+def _is_dvc(pid: int) -> bool:
+    """Whether that process is DVC, by the names of its first words."""
+    return any(Path(word).name == "dvc" for word in command(pid).split()[:4])
 
 
 def _read(path: Path) -> set[tuple[int, str]] | None:
@@ -62,9 +69,11 @@ def _entries(content: dict) -> set[tuple[int, str]]:
 def _entry(path: Path, pid: int, by: str, remove: str) -> Finding:
     if not is_alive(pid):
         return Finding(path, f"names process {pid} ({by}), which is dead: DVC passes over it")
-    if "dvc" not in command(pid):
+    if not _is_dvc(pid):
         what = f"names process {pid} as {by}, but that is now {command(pid)}: DVC waits in vain"
-        return Finding(path, what, remove)
+        if not remove:
+            what += "; ask again when the DVC that is at work has ended"
+        return Finding(path, what, remove, wrong=True)
     if state(pid) == "T":
         return Finding(path, f"process {pid} ({by}) is stopped: others wait", f"kill -CONT {pid}")
     return Finding(path, f"process {pid} ({by}) is at work")

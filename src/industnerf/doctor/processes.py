@@ -38,9 +38,30 @@ def holder(path: Path) -> int | None:
     """The process that holds a lock on the file `path`, without trying to take it."""
     try:
         lines = (PROC / "locks").read_text().splitlines()
-        inode = path.stat().st_ino
+        wanted = path.stat()
     except OSError:
         return None
     held = [line.split() for line in lines if "->" not in line]
-    pids = [int(words[4]) for words in held if words[5].rpartition(":")[2] == str(inode)]
-    return next((pid for pid in pids if pid > 0), None)
+    pids = [int(words[4]) for words in held if words[5].rpartition(":")[2] == str(wanted.st_ino)]
+    return next((pid for pid in pids if pid > 0 and _may_have_open(pid, wanted)), None)
+
+
+def _may_have_open(pid: int, wanted: os.stat_result) -> bool:
+    """Whether the process has that file open, not one of the same number on another disk.
+
+    One that is another user's does not tell.
+    """
+    try:
+        files = list((PROC / str(pid) / "fd").iterdir())
+    except PermissionError:
+        return True
+    except OSError:
+        return False
+    return any(_is_same(file, wanted) for file in files)
+
+
+def _is_same(file: Path, wanted: os.stat_result) -> bool:
+    try:
+        return os.path.samestat(file.stat(), wanted)
+    except OSError:
+        return False

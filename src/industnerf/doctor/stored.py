@@ -25,27 +25,42 @@ def find(places: Places) -> list[Finding]:
 
 
 def _faults(places: Places, entry: Path) -> Iterator[Finding]:
-    """`rm` is the cure of what is torn: the next run makes the result anew."""
-    remove = f"rm -rf {places.words(entry)}"
     files = list(_files(entry / "out"))
-    empty = [path for path, status in files if status.st_size == 0]
-    cut = [path for path, _ in files if is_cut_short(path)]
+    if torn := _torn(entry, files):
+        yield Finding(entry, torn, _remove(places, entry))
+        return
     writable = [(path, status) for path, status in files if status.st_mode & 0o222]
-    if not files:
-        yield Finding(entry, "has nothing in out/: no run can finish or use it", remove)
-    elif empty:
-        what = f"{len(empty)} of {len(files)} files are empty, such as {empty[0].name}"
-        yield Finding(entry, what, remove)
-    elif cut:
-        what = f"{len(cut)} of {len(files)} files are cut short, such as {cut[0].name}"
-        yield Finding(entry, what, remove)
-    elif fault := _cost_fault(entry / "cost.json"):
-        yield Finding(entry, fault, remove)
-    elif writable:
+    if writable:
         path, status = writable[0]
         first = f"{path.name} ({stat.filemode(status.st_mode)})"
         what = f"{len(writable)} of {len(files)} files can be written to, such as {first}"
-        yield Finding(entry, what, f"chmod -R a-w {places.words(entry / 'out')}")
+        out = places.words(entry / "out")
+        yield Finding(entry, what, f"find {out} -type f -exec chmod a-w {{}} +")
+
+
+def _torn(entry: Path, files: list[tuple[Path, os.stat_result]]) -> str:
+    """What is missing of the result, of which these are the files; empty if nothing is."""
+    if not files:
+        return "has nothing in out/: no run can finish or use it"
+    if empty := [path for path, status in files if status.st_size == 0]:
+        return f"{len(empty)} of {len(files)} files are empty, such as {empty[0].name}"
+    if cut := [path for path, _ in files if is_cut_short(path)]:
+        return f"{len(cut)} of {len(files)} files are cut short, such as {cut[0].name}"
+    return _cost_fault(entry / "cost.json")
+
+
+def _remove(places: Places, entry: Path) -> str:
+    """The command that has a result made anew.  DVC alone would not: its own outputs are whole."""
+    from industnerf.stage import stage_of  # late: it brings NumPy, and most have nothing torn
+
+    again = [
+        f"(cd {places.words(project.folder)} && dvc repro -f -s {stage_of(index.parent)})"
+        for project in places.projects()
+        for pattern in ("data/*/index.json", "data/*/*/index.json")
+        for index in sorted(project.folder.glob(pattern))
+        if entry.name in index.read_text(encoding="utf-8")
+    ]
+    return " && ".join([f"rm -rf {places.words(entry)}", *again])
 
 
 def _files(out: Path) -> Iterator[tuple[Path, os.stat_result]]:

@@ -24,12 +24,21 @@ FULL_GPU = re.compile(
 )
 
 
+# After any error of the device but that, every call of the same process to it fails.
+DEAD_GPU = re.compile(r"CUDA error|CUDA_ERROR|CUBLAS_STATUS|CUDNN_STATUS")
+
+
 @dataclass(frozen=True)
 class Fault:
     """What ended a piece of work before it was done; `lost` as in `Outcome`."""
 
     text: str
     lost: bool = False
+
+    @property
+    def spoils_process(self) -> bool:
+        """Whether the process that met it may fail at other pieces too."""
+        return bool(DEAD_GPU.search(self.text))
 
 
 @dataclass(frozen=True)

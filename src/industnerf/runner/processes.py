@@ -68,7 +68,10 @@ class ProcessRunner:
                 late = [c for c, w in busy.items() if w.deadline <= time.monotonic()]
                 for connection in {*ready, *late}:
                     worker = busy.pop(connection)
-                    yield Outcome.of(worker.index, worker.collect(limits))
+                    fault = worker.collect(limits)
+                    if fault and fault.spoils_process:
+                        worker.stop()
+                    yield Outcome.of(worker.index, fault)
                     if todo:
                         worker = worker.next(todo.pop(), limits)
                         busy[worker.connection] = worker
@@ -94,7 +97,7 @@ class _Limits:
     def hint(self) -> str:
         """What a process that died may have died of."""
         if self.memory_mb is None:
-            return ""
+            return "; fewer INDUSTNERF_WORKERS leave more memory to each"
         return f"; it may have needed more than {self.memory_mb} MB (memory_limit_mb)"
 
 
@@ -128,9 +131,12 @@ class _Worker:
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode
-            if code == -signal.SIGKILL:  # if we are next, the piece has not failed: say nothing
-                time.sleep(KILL_S)
-            return Fault(f"crashed: its process ended with exit code {code}{limits.hint}")
+            said = f"crashed: its process ended with exit code {code}"
+            if code != -signal.SIGKILL:
+                return Fault(said + (limits.hint if limits.memory_mb else ""))
+            time.sleep(KILL_S)  # if we are next, the piece has not failed: say nothing
+            # no piece kills itself: the machine had no memory left for it, if it set no limit
+            return Fault(said + limits.hint, lost=limits.memory_mb is None)
 
     def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
         """This worker at another piece of work, or a fresh one if it is dead."""

@@ -6,7 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 # https://slurm.schedmd.com/squeue.html, job state codes
-WAITING = {"PENDING", "CONFIGURING", "REQUEUED", "REQUEUE_FED", "REQUEUE_HOLD", "SPECIAL_EXIT"}
+WAITING = {
+    "PENDING",
+    "CONFIGURING",
+    "REQUEUED",
+    "REQUEUE_FED",
+    "REQUEUE_HOLD",
+    "RESV_DEL_HOLD",
+    "SPECIAL_EXIT",
+}
 WORKING = {"RUNNING", "RESIZING", "SIGNALING", "STAGE_OUT"}
 STOPPED = {"COMPLETING", "SUSPENDED", "STOPPED"}  # may go on, or hang for ever
 CANCELLED = "CANCELLED"

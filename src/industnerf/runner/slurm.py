@@ -133,22 +133,23 @@ def _sbatch(folder: Path, allocation: Allocation, chunks: list[Chunk]) -> list[A
 def _cancelling(submit: Callable[[], Watch]) -> Iterator[Watch]:
     """Whatever ends this process before the jobs of `submit`, or gives them up, cancels them.
 
-    SIGTERM is what a stage gets when `dvc` is ended.  While sbatch takes the jobs it waits: of
-    those that were taken nobody would know.
+    SIGTERM is what a stage gets when `dvc` is ended, SIGHUP when its terminal goes.  While sbatch
+    takes the jobs they wait: of those that were taken nobody would know.
     """
 
     def end(signum: int, frame: object) -> None:
         sys.exit(128 + signum)
 
     main = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGTERM, end) if main else None
+    heeded = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
+    before = {number: signal.signal(number, end) for number in heeded} if main else {}
     watch = None
     try:
         with put_off():
             watch = submit()
         yield watch
     finally:
-        if main:
-            signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
         if watch and (left := [*watch.jobs, *watch.hopeless]):
             queue.cancel(left)
