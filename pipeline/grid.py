@@ -19,7 +19,7 @@ from industnerf.report.provenance import made_by
 from industnerf.report.subsets import seed_parts
 from industnerf.schema import Params
 from industnerf.stage import Task, read_index, run_stage
-from pipeline.publish import check_finished
+from pipeline.publish import check_finished, refuse_own_parts
 
 SUBJECTS = ("industnerf", "hull")
 DATA, OUT, RESULTS = Path("data"), Path("runs/grid"), Path("results/grid")
@@ -31,6 +31,7 @@ def main() -> None:
     # The report shows the grid, and is out of date after it.
     check_finished(Path(), "make repro", but="report")
     params, places = load_params(), load_split(DATA / "split.json")
+    refuse_own_parts(params)  # results/grid is of the study's
     tested = sorted(part for part in _reconstructed() if places[part].split == "test")
     few = seed_parts(tested)  # those are asked with many points too
     tasks = [_task(part, part in few, params) for part in tested]

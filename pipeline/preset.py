@@ -21,6 +21,7 @@ from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
 from industnerf.doctor.places import Places
 from industnerf.errors import BadParams, SuiteError
+from industnerf.parts.files import require_place
 from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
@@ -86,6 +87,7 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     os.environ["INDUSTNERF_ROOT"] = str(root)  # where conf/config.yaml looks for params.yaml
     values = composed(root, overrides)
     build(Params, values, " ".join(overrides))
+    values["parts"]["path"] = str(_seen_from(root, Path(values["parts"]["path"])))
     OmegaConf.save(values, project / "params.yaml")
     for name in SHARED:
         link = project / name
@@ -101,6 +103,17 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
         for key, value in SETTINGS.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
+
+
+def _seen_from(root: Path, place: Path) -> Path:
+    """The place of the parts, relative to `root`, as a project finds it that shares SHARED.
+
+    Raises BadParams if it is the user's own and not there.
+    """
+    if any(place.is_relative_to(name) for name in SHARED):
+        return place
+    require_place(root / place)
+    return root / place
 
 
 if __name__ == "__main__":

@@ -46,11 +46,15 @@ def main(what: str = "study") -> None:
         if LEAKAGE.exists():
             measured(LEAKAGE)  # raises before anything is copied
         bring(Path(), OUT, "make repro")
-    for document, blocks in shown(OUT, PARAMS).items():
+    documents = shown(OUT, PARAMS)
+    for document, blocks in documents.items():
         text = document.read_text(encoding="utf-8")
         for name, content in blocks.items():
             text = replace_block(text, name, content)
         write_text(document, text)
+    if what == "readme":
+        print(f"wrote {', '.join(map(str, documents))}")
+        return
     then = "; then python -m pipeline.spread" if SEEDS.exists() else ""
     print(f"{OUT}, {README} and docs: commit them together with dvc.lock{then}")
 

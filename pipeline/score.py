@@ -10,6 +10,7 @@ and counts as one; a part without a file does not count.  Where all fail, the ex
 Resumable; the truth is in the store.
 """
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from rich.table import Column, Table
 
 from industnerf.artifacts.cloud import load_remarks
 from industnerf.artifacts.part import load_parts
-from industnerf.artifacts.scores import load_method_scores
+from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.cli import run_command
 from industnerf.config import Masked, load_params, read_yaml, stage
 from industnerf.errors import PartsFailed
@@ -109,8 +110,11 @@ def show(params: Params, out: Path) -> None:
     Console().print(table)
     for part_id, why in read_failures(out / "clouds").items():
         print(f"{part_id} failed: {why}")
+    said = read_failures(out / "clouds") | read_failures(out / "scores")
     for part_id, why in read_failures(out / "scores").items():
         print(f"{part_id} counts as failed, it could not be scored: {why}")
+    for part_id in failing(found) - said.keys():
+        print(f"{part_id} counts as failed: no point of its cloud can be scored")
     for part_id in read_index(out / "clouds"):
         for remark in load_remarks(out / "clouds" / part_id):
             print(f"{part_id}: {remark}")
@@ -124,15 +128,23 @@ def show(params: Params, out: Path) -> None:
 
 def require_one(out: Path) -> None:
     """Raise PartsFailed if not one cloud below `out` was read and scored."""
-    failed = read_failures(out / "clouds") | read_failures(out / "scores")
-    if not read_index(out / "clouds").keys() - failed.keys():
+    said = read_failures(out / "clouds") | read_failures(out / "scores")
+    failed = said.keys() | failing(load_method_scores(out / "scores", out.name))
+    if not read_index(out / "clouds").keys() - failed:
         if len(failed) == 1:
             raise PartsFailed("the cloud could not be scored; the reason stands above")
         raise PartsFailed(f"none of {len(failed)} clouds could be scored; the reasons stand above")
 
 
+def failing(scores: Sequence[PartScore]) -> set[str]:
+    """The parts of which one of the `scores` is a failure's."""
+    return {row.part_id for row in scores if row.score.status != "ok"}
+
+
 def published(params: Params) -> tuple[Known, str]:
     """The published study; of its values none, and why, if it was not scored as `params` say."""
+    if params.parts.source == "path":  # a file may be called as one of the study's parts
+        return Known({}, {}), "its parts are not your CAD file"
     if not STUDY.exists():
         return Known({}, {}), f"there is no {STUDY}"
     then, known = read_yaml(STUDY / "params.yaml"), known_of(STUDY)

@@ -114,6 +114,19 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
     assert "report/report.html" in output
 
 
+def test_a_method_that_was_dropped_is_not_in_the_run(report, tmp_path):
+    """DVC leaves its clouds where they are; of parts without views they cannot even be shown."""
+    gone = tmp_path / "data" / "clouds" / "gone" / "p1"
+    gone.mkdir(parents=True)
+    History(np.array([0]), np.array([9.0]), {}).save(gone)
+    asked = LOG.replace('"seed": 0', '"seed": 0, "methods": ["net"]')
+    assert finish(start(asked, report))[0] == 0
+    code, output = finish(start(READ, tmp_path / "mlflow"))
+    assert code == 0, output
+    assert "net.loss" in output
+    assert "gone.loss" not in output
+
+
 def test_what_was_logged_by_half_is_logged_anew(report, tmp_path):
     code, output = finish(start(BROKEN_ONCE + LOG, report))
     assert code == 0

@@ -10,8 +10,9 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +104,8 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
     )
     if same:
         return
-    table = per_part(report)  # first: what cannot be read leaves no run behind
+    # first: what cannot be read leaves no run behind
+    table, methods = per_part(report), _methods(report.parent / "data", params.get("methods"))
     mlflow.set_experiment(experiment_id=experiment)
     with mlflow.start_run(run_name=tags.get("point", summary["preset"])) as run:
         mlflow.set_tags(tags)
@@ -111,7 +113,7 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
         mlflow.log_metrics(summary["metrics"] | mean_costs(report))
         mlflow.log_table(table, "per_part.json")
         mlflow.log_artifacts(str(report), "report")
-        _log_methods(mlflow, run.info.run_id, report.parent / "data")
+        _log_methods(mlflow, run.info.run_id, methods)
         mlflow.set_tag("results", results)  # last: what is half logged is logged anew
 
 
@@ -121,25 +123,43 @@ def _digest(results: str, point: str) -> str:
     return hashlib.sha256(both.encode()).hexdigest() if "'" in point else both
 
 
-def _log_methods(mlflow: Any, run_id: str, data: Path) -> None:
+@dataclass(frozen=True)
+class _Method:
+    """What there is to see of a method beside its scores."""
+
+    name: str
+    curves: dict[str, dict[int, float]]  # name -> step -> loss
+    picture: Any
+
+
+def _methods(data: Path, names: Sequence[str] | None) -> list[_Method]:
+    """Those of `names`, or all of which there are clouds: DVC leaves those of methods dropped."""
+    folders = sorted((data / "clouds").glob("*/"))
+    return [_method(data, one) for one in folders if names is None or one.name in names]
+
+
+def _method(data: Path, clouds: Path) -> _Method:
+    states = data / "states" / clouds.name
+    curves = {
+        "loss": loss_curve(clouds),
+        "fit.loss": loss_curve(states),
+        "fit.validation": loss_curve(states, "*/validation"),
+    }
+    return _Method(clouds.name, curves, preview(clouds, data / "views"))
+
+
+def _log_methods(mlflow: Any, run_id: str, methods: Sequence[_Method]) -> None:
     """The loss curves and the picture of every method that has them, by its name."""
     now, client = int(1000 * time.time()), mlflow.MlflowClient()
-    for clouds in sorted((data / "clouds").glob("*/")):
-        states = data / "states" / clouds.name
-        curves = {
-            "loss": loss_curve(clouds),
-            "fit.loss": loss_curve(states),
-            "fit.validation": loss_curve(states, "*/validation"),
-        }
+    for method in methods:
         metrics = [
-            mlflow.entities.Metric(f"{clouds.name}.{name}", loss, now, step)
-            for name, curve in curves.items()
+            mlflow.entities.Metric(f"{method.name}.{name}", loss, now, step)
+            for name, curve in method.curves.items()
             for step, loss in curve.items()
         ]
         client.log_batch(run_id, metrics)  # one by one they would take seconds
-        picture = preview(clouds, data / "views")
-        if picture is not None:
-            mlflow.log_image(picture, artifact_file=f"previews/{clouds.name}.png")
+        if method.picture is not None:
+            mlflow.log_image(method.picture, artifact_file=f"previews/{method.name}.png")
 
 
 def _client() -> tuple[Any, str]:

@@ -18,8 +18,9 @@ GEAR, VASE = "gear-spur-m2-z24", "organic-coral"
 
 @pytest.fixture
 def folder(tmp_path):
-    for name in (f"{GEAR}.ply", "nut-square-din557-m12.xyz", "notes.txt"):
+    for name in (f"{GEAR}.ply", "nut-square-din557-m12.xyz", "notes.txt", f"._{GEAR}.ply"):
         (tmp_path / name).touch()
+    (tmp_path / "old.ply").mkdir()
     return tmp_path
 
 

@@ -4,10 +4,12 @@ import csv
 import json
 import os
 import subprocess
+from dataclasses import replace
 
 import pytest
 
-from industnerf.errors import BadArtifact
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.metrics import gridded
 from industnerf.report.grid import CELL
 from pipeline import grid
@@ -54,6 +56,15 @@ def test_what_is_done_is_done_once(study, capsys):
     assert "2 made, 0 reused" in capsys.readouterr().out
     grid.main()
     assert "0 made, 2 reused" in capsys.readouterr().out
+
+
+def test_own_parts_do_not_replace_the_grid_of_the_study(study, monkeypatch):
+    mine = load_params()
+    mine = replace(mine, parts=replace(mine.parts, source="path", path="my-parts"))
+    monkeypatch.setattr(grid, "load_params", lambda: mine)
+    with pytest.raises(BadParams, match=r"parts\.path is my-parts"):
+        grid.main()
+    assert not (study / "results").exists()
 
 
 def test_without_clouds_it_says_what_to_run(study, monkeypatch):

@@ -29,6 +29,7 @@ from industnerf.report.subsets import SEED_PARTS, by_hash
 from industnerf.report.sweep_lines import COMMAND, line_of
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
+from pipeline.preset import _seen_from
 from pipeline.preset import main as run_preset
 from tests.samples import unit_part
 
@@ -96,6 +97,15 @@ def test_a_mistake_in_a_preset_is_one_sentence(tmp_path, text, said, monkeypatch
     with pytest.raises(BadParams, match=re.escape(said)) as refusal:
         preset_of(tmp_path, text, monkeypatch)
     assert "\n" not in str(refusal.value)
+
+
+def test_a_folder_of_parts_is_where_the_root_has_it(tmp_path, monkeypatch):
+    """The project lies two folders below; of one that is not there DVC would say it its own way."""
+    (tmp_path / "my-parts").mkdir()
+    assert _seen_from(tmp_path, Path("my-parts")) == tmp_path / "my-parts"
+    assert _seen_from(tmp_path, Path("data/organic")) == Path("data/organic")
+    with pytest.raises(BadParams, match=r"parts\.path .*gone' is neither a folder nor a file"):
+        _seen_from(tmp_path, Path("gone"))
 
 
 DVC = """#!/bin/sh

@@ -164,6 +164,10 @@ def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_w
     assert why == "params.yaml has another seed"
     assert known.values == {}
     assert known.splits
+    own = replace(params, parts=replace(params.parts, source="path"))
+    known, why = score.published(own)
+    assert why == "its parts are not your CAD file"  # whatever that is called
+    assert (known.splits, known.values) == ({}, {})
 
 
 def test_a_part_of_the_suite_is_brought_in_by_its_name(place):

@@ -8,6 +8,7 @@ import pytest
 
 from industnerf.artifacts.files import write_json
 from industnerf.errors import BadArtifact
+from industnerf.report.spread_files import read_seeds
 from pipeline import spread
 from tests.report.test_spread import sweep
 
@@ -32,6 +33,37 @@ def test_it_says_where_each_sweep_was_made(seeds, tmp_path):
     made = json.loads((tmp_path / "results/seeds/made.json").read_text())
     assert made["sweeps"]["seeds"]["commit"] == "0123456"
     assert "hull" in (tmp_path / "results/seeds/seeds.md").read_text()
+
+
+def test_other_methods_and_sweeps_stay_as_they_are(seeds, tmp_path):
+    """Those of nets and those of the others are measured apart."""
+    spread.main(str(seeds))
+    nets = sweep(tmp_path / "nets", ["part-1", "part-2"], ["r2n2"])
+    for seed in "01":
+        (nets / seed / "params.yaml").write_text("preset: seeds_nets\n")
+        (nets / seed / "reports/summary.json").write_text("{}")
+    (nets / "sweep.csv").touch()
+    write_json(nets / "made.json", {"schema": 1, "date": "2026-01-03", "commit": "89abcde"})
+    spread.main(str(nets))
+    rows = read_seeds(tmp_path / "results/seeds")
+    assert {row.method for row in rows} == {"hull", "r2n2"}
+    made = json.loads((tmp_path / "results/seeds/made.json").read_text())
+    assert set(made["sweeps"]) == {"seeds", "seeds_nets"}
+
+
+def test_mm_that_a_sweep_measured_outlive_a_study_with_other_clouds(seeds, tmp_path):
+    spread.main(str(seeds))
+    table = tmp_path / "results/seeds/seeds.csv"
+    with_mm = table.read_text().rstrip("\n") + "1.25\n"
+    table.write_text(with_mm)
+    spread.main()
+    assert table.read_text() == with_mm
+
+
+def test_without_a_sweep_there_must_be_a_table(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadArtifact, match="name the sweeps that measured the spread"):
+        spread.main()
 
 
 def test_a_sweep_of_which_a_point_failed_is_refused(seeds, tmp_path):

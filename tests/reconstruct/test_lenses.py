@@ -94,6 +94,11 @@ def test_a_lens_of_another_model_is_refused(lens):
         distortion(lens, "frame 0")
 
 
+def test_a_fisheye_is_called_one():
+    with pytest.raises(BadArtifact, match=r"frame 0: is_fisheye: such lenses are not known"):
+        distortion({"is_fisheye": True}, "frame 0")
+
+
 def test_how_a_lens_bends_lines_is_read():
     lens = {"camera_model": "OPENCV", "k1": 0.01, "k2": -2e-3, "p1": 0, "p2": -1e-4, "k4": 0.0}
     assert distortion(lens, "frame 0") == Distortion(k1=0.01, k2=-2e-3, p2=-1e-4)

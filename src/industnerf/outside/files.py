@@ -25,7 +25,7 @@ def clouds_at(place: Path, part_id: str) -> dict[str, Path]:
         raise BadParams(
             f"{place} is a folder: its files are named after their parts, not {part_id}"
         )
-    files = [place] if place.is_file() else sorted(place.iterdir())
+    files = [place] if place.is_file() else shown_files(place)
     known = [path for path in files if path.suffix.lower() in SUFFIXES]
     if not known:
         raise BadParams(f"{place}: no file ends in {', '.join(SUFFIXES)}")
@@ -36,6 +36,11 @@ def clouds_at(place: Path, part_id: str) -> dict[str, Path]:
             raise BadParams(f"{place}: {clouds[name].name} and {path.name} are of one part")
         clouds[name] = path
     return clouds
+
+
+def shown_files(folder: Path) -> list[Path]:
+    """The files in `folder`, but for hidden ones: macOS writes such beside each file."""
+    return [p for p in sorted(folder.iterdir()) if p.is_file() and not p.name.startswith(".")]
 
 
 def baked(parts: PartsParams, wanted: Iterable[str]) -> PartsParams:

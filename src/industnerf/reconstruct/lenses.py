@@ -40,9 +40,11 @@ def distortion(lens: Mapping[str, Any], where: str) -> Distortion | None:
     Raises BadArtifact for models other than OpenCV's of five coefficients.
     """
     remedy = "undistort the photographs first and give the pinhole cameras that belong to them"
+    if lens.get("is_fisheye"):
+        raise BadArtifact(f"{where}: is_fisheye: such lenses are not known here; {remedy}")
     model = lens.get("camera_model", "PINHOLE")
     known = isinstance(model, str) and model.upper() in MODELS
-    if lens.get("is_fisheye") or not known:
+    if not known:
         raise BadArtifact(f"{where}: camera model {short(model)} is not known here; {remedy}")
     for key in UNKNOWN:
         if not _nought(lens.get(key, 0)):

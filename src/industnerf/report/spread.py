@@ -101,8 +101,12 @@ def seed_0(reports: Sequence[Path]) -> ByMethod:
 def with_mm(
     rows: Sequence[Spread], seed_0: ByMethod, diagonals_mm: Mapping[str, float]
 ) -> list[Spread]:
-    """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`."""
-    return [replace(row, mm=_mm(row, seed_0.get(row.method, {}), diagonals_mm)) for row in rows]
+    """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`.
+
+    Of others what was known stays: a later study may have other clouds than the sweep had.
+    """
+    found = {row.method: _mm(row, seed_0.get(row.method, {}), diagonals_mm) for row in rows}
+    return [replace(row, mm=found[row.method] or row.mm) for row in rows]
 
 
 def is_run_of(row: Spread, seed: int, emds: Mapping[str, float] | None) -> bool:

@@ -17,7 +17,8 @@ def _spread(row: dict[str, str]) -> Spread:
     seeds = {name.removeprefix("seed_"): value for name, value in row.items() if value}
     means = {int(seed): float(value) for seed, value in seeds.items() if seed.isdigit()}
     mean, sd, part_sd = (float(row[name]) for name in ("mean", "sd", "part_sd"))
-    return Spread(row["method"], int(row["parts"]), means, mean, sd, part_sd)
+    mm = float(row["seed_0_mm"]) if row.get("seed_0_mm") else None
+    return Spread(row["method"], int(row["parts"]), means, mean, sd, part_sd, mm)
 
 
 def _columns(rows: Sequence[Spread]) -> list[int]:
