@@ -6,13 +6,20 @@ from typing import Any
 
 from industnerf.errors import BadArtifact
 from industnerf.report.effects import Outcome, difference
+from industnerf.report.formats import intervals_of, markdown
 from industnerf.schema import ReportParams
 
 METHODS = ("industnerf_plus",)
-HEAD = (
-    "| changed | EMD even | more than with all | 95 % | worse on | failed "
-    "| RGB MSE | RGB worse on |\n"
-)
+HEADS = [
+    "changed",
+    "EMD even",
+    "more than with all",
+    "95 %",
+    "worse on",
+    "failed",
+    "RGB MSE",
+    "RGB worse on",
+]
 
 
 def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> str:
@@ -33,8 +40,7 @@ def table(found: list[Outcome], usual: dict[str, Any], ways: ReportParams) -> st
     rows = [[*nothing, ""]]
     worst = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
     rows += [_row(name, one, base, ways) for name, one in worst]
-    lines = "".join(f"| {' | '.join(row)} |\n" for row in rows)
-    return f"{HEAD}|{' --- |' * len(rows[0])}\n{lines}"
+    return markdown(intervals_of(HEADS, ways.interval), rows)
 
 
 def changed(settings: dict[str, Any], usual: dict[str, Any]) -> str:

@@ -23,6 +23,7 @@ from industnerf.report.comparisons import comparisons_csv, comparisons_md
 from industnerf.report.costs import costs_csv, read_costs
 from industnerf.report.every_score import scores_csv
 from industnerf.report.exhibits import exhibits
+from industnerf.report.formats import intervals_of
 from industnerf.report.gather import Study
 from industnerf.report.goals import goals_csv, goals_md
 from industnerf.report.grid import grid_html
@@ -115,8 +116,9 @@ def _show(results: Results, out: Path) -> None:
         title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE, padding=(0, 0)
     )
     wanted = [COLUMNS.index(name) for name in ON_SCREEN]
+    heads = intervals_of(COLUMNS, results.interval)
     for i in wanted:
-        shown.add_column(COLUMNS[i], justify="left" if i == 0 else "right", no_wrap=True)
+        shown.add_column(heads[i], justify="left" if i == 0 else "right", no_wrap=True)
     for row, extra in zip(results.rows, results.extras, strict=True):
         texts = cells(row, extra)
         if row.split != results.rows[0].split:

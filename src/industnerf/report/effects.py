@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.formats import csv_rows
+from industnerf.report.formats import csv_rows, intervals_of, markdown
 from industnerf.report.leaves import leaves
 from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import SEED, paired_change
@@ -16,7 +16,7 @@ from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 
 METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
-HEAD = "| id | reading | EMD even | less the default's | 95 % | parts | failed |\n"
+HEADS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
 UNKNOWN = "not yet measured"
 RGB = ("rgb_mse", "P1-union")
 
@@ -76,7 +76,7 @@ def table(found: list[Outcome], default: Readings, ids: dict[str, str], ways: Re
         for name in (each.name for each in fields(Readings))
         for value in _ordered(name, usual[name])
     ]
-    return HEAD + "| --- | --- | --- | --- | --- | --- | --- |\n" + "".join(rows)
+    return markdown(intervals_of(HEADS, ways.interval), rows)
 
 
 def _ordered(name: str, default: str) -> list[str]:
@@ -104,14 +104,13 @@ def _row(
     base: Outcome | None,
     name: str,
     ways: ReportParams,
-) -> str:
+) -> list[str]:
     one = base if is_default else alone.get((name, value))
     if one is None:
-        return f"| {number} | `{value}` | {UNKNOWN} |  |  |  |  |\n"
+        return [number, f"`{value}`", UNKNOWN, "", "", "", ""]
     cells = [number, f"`{value}`", f"{fmean(one.emd.values()):.4f}"]
     cells += ["", ""] if is_default or base is None else difference(one, base, ways)
-    cells += [str(len(one.emd)), str(one.failed)]
-    return f"| {' | '.join(cells)} |\n"
+    return [*cells, str(len(one.emd)), str(one.failed)]
 
 
 def difference(one: Outcome, base: Outcome, ways: ReportParams) -> list[str]:

@@ -11,7 +11,7 @@ from industnerf.report import paper
 from industnerf.report.formats import csv_rows, csv_text, markdown, short
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
-from industnerf.report.provenance import read_made
+from industnerf.report.provenance import commit_of, read_made
 
 CELL = ("points", "reduction", "surface", "cost", "scale")
 FLOOR = "floor"
@@ -83,7 +83,7 @@ def grid_html(folder: Path) -> str:
         return ""
     found, made = read_grid(folder / "grid.csv"), read_made(folder)
     columns = [Column(head, head in CELL[1:]) for head in _heads(found)]
-    facts = {"commit": made["commit"][:7], "date": made["date"], "paper": paper.EMD["industnerf"]}
+    facts = {"commit": commit_of(made), "date": made["date"], "paper": paper.EMD["industnerf"]}
     return table(columns, [Row([*map(escape, _texts(line))]) for line in found]) + note(
         ABOUT.format(**facts)
     )

@@ -11,7 +11,7 @@ from statistics import fmean
 from industnerf.report import paper
 from industnerf.report.formats import csv_rows, markdown, short
 from industnerf.report.grid import FLOOR, Line, read_grid
-from industnerf.report.provenance import made_where, read_made
+from industnerf.report.provenance import commit_of, made_where, read_made
 from industnerf.report.table2 import LOSSES
 
 HULL = "hull"
@@ -42,7 +42,7 @@ def measuring_block(study: Path, grid: Path) -> str:
         f"R12: results/{study.name}/scores.csv, test parts, {made_where(study)}.\n\n"
         f"{markdown(['id', 'reading', 'loss', f'`{paper.METHOD}`', 'parts'], _scopes(study))}\n"
         f"R13: results/{grid.name}/grid.csv, test parts, {made['date']}, "
-        f"commit {made['commit'][:7]}.\n\n"
+        f"commit {commit_of(made)}.\n\n"
         f"{markdown(heads, protocols)}"
     )
 

@@ -3,6 +3,7 @@
 import json
 import os
 import platform
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -54,14 +55,16 @@ def read_made(folder: Path) -> dict[str, Any]:
         ) from None
 
 
+def commit_of(made: Mapping[str, Any]) -> str:
+    """The commit of a `made.json` as people name it."""
+    return made["commit"][:7] + ("" if made.get("clean", True) else " with changes")
+
+
 def made_where(published: Path) -> str:
     """Machine, day and commit of the results in the folder `published`, as documents say it."""
     made = read_made(published)
     machine = json.loads((published / "environment.json").read_text(encoding="utf-8"))
-    return (
-        f"{machine['cores']} cores of {machine['cpu']}, {made['date']}, commit "
-        f"{made['commit'][:7]}{'' if made['clean'] else ' with changes'}"
-    )
+    return f"{machine['cores']} cores of {machine['cpu']}, {made['date']}, commit {commit_of(made)}"
 
 
 def stamp() -> str:

@@ -30,6 +30,7 @@ BROUGHT_BY = {
     "seeds": "spread",
     "seeds_nets": "spread",
 }
+INFLATED = "seconds are inflated"  # is said of a machine that was shared with other work
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
@@ -113,8 +114,10 @@ def _row(root: Path, preset: Preset) -> list[str]:
         f"[{text}](sweeps/{preset.name}/{file})" for text, file in TABLES if _rows(folder / file)
     ]
     result = f"{_ends(lines)} ({', '.join(tables)})"
-    time = f"{_about(root, preset)['core_minutes']} minutes of one core, measured"
-    return [name, preset.question, str(points), time, result, _growth(folder)]
+    about = _about(root, preset)
+    time = f"{about['core_minutes']} minutes of one core, measured"
+    growth = _growth(folder, INFLATED not in about["machine"])
+    return [name, preset.question, str(points), time, result, growth]
 
 
 def _ends(lines: list[dict[str, str]]) -> str:
@@ -134,10 +137,15 @@ def _emd(line: dict[str, str]) -> str:
     return f"{float(line['emd']):.4f}{mm}"
 
 
-def _growth(folder: Path) -> str:
-    """Such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04: exponents with their standard errors."""
+def _growth(folder: Path, timed: bool) -> str:
+    """Such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04: exponents with their standard errors.
+
+    Those of seconds only where they were `timed` with nothing beside.
+    """
     found: dict[str, list[str]] = {}
     for row in _rows(folder / "trend.csv"):
+        if row["quantity"] == "seconds" and not timed:
+            continue
         exponent, error = (float(row[name]) for name in ("exponent", "standard error"))
         text = f"{QUANTITIES[row['quantity']]} {exponent:z.2f} ± {error:.2f}"
         found.setdefault(row["series"], []).append(text)
