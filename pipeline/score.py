@@ -113,7 +113,7 @@ def show(params: Params, out: Path) -> None:
     said = read_failures(out / "clouds") | read_failures(out / "scores")
     for part_id, why in read_failures(out / "scores").items():
         print(f"{part_id} counts as failed, it could not be scored: {why}")
-    for part_id in failing(found) - said.keys():
+    for part_id in sorted(failing(found) - said.keys()):
         print(f"{part_id} counts as failed: no point of its cloud can be scored")
     for part_id in read_index(out / "clouds"):
         for remark in load_remarks(out / "clouds" / part_id):

@@ -9,8 +9,9 @@ python -m pipeline.spread     only writes the tables anew, with what the publish
 Methods that no sweep named here measured stay as they are.
 """
 
-import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
@@ -24,14 +25,15 @@ from industnerf.report.sweep_points import preset_of
 
 PRESETS = ("seeds", "seeds_nets")
 OUT, STUDY = Path("results/seeds"), Path("results/study")
-MADE = OUT / "made.json"
 
 
 def main(*sweeps: str) -> None:
     folders = [Path(sweep) for sweep in sweeps]
     # of each sweep, which is whole: another day and commit than today's may have made it
-    made = {seeds_of(folder): read_made(folder) for folder in folders}
-    rows = merged(spreads(folders), read_seeds(OUT))
+    made = {seeds_of(folder): _measured(folder) for folder in folders}
+    before = read_made(OUT)["sweeps"] if (OUT / "made.json").exists() else {}
+    kept = {name: sweep for name, sweep in before.items() if name not in made}
+    rows = merged(spreads(folders), read_seeds(OUT), kept if folders else before)
     if not rows:
         raise BadArtifact(f"{OUT} holds no seeds.csv: name the sweeps that measured the spread")
     reports = [path for folder in folders for path in folder.glob("*/reports")]
@@ -43,16 +45,22 @@ def main(*sweeps: str) -> None:
     write_text(OUT / "seeds.csv", seeds_csv(rows))
     write_text(OUT / "seeds.md", seeds_md(rows))
     if folders:
-        before = json.loads(MADE.read_text(encoding="utf-8"))["sweeps"] if MADE.exists() else {}
-        write_json(MADE, {"schema": 1, "sweeps": before | made})
+        write_json(OUT / "made.json", {"schema": 1, "sweeps": kept | made})
     print(seeds_md(rows), end="")
 
 
-def merged(found: list[Spread], before: list[Spread]) -> list[Spread]:
-    """What was `found`, and of other methods what was known `before`; the best first."""
-    named = {row.method for row in found}
-    rows = [*found, *(row for row in before if row.method not in named)]
-    return sorted(rows, key=lambda row: row.mean)
+def _measured(sweep: Path) -> dict[str, Any]:
+    """Where the sweep was made, and of which methods it is."""
+    return read_made(sweep) | {"methods": sorted(row.method for row in spreads([sweep]))}
+
+
+def merged(
+    found: list[Spread], before: list[Spread], kept: Mapping[str, dict[str, Any]]
+) -> list[Spread]:
+    """What was `found`, and what was known `before` of methods of the sweeps `kept`, best first."""
+    others = {method for sweep in kept.values() for method in sweep["methods"]}
+    others -= {row.method for row in found}
+    return sorted([*found, *(row for row in before if row.method in others)], key=lambda r: r.mean)
 
 
 def seeds_of(sweep: Path) -> str:

@@ -61,9 +61,9 @@ def run_stage(
 
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
-    nothing then.  It also does where a part was lost, by the cluster or for want of room on a disk
-    or in a GPU: that is no result, and DVC must not take it for one.  Raises BadParams before
-    anything is done for what INDUSTNERF_* do not allow.
+    nothing then.  It also does where a part was lost, by the cluster or for want of memory, of room
+    on a disk or in a GPU: that is no result, and DVC must not take it for one.  Raises BadParams
+    before anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
     keys = [_key(step, task) for task in tasks]

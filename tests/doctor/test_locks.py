@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -133,15 +134,16 @@ def test_a_process_at_work_is_told_of(plain: WorkingCopy, holder: subprocess.Pop
     assert not finding.is_wrong
 
 
-def test_a_lock_on_another_disk_is_not_ours(plain: WorkingCopy, holder: subprocess.Popen, tmp_path):
+def test_a_lock_on_another_disk_is_not_ours(
+    plain: WorkingCopy, holder: subprocess.Popen, monkeypatch: pytest.MonkeyPatch
+):
     """Numbers of files are unique on a disk alone; only who has the file open may hold it."""
     lock = plain.folder / "mlflow.db.lock"
-    copied = tmp_path / "copy"
-    copied.touch()
+    assert processes.holder(lock) == holder.pid
     known = lock.stat()
     there = os.stat_result((*known[:2], known.st_dev + 1, *known[3:]))
-    assert processes._may_have_open(holder.pid, known)
-    assert not processes._may_have_open(holder.pid, there)
+    monkeypatch.setattr(Path, "stat", lambda path: there if path == lock else os.stat(path))
+    assert processes.holder(lock) is None
 
 
 def test_a_stopped_process_is_woken(plain: WorkingCopy, holder: subprocess.Popen):

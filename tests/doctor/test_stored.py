@@ -71,7 +71,7 @@ def test_a_torn_result_is_removed_and_can_be_made_anew(
     assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
 
 
-def test_the_stage_that_took_a_torn_result_is_run_again(copy: WorkingCopy):
+def test_the_stage_that_took_a_torn_result_is_named(copy: WorkingCopy):
     """DVC's own outputs are whole: without force it would have nothing to do."""
     Store(copy.places.store).put("views", KEY, make)
     entry = copy.places.store / "views" / KEY
@@ -80,8 +80,10 @@ def test_the_stage_that_took_a_torn_result_is_run_again(copy: WorkingCopy):
     index.write_text(json.dumps({"schema": 1, "step": "views", "keys": {"part": KEY}}))
     (entry / "cost.json").unlink()
     (finding,) = copy.find("stored")
-    again = f"(cd {copy.places.words(copy.folder)} && dvc repro -f -s reconstruct@hull)"
-    assert finding.mend == f"rm -rf {copy.places.words(entry)} && {again}"
+    store = copy.places.store
+    again = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct@hull)` makes it anew"
+    assert finding.what.endswith(f"; once it is gone, {again}")
+    assert finding.mend == f"rm -rf {copy.places.words(entry)}"
 
 
 def test_what_is_not_the_stores_is_left_alone(plain: WorkingCopy):

@@ -49,6 +49,16 @@ def test_other_methods_and_sweeps_stay_as_they_are(seeds, tmp_path):
     assert {row.method for row in rows} == {"hull", "r2n2"}
     made = json.loads((tmp_path / "results/seeds/made.json").read_text())
     assert set(made["sweeps"]) == {"seeds", "seeds_nets"}
+    assert made["sweeps"]["seeds"]["methods"] == ["hull"]
+
+
+def test_a_sweep_that_is_run_again_without_a_method_no_longer_has_it(seeds, tmp_path):
+    """Else its row would seem to be of today's commit."""
+    spread.main(str(seeds))
+    for path in seeds.glob("*/reports/scores.csv"):
+        path.write_text(path.read_text().replace("hull", "carve"))
+    spread.main(str(seeds))
+    assert [row.method for row in read_seeds(tmp_path / "results/seeds")] == ["carve"]
 
 
 def test_mm_that_a_sweep_measured_outlive_a_study_with_other_clouds(seeds, tmp_path):
@@ -83,7 +93,7 @@ def test_a_sweep_of_something_else_is_refused(seeds, tmp_path):
 
 def test_the_committed_tables_are_written_anew_as_they_are(monkeypatch, tmp_path):
     """If not: python -m pipeline.spread"""
-    for name in ("seeds/seeds.csv", "seeds/seeds.md", "study/scores.csv"):
+    for name in ("seeds/seeds.csv", "seeds/seeds.md", "seeds/made.json", "study/scores.csv"):
         (tmp_path / "results" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(RESULTS / name, tmp_path / "results" / name)
     monkeypatch.chdir(tmp_path)

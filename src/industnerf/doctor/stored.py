@@ -6,6 +6,7 @@ all places at once.
 
 import json
 import os
+import shlex
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,7 +28,7 @@ def find(places: Places) -> list[Finding]:
 def _faults(places: Places, entry: Path) -> Iterator[Finding]:
     files = list(_files(entry / "out"))
     if torn := _torn(entry, files):
-        yield Finding(entry, torn, _remove(places, entry))
+        yield Finding(entry, torn + _again(places, entry), f"rm -rf {places.words(entry)}")
         return
     writable = [(path, status) for path, status in files if status.st_mode & 0o222]
     if writable:
@@ -49,18 +50,19 @@ def _torn(entry: Path, files: list[tuple[Path, os.stat_result]]) -> str:
     return _cost_fault(entry / "cost.json")
 
 
-def _remove(places: Places, entry: Path) -> str:
-    """The command that has a result made anew.  DVC alone would not: its own outputs are whole."""
+def _again(places: Places, entry: Path) -> str:
+    """What makes the result anew once it is gone: DVC would not, for its own outputs are whole."""
     from industnerf.stage import stage_of  # late: it brings NumPy, and most have nothing torn
 
-    again = [
-        f"(cd {places.words(project.folder)} && dvc repro -f -s {stage_of(index.parent)})"
+    store = f"INDUSTNERF_STORE={shlex.quote(str(places.store))}"
+    commands = [
+        f"`(cd {places.words(project.folder)} && {store} dvc repro -f -s {stage_of(index.parent)})`"
         for project in places.projects()
         for pattern in ("data/*/index.json", "data/*/*/index.json")
         for index in sorted(project.folder.glob(pattern))
-        if entry.name in index.read_text(encoding="utf-8")
+        if entry.name in index.read_text(encoding="utf-8", errors="replace")
     ]
-    return " && ".join([f"rm -rf {places.words(entry)}", *again])
+    return "".join(f"; once it is gone, {command} makes it anew" for command in commands)
 
 
 def _files(out: Path) -> Iterator[tuple[Path, os.stat_result]]:

@@ -103,11 +103,11 @@ def fuse(
     values = np.full(len(every), -truncation, np.float32)
     values[near] = np.where(left[near] | (mean < 0), mean, -np.float32(truncation))
     values = values.reshape(solid.shape)
-    values[beyond_region(grid_res)] = -truncation
+    values[_beyond_region(grid_res)] = -truncation
     return values
 
 
-def beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
+def _beyond_region(grid_res: int) -> Bool[np.ndarray, "r r r"]:
     """Which cells are not in the unit ball, which holds the part: views may not show them."""
     squares = ((np.arange(grid_res) + 0.5) * (2 / grid_res) - 1) ** 2
     return squares[:, None, None] + squares[:, None] + squares > 1

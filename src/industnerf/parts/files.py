@@ -96,7 +96,8 @@ def solid_slugs(names: Sequence[str]) -> list[str]:
 
 def is_cad(path: Path, place: Path) -> bool:
     """Whether `path` is a file of a type that is read, and not hidden, nor in a hidden folder."""
-    hidden = any(name.startswith(".") for name in path.relative_to(place).parts)
+    below = path.relative_to(place).parts
+    hidden = any(name.startswith(".") and name != ".." for name in below)
     return not hidden and path.suffix.lower() in SUFFIXES and path.is_file()
 
 

@@ -14,7 +14,7 @@ from pykdtree.kdtree import KDTree
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras, projections_from_ball, reduced_size
-from industnerf.geometry.fusion import beyond_region, fuse
+from industnerf.geometry.fusion import fuse
 from industnerf.geometry.isosurface import isosurface
 from industnerf.reconstruct.views import scaled
 
@@ -64,7 +64,6 @@ def signed_distances(
     """At the cells' centres, positive inside; beyond the region of interest all is empty."""
     spacing = 2 / GRID_RES
     values = fuse(depth, projections, GRID_RES, TRUNCATION * spacing)
-    values[beyond_region(GRID_RES)] = -TRUNCATION * spacing
     return np.where(np.abs(values) < LEAST * spacing, np.float32(-LEAST * spacing), values)
 
 

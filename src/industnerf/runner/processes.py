@@ -97,7 +97,7 @@ class _Limits:
     def hint(self) -> str:
         """What a process that died may have died of."""
         if self.memory_mb is None:
-            return "; fewer INDUSTNERF_WORKERS leave more memory to each"
+            return ""
         return f"; it may have needed more than {self.memory_mb} MB (memory_limit_mb)"
 
 
@@ -133,10 +133,10 @@ class _Worker:
             code = self.process.exitcode
             said = f"crashed: its process ended with exit code {code}"
             if code != -signal.SIGKILL:
-                return Fault(said + (limits.hint if limits.memory_mb else ""))
+                return Fault(said + limits.hint)
             time.sleep(KILL_S)  # if we are next, the piece has not failed: say nothing
-            # no piece kills itself: the machine had no memory left for it, if it set no limit
-            return Fault(said + limits.hint, lost=limits.memory_mb is None)
+            # not `memory_limit_mb`, which ends otherwise: the machine had no memory left
+            return Fault(f"{said}; fewer INDUSTNERF_WORKERS leave more memory to each", lost=True)
 
     def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
         """This worker at another piece of work, or a fresh one if it is dead."""

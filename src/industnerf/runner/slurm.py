@@ -141,7 +141,9 @@ def _cancelling(submit: Callable[[], Watch]) -> Iterator[Watch]:
         sys.exit(128 + signum)
 
     main = threading.current_thread() is threading.main_thread()
-    heeded = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
+    ending = signal.SIGTERM, signal.SIGHUP
+    # nohup has SIGHUP ignored; a handler that Python does not know could not be put back
+    heeded = [n for n in ending if signal.getsignal(n) not in (signal.SIG_IGN, None)]
     before = {number: signal.signal(number, end) for number in heeded} if main else {}
     watch = None
     try:
@@ -149,7 +151,8 @@ def _cancelling(submit: Callable[[], Watch]) -> Iterator[Watch]:
             watch = submit()
         yield watch
     finally:
+        if watch and (left := [*watch.jobs, *watch.hopeless]):
+            with put_off():  # whatever else comes, to scancel too
+                queue.cancel(left)
         for number, handler in before.items():
             signal.signal(number, handler)
-        if watch and (left := [*watch.jobs, *watch.hopeless]):
-            queue.cancel(left)

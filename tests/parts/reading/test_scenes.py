@@ -151,6 +151,8 @@ def test_an_obj_may_name_several_libraries_in_a_line(read, tmp_path):
     found = read("two.obj", f"mtllib a.mtl b.mtl gone.mtl\n{points}{halves}".encode())
     assert sorted(finish.name for finish in found.finishes) == ["#0000ff", "#ff0000"]
     assert "its materials are missing: gone.mtl" in found.remarks
+    mixed = read("mixed.obj", f"mtllib a b.mtl b.mtl\n{points}{halves}".encode())
+    assert sorted(finish.name for finish in mixed.finishes) == ["#0000ff", "#00ff00"]
     one = read("one.obj", f"mtllib a b.mtl\n{points}usemtl a\n{''.join(faces)}".encode())
     assert [finish.name for finish in one.finishes] == ["#00ff00"]
 

@@ -28,7 +28,8 @@ def refined(training: Training, told: Testimony | None, generator: torch.Generat
     """The points that follow on those of `training`, of which the views said what was `told`.
 
     The warm-up's are divided into the first grid; so are all others where `refine` says so.  Of
-    a relief those beside its surface are.  Raises ReconstructionFailed if there are none.
+    a relief those beside its surface are.  Raises ReconstructionFailed if no view is
+    sure of any, of which a relief asks nothing.
     """
     ways, old = training.ways, training.points.positions
     field = training.field

@@ -40,9 +40,13 @@ def _materials(path: Path, scene: Scene, remarks: list[str]) -> dict[str, Materi
 
 
 def _names(line: str) -> list[str]:
-    """The files that one `mtllib` names: several, or one whose name holds blanks."""
-    words = line.split()
-    return words if all(word.lower().endswith(".mtl") for word in words) else [line]
+    """The files that one `mtllib` names, each up to its ending, for names may hold blanks."""
+    names = [""]
+    for word in line.split():
+        names[-1] = f"{names[-1]} {word}".lstrip()
+        if word.lower().endswith(".mtl"):
+            names.append("")
+    return [name for name in names if name] or [line]
 
 
 def _body(
