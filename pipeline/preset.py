@@ -97,12 +97,14 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
     config = project / ".dvc" / "config"
-    if not config.exists() or "cache" not in config.read_text(
-        encoding="utf-8"
-    ):  # new, or interrupted before
+    if "cache" not in _text_of(config):  # new, or interrupted before
         for key, value in SETTINGS.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
+
+
+def _text_of(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
 def _seen_from(root: Path, place: Path) -> Path:

@@ -33,7 +33,7 @@ def main(*sweeps: str) -> None:
     made = {seeds_of(folder): _measured(folder) for folder in folders}
     before = read_made(OUT)["sweeps"] if (OUT / "made.json").exists() else {}
     kept = {name: sweep for name, sweep in before.items() if name not in made}
-    rows = merged(spreads(folders), read_seeds(OUT), kept if folders else before)
+    rows = merged(spreads(folders), read_seeds(OUT), kept)
     if not rows:
         raise BadArtifact(f"{OUT} holds no seeds.csv: name the sweeps that measured the spread")
     reports = [path for folder in folders for path in folder.glob("*/reports")]

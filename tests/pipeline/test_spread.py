@@ -19,9 +19,14 @@ RESULTS = Path(__file__).parents[2] / "results"
 def seeds(tmp_path, monkeypatch):
     """A finished sweep over two seeds, made at another commit than today's."""
     monkeypatch.chdir(tmp_path)
-    folder = sweep(tmp_path / "seeds", ["part-1", "part-2"], ["hull"])
+    return finished(tmp_path / "seeds", "hull")
+
+
+def finished(folder, method):
+    """The folder of a finished sweep of the preset that is called as it is."""
+    sweep(folder, ["part-1", "part-2"], [method])
     for seed in "01":
-        (folder / seed / "params.yaml").write_text("preset: seeds\n")
+        (folder / seed / "params.yaml").write_text(f"preset: {folder.name}\n")
         (folder / seed / "reports/summary.json").write_text("{}")
     (folder / "sweep.csv").touch()
     write_json(folder / "made.json", {"schema": 1, "date": "2026-01-02", "commit": "0123456"})
@@ -38,13 +43,7 @@ def test_it_says_where_each_sweep_was_made(seeds, tmp_path):
 def test_other_methods_and_sweeps_stay_as_they_are(seeds, tmp_path):
     """Those of nets and those of the others are measured apart."""
     spread.main(str(seeds))
-    nets = sweep(tmp_path / "nets", ["part-1", "part-2"], ["r2n2"])
-    for seed in "01":
-        (nets / seed / "params.yaml").write_text("preset: seeds_nets\n")
-        (nets / seed / "reports/summary.json").write_text("{}")
-    (nets / "sweep.csv").touch()
-    write_json(nets / "made.json", {"schema": 1, "date": "2026-01-03", "commit": "89abcde"})
-    spread.main(str(nets))
+    spread.main(str(finished(tmp_path / "seeds_nets", "r2n2")))
     rows = read_seeds(tmp_path / "results/seeds")
     assert {row.method for row in rows} == {"hull", "r2n2"}
     made = json.loads((tmp_path / "results/seeds/made.json").read_text())
