@@ -33,7 +33,7 @@ CORRIDORS = {
         "tracked",
         "tracking",
     )
-} | {"industnerf.seeds"}
+}
 STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
 WRITTEN = ("index", "failures")  # files beside the results of a stage, for the stages behind it
 

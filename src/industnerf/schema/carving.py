@@ -5,8 +5,7 @@ from typing import Annotated
 
 from industnerf.schema.rules import CountOr0, Rule, Share, at_least, within
 
-COARSEST, BLOCK = 32, 8
-BLOCKS = Rule(lambda n: COARSEST <= n <= 512 and n % BLOCK == 0, "a multiple of 8 in [32, 512]")
+BLOCKS = Rule(lambda n: 32 <= n <= 512 and n % 8 == 0, "a multiple of 8 in [32, 512]")
 
 
 @dataclass(frozen=True)

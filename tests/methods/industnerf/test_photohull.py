@@ -7,8 +7,15 @@ import pytest
 import torch
 
 from industnerf.geometry.cameras import framed_ball
-from industnerf.methods.industnerf.photohull import PhotoHull, depth_in, of_two_pixels
+from industnerf.methods.industnerf.photohull import (
+    BLOCK,
+    COARSEST,
+    PhotoHull,
+    depth_in,
+    of_two_pixels,
+)
 from industnerf.methods.industnerf.scene import Posed, scene_of
+from industnerf.schema.carving import BLOCKS
 from tests.methods.industnerf.scenes import settings, silhouettes_of
 from tests.methods.solids import cameras_around, cup, painted
 
@@ -78,7 +85,14 @@ def test_silhouettes_that_contradict_each_other_are_spoken_of():
 
 @pytest.mark.parametrize(("px", "cells"), [(512.0, 128), (200.0, 96), (128.0, 64), (40.0, 32)])
 def test_cells_are_two_pixels_wide_or_more(px, cells):
-    assert of_two_pixels(replace(WAYS, grid_res=128), px).grid_res == cells
+    fit = of_two_pixels(replace(WAYS, grid_res=128), px)
+    assert fit.grid_res == cells
+    assert BLOCKS.holds(fit.grid_res)
+
+
+def test_cells_are_as_coarse_as_the_schema_lets_them_be():
+    assert BLOCKS.holds(COARSEST)
+    assert not BLOCKS.holds(COARSEST - BLOCK)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -3,10 +3,14 @@
 from pathlib import Path
 
 from OCP.BRep import BRep_Builder
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeSphere
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeBox,
+    BRepPrimAPI_MakeHalfSpace,
+    BRepPrimAPI_MakeSphere,
+)
 from OCP.BRepTools import BRepTools
-from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.IGESCAFControl import IGESCAFControl_Writer
 from OCP.Interface import Interface_Static
 from OCP.Message import Message
@@ -17,7 +21,7 @@ from OCP.TCollection import TCollection_ExtendedString
 from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Compound
+from OCP.TopoDS import TopoDS_Compound, TopoDS_Solid
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
 from industnerf.parts.brep import faces_of
@@ -27,6 +31,19 @@ SURFACE = XCAFDoc_ColorType.XCAFDoc_ColorSurf
 
 def box(x=30.0, y=20.0, z=10.0):
     return BRepPrimAPI_MakeBox(x, y, z).Shape()
+
+
+def half_space():
+    """A solid without end: everything below z = 0."""
+    plane = BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Face()
+    return BRepPrimAPI_MakeHalfSpace(plane, gp_Pnt(0, 0, -1)).Solid()
+
+
+def nothing():
+    """A solid without a shell."""
+    solid = TopoDS_Solid()
+    BRep_Builder().MakeSolid(solid)
+    return solid
 
 
 def ball(radius):

@@ -14,7 +14,8 @@ from industnerf.methods.industnerf.scene import Posed
 from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
-from industnerf.schema.carving import BLOCK, COARSEST
+
+COARSEST, BLOCK = 32, 8  # cells a side: what the schema lets a lattice be, and its steps
 
 
 class PhotoHull:

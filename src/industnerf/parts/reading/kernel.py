@@ -26,7 +26,7 @@ from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 from industnerf.errors import BadPart
 from industnerf.parts.reading.content import Body, Content, placed, short
-from industnerf.parts.reading.kernel_mesh import meshed, pieces_of
+from industnerf.parts.reading.kernel_mesh import box_of, meshed, pieces_of
 from industnerf.parts.reading.kernel_paint import Paint, colour_of, name_of
 
 
@@ -85,6 +85,7 @@ class _Walk:
     made: dict[int, list[Body]] = field(default_factory=dict)
     bare: int = 0  # faces that the kernel could not mesh
     sheets: int = 0  # bodies that are no solids
+    endless: int = 0  # bodies without extent, or without end
 
     def below(
         self, label: TDF_Label, matrix: np.ndarray, paint: np.ndarray | None
@@ -110,7 +111,11 @@ class _Walk:
         """The bodies of one shape, in its own frame."""
         found = []
         for piece, solid in pieces_of(shape):
-            mesh, bare = meshed(piece, paint)
+            box = box_of(piece)
+            if box is None:
+                self.endless += 1
+                continue
+            mesh, bare = meshed(piece, box, paint)
             self.bare += bare
             self.sheets += not solid
             if mesh is not None:
@@ -123,6 +128,8 @@ class _Walk:
         said = []
         if self.bare:
             said.append(f"faces left out, for the kernel could not mesh them: {self.bare}")
+        if self.endless:
+            said.append(f"bodies left out, for they have no extent or no end: {self.endless}")
         if self.sheets:
             said.append(f"bodies that are shells or loose faces, not solids: {self.sheets}")
         return tuple(said)

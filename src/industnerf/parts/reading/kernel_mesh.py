@@ -12,7 +12,6 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
 
-from industnerf.errors import BadPart
 from industnerf.parts.brep import CHORD, TURN, faces_of, triangles_of
 from industnerf.parts.reading.kernel_paint import Paint
 
@@ -41,12 +40,13 @@ def _found(explorer: TopExp_Explorer) -> Iterator[TopoDS_Shape]:
         explorer.Next()
 
 
-def meshed(piece: TopoDS_Shape, paint: Paint) -> tuple[Mesh | None, int]:
-    """The triangles of `piece`, and how many of its faces the kernel left bare.
+def meshed(piece: TopoDS_Shape, box: Bnd_Box, paint: Paint) -> tuple[Mesh | None, int]:
+    """The triangles of `piece` in its `box`, and how many of its faces the kernel left bare.
 
     They are not welded: cleaning does that to what comes out of any reader.
     """
-    BRepMesh_IncrementalMesh(piece, CHORD * _diagonal(piece), False, TURN, False)
+    diagonal = box.CornerMin().Distance(box.CornerMax())
+    BRepMesh_IncrementalMesh(piece, CHORD * diagonal, False, TURN, False)
     points, corners, albedo, offset, bare = [], [], [], 0, 0
     for face in faces_of(piece):
         patch = triangles_of(face)
@@ -63,10 +63,8 @@ def meshed(piece: TopoDS_Shape, paint: Paint) -> tuple[Mesh | None, int]:
     return (np.concatenate(points), faces, np.concatenate(albedo)), bare
 
 
-def _diagonal(piece: TopoDS_Shape) -> float:
-    """Of the box, mm.  Raises BadPart if the piece has no end."""
+def box_of(piece: TopoDS_Shape) -> Bnd_Box | None:
+    """The box about `piece`; None if the piece has no extent, or no end."""
     box = Bnd_Box()
     BRepBndLib.Add_s(piece, box, False)
-    if box.IsVoid() or box.IsOpen():
-        raise BadPart("a body has no extent, or no end")
-    return box.CornerMin().Distance(box.CornerMax())
+    return None if box.IsVoid() or box.IsOpen() else box
