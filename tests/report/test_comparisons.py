@@ -2,12 +2,15 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import pytest
 
 from industnerf.methods import load_method
 from industnerf.report.comparisons import (
+    COLUMNS,
     LEFT_OUT,
+    cells,
     comparisons,
     comparisons_csv,
     comparisons_md,
@@ -89,6 +92,12 @@ def test_the_files_hold_what_the_comparisons_do(study):
     assert "| 90 % |" in head
     assert line.startswith("| industnerf_plus | hull | -0.0300 |")
     assert line.endswith("| -0.05 | 0.12 | 0.12 | 83 % | 6 in 5 families |")
+
+
+def test_of_one_family_there_is_no_interval(study):
+    (found,) = comparisons(study, SETTINGS)
+    assert " to " in cells(found)[COLUMNS.index("95 %")]
+    assert cells(replace(found, families=1))[COLUMNS.index("95 %")] == ""
 
 
 def test_with_nothing_to_compare_it_says_so():

@@ -151,6 +151,16 @@ def test_figure_3_has_one_part_of_every_family():
     assert rgb.mean == pytest.approx({"a": 0.01, "b": 0.02}[shown])
 
 
+def test_of_one_family_there_is_no_interval():
+    lines = table2(study_of(True, "industnerf"), SETTINGS)
+    shown = {(line.subset, line.families): cells(line)[COLUMNS.index("95 %")] for line in lines}
+    assert shown[("dev", 1)] == ""
+    assert " to " in shown[("all", 2)]
+    alone = [replace(line, families=1) for line in lines]
+    rows = list(csv.DictReader(io.StringIO(table2_csv(alone))))
+    assert {(row["ci_low"], row["ci_high"]) for row in rows} == {("", "")}
+
+
 def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
     text = table2_csv(table2(study_of(True, "industnerf"), SETTINGS))
     assert text.splitlines()[0] == "method,subset,loss,value,ci_low,ci_high,unit,paper"

@@ -15,7 +15,7 @@ from statistics import fmean
 from industnerf.artifacts.scores import Score
 from industnerf.methods.base import Method, Role
 from industnerf.report import paper
-from industnerf.report.formats import csv_text, intervals_of, markdown
+from industnerf.report.formats import csv_text, interval_text, intervals_of, markdown
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.statistics import bootstrap_interval, holm, sign_flip_p
@@ -121,7 +121,7 @@ def cells(each: Comparison) -> list[str]:
         each.method,
         each.other,
         f"{each.difference:+.4f}",
-        f"{each.ci_low:+.4f} to {each.ci_high:+.4f}",
+        interval_text(each.ci_low, each.ci_high, each.families, "+.4f"),
         f"{each.difference_mm:+.2f}",
         f"{each.p:.2g}",
         f"{each.p_holm:.2g}",

@@ -46,6 +46,11 @@ def intervals_of(columns: Sequence[str], interval: float) -> list[str]:
     return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
 
 
+def interval_text(low: float, high: float, families: int, form: str) -> str:
+    """`low to high`; nothing of one family, whose parts there is nothing to draw from."""
+    return f"{low:{form}} to {high:{form}}" if families > 1 else ""
+
+
 def rounded(cell: str | None) -> str:
     """A number read from a CSV with three significant digits; nothing stays nothing."""
     return f"{float(cell):#.3g}" if cell else ""

@@ -10,7 +10,14 @@ from statistics import fmean
 
 from industnerf.artifacts.scores import PartScore
 from industnerf.report import paper
-from industnerf.report.formats import brief, csv_text, intervals_of, markdown, short
+from industnerf.report.formats import (
+    brief,
+    csv_text,
+    interval_text,
+    intervals_of,
+    markdown,
+    short,
+)
 from industnerf.report.gather import Study
 from industnerf.report.lookup import EVEN, only, scores_of
 from industnerf.report.millimetres import InMm, mean_in_mm
@@ -63,6 +70,7 @@ class Line:
     best: float  # the floor, or the value that nothing beats
     paper: float | None
     parts: int
+    families: int
     failures: int  # in the mean of the EMD, in no other
     in_mm: InMm | None  # of what is a length
 
@@ -110,6 +118,7 @@ def _line(
         fmean(row.score.floor for row in mine),
         paper.TABLE2.get(loss.metric) if mine[0].method == paper.METHOD else None,
         len(mine),
+        len(set(families)),
         sum(row.score.status != "ok" for row in only(scores, *EVEN)),
         mean_in_mm(study, settings, mine),
     )
@@ -138,7 +147,7 @@ def cells(line: Line) -> list[str]:
         line.loss.name,
         line.subset,
         short(line.mean, digits),
-        f"{short(line.ci_low, digits)} to {short(line.ci_high, digits)}",
+        interval_text(line.ci_low, line.ci_high, line.families, f".{digits}f"),
         _in_mm(line.in_mm),
         short(line.frame, digits),
         short(line.best, digits),
@@ -168,7 +177,8 @@ CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit",
 def table2_csv(lines: list[Line]) -> str:
     """`table2.csv`: the paper's three losses of the reported parts, its own number beside each.
 
-    Below a loss that is a length stands the same in mm; the paper has no such number.
+    Below a loss that is a length stands the same in mm; the paper has no such number.  Of one
+    family there is no interval.
     """
     shown = [line for line in lines if line.subset != "dev" and line.loss.metric in paper.TABLE2]
     return csv_text(CSV_COLUMNS, [row for line in shown for row in _csv_rows(line)])
@@ -176,9 +186,13 @@ def table2_csv(lines: list[Line]) -> str:
 
 def _csv_rows(line: Line) -> Iterator[tuple]:
     name, mm = (line.method, line.subset, line.loss.metric), line.in_mm
-    yield (*name, line.mean, line.ci_low, line.ci_high, line.unit, line.paper)
+    yield (*name, line.mean, *_ends(line, line.families), line.unit, line.paper)
     if mm:
-        yield (*name, mm.mean, mm.ci_low, mm.ci_high, mm.unit, None)
+        yield (*name, mm.mean, *_ends(mm, line.families), mm.unit, None)
+
+
+def _ends(mean: Line | InMm, families: int) -> tuple[float, float] | tuple[None, None]:
+    return (mean.ci_low, mean.ci_high) if families > 1 else (None, None)
 
 
 def means(lines: list[Line]) -> dict[str, float]:
