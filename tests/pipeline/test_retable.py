@@ -2,10 +2,13 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from industnerf.errors import BadArtifact
+from industnerf.parts.embedded import as_part
 from industnerf.report.publish import about
 from pipeline import retable
 from pipeline.retable import tables
@@ -36,6 +39,21 @@ def test_a_table_made_anew_leaves_a_trace(monkeypatch, tmp_path):
     assert json.loads((tmp_path / "organic/made.json").read_text()) == made | {"retabled": again}
     assert " on 2026-01-02, commit 0123456, " in (tmp_path / "organic/README.md").read_text()
     assert (tmp_path / "organic/table1.md").read_text() != "old"
+
+
+def test_parts_of_another_size_than_those_scored_are_refused(monkeypatch, tmp_path):
+    shutil.copytree(ROOT / "results/organic", tmp_path / "organic")
+    monkeypatch.chdir(ROOT)
+
+    def larger(recipe):
+        part = as_part(recipe)
+        return replace(part, extents_mm=tuple(1.01 * side for side in part.extents_mm))
+
+    monkeypatch.setattr(retable, "as_part", larger)
+    before = (tmp_path / "organic/table1.md").read_bytes()
+    with pytest.raises(BadArtifact, match=r"was [\d.]+ mm.* another size"):
+        retable.main(str(tmp_path / "organic"))
+    assert (tmp_path / "organic/table1.md").read_bytes() == before
 
 
 @pytest.mark.parametrize("name", STUDIES)
