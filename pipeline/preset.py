@@ -87,7 +87,7 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     os.environ["INDUSTNERF_ROOT"] = str(root)  # where conf/config.yaml looks for params.yaml
     values = composed(root, overrides)
     build(Params, values, " ".join(overrides))
-    values["parts"]["path"] = str(_seen_from(root, Path(values["parts"]["path"])))
+    values["parts"]["path"] = str(_seen_from(root, project, Path(values["parts"]["path"])))
     OmegaConf.save(values, project / "params.yaml")
     for name in SHARED:
         link = project / name
@@ -107,15 +107,16 @@ def _text_of(path: Path) -> str:
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
-def _seen_from(root: Path, place: Path) -> Path:
-    """The place of the parts, relative to `root`, as a project finds it that shares SHARED.
+def _seen_from(root: Path, project: Path, place: Path) -> Path:
+    """The place of the parts, relative to `root`, as the project finds it, which shares SHARED.
 
+    It stays relative, for a published result says no more of a machine than its user wrote.
     Raises BadParams if it is the user's own and not there.
     """
     if any(place.is_relative_to(name) for name in SHARED):
         return place
     require_place(root / place)
-    return root / place
+    return place if place.is_absolute() else Path(os.path.relpath(root / place, project.resolve()))
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import get_args, get_type_hints
 
@@ -99,13 +100,18 @@ def test_a_mistake_in_a_preset_is_one_sentence(tmp_path, text, said, monkeypatch
     assert "\n" not in str(refusal.value)
 
 
-def test_a_folder_of_parts_is_where_the_root_has_it(tmp_path, monkeypatch):
-    """The project lies two folders below; of one that is not there DVC would say it its own way."""
-    (tmp_path / "my-parts").mkdir()
-    assert _seen_from(tmp_path, Path("my-parts")) == tmp_path / "my-parts"
-    assert _seen_from(tmp_path, Path("data/organic")) == Path("data/organic")
+def test_a_folder_of_parts_is_where_the_root_has_it(tmp_path):
+    """The project lies two folders below; of one that is not there DVC would say it its own way.
+
+    What is relative stays so: params.yaml is published, with no path of a machine in it.
+    """
+    seen, mine = partial(_seen_from, tmp_path, tmp_path / "runs/some"), tmp_path / "my-parts"
+    mine.mkdir()
+    assert seen(Path("my-parts")) == Path("../../my-parts")
+    assert seen(mine) == mine
+    assert seen(Path("data/organic")) == Path("data/organic")
     with pytest.raises(BadParams, match=r"parts\.path .*gone' is neither a folder nor a file"):
-        _seen_from(tmp_path, Path("gone"))
+        seen(Path("gone"))
 
 
 DVC = """#!/bin/sh
