@@ -9,6 +9,7 @@ from typing import Any
 
 from industnerf.artifacts.cloud import files_of_cloud
 from industnerf.artifacts.files import read_json, write_json, write_text
+from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
@@ -36,7 +37,10 @@ def main() -> None:
     few = seed_parts(tested)  # those are asked with many points too
     tasks = [_task(part, part in few, params) for part in tested]
     run_stage("grid", tasks, OUT, "report")
-    found = lines({part: _cells(OUT / part / "grid.json") for part in read_index(OUT)})
+    found = lines(
+        {part: _cells(OUT / part / "grid.json") for part in read_index(OUT)},
+        {part.part_id: part.diagonal_mm for part in load_parts(DATA / "parts")},
+    )
     RESULTS.mkdir(parents=True, exist_ok=True)
     write_text(RESULTS / "grid.csv", grid_csv(found))
     write_text(RESULTS / "grid.md", grid_md(found))

@@ -15,6 +15,7 @@ def cell(points, value, cost="distance"):
     return about | {"cost": cost, "scale": "diagonal", "value": value}
 
 
+MM = {"a": 100.0, "b": 200.0}
 CELLS = {
     "a": {"floor": [cell(1024, 0.03), cell(4096, 0.01)], "hull": [cell(1024, 0.05)]},
     "b": {
@@ -25,27 +26,44 @@ CELLS = {
 
 
 def test_squares_have_digits_enough():
-    text = grid_md(lines({"a": {"floor": [cell(4096, 0.00012, "squared"), cell(4096, 0.012)]}}))
-    assert "| squared | diagonal | 0.000120 |" in text
-    assert "| distance | diagonal | 0.0120 |" in text
+    cells = [cell(4096, 0.00012, "squared"), cell(4096, 0.012)]
+    text = grid_md(lines({"a": {"floor": cells}}, MM))
+    assert "| squared | diagonal | 0.000120 | 1.20 mm² |" in text
+    assert "| distance | diagonal | 0.0120 | 1.20 |" in text
+
+
+def test_in_mm_every_scale_is_the_same_part_by_part():
+    """0.03 of 100 mm and 0.01 of 200: the mean is 2.5 mm, not 0.02 of 150."""
+    longest = {**cell(1024, 0.5), "scale": "longest"}
+    cells = {part: {"floor": [*of["floor"], longest]} for part, of in CELLS.items()}
+    shown = {line.cell[-1]: line.mm for line in lines(cells, MM) if line.cell[0] == 1024}
+    assert shown == {scale: {"floor": pytest.approx(2.5)} for scale in ("diagonal", "longest")}
+
+
+def test_a_table_of_before_there_were_mm_is_read(written):
+    text = (written / "grid.csv").read_text()
+    (written / "grid.csv").write_text(
+        "".join(f"{row.rpartition(',')[0]}\n" for row in text.splitlines())
+    )
+    assert "mm" not in grid_md(read_grid(written / "grid.csv"))
 
 
 def test_means_are_over_the_parts_that_every_subject_has():
-    many, few = sorted(lines(CELLS), key=lambda line: line.parts, reverse=True)
+    many, few = sorted(lines(CELLS, MM), key=lambda line: line.parts, reverse=True)
     assert (many.parts, few.parts) == (2, 1)
     assert many.means == pytest.approx({"floor": 0.02, "hull": 0.06})
     assert few.means == {"floor": 0.01, "hull": 0.02}
 
 
 def test_the_papers_number_is_impossible_where_the_floor_is_above_it():
-    text = grid_md(lines(CELLS))
+    text = grid_md(lines(CELLS, MM))
     rows = {row.split("|")[1].strip(): row for row in text.splitlines()[2:]}
     assert "no: the floor is above it" in rows["1024"]  # 0.0122 of the paper, 0.02 of the floor
     assert rows["4096"].rstrip().endswith("| yes |")
 
 
 def test_the_file_has_a_row_for_every_subject():
-    rows = list(csv.DictReader(io.StringIO(grid_csv(lines(CELLS)))))
+    rows = list(csv.DictReader(io.StringIO(grid_csv(lines(CELLS, MM)))))
     assert [(r["points"], r["subject"], r["mean"], r["possible"]) for r in rows] == [
         ("1024", "floor", "0.02", "0"),
         ("1024", "hull", "0.06", "0"),
@@ -56,20 +74,20 @@ def test_the_file_has_a_row_for_every_subject():
 
 @pytest.fixture
 def written(tmp_path):
-    (tmp_path / "grid.csv").write_text(grid_csv(lines(CELLS)))
+    (tmp_path / "grid.csv").write_text(grid_csv(lines(CELLS, MM)))
     write_json(tmp_path / "made.json", {"schema": 1, "commit": "0123456789", "date": "2026-01-02"})
     return tmp_path
 
 
 def test_what_was_written_is_read(written):
     again = read_grid(written / "grid.csv")
-    assert grid_md(again) == grid_md(lines(CELLS))
-    assert [line.cell for line in again] == [line.cell for line in lines(CELLS)]
+    assert grid_md(again) == grid_md(lines(CELLS, MM))
+    assert [line.cell for line in again] == [line.cell for line in lines(CELLS, MM)]
 
 
 def test_the_page_shows_every_cell_and_which_study_it_is_of(written):
     shown = grid_html(written)
-    assert shown.count("<tr>") == 1 + len(lines(CELLS))
+    assert shown.count("<tr>") == 1 + len(lines(CELLS, MM))
     assert "<td>0.0600" in shown
     assert "study of commit 0123456, 2026-01-02," in shown
 

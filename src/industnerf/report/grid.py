@@ -1,6 +1,7 @@
 """The grid of protocols: which of them can the paper's numbers have come from?"""
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -8,13 +9,15 @@ from statistics import fmean
 
 from industnerf.errors import BadArtifact
 from industnerf.report import paper
-from industnerf.report.formats import csv_rows, csv_text, markdown, short
+from industnerf.report.formats import brief, csv_rows, csv_text, markdown, short
 from industnerf.report.markup import Column, note, table
 from industnerf.report.markup import Line as Row
 from industnerf.report.provenance import commit_of, read_made
 
 CELL = ("points", "reduction", "surface", "cost", "scale")
-FLOOR = "floor"
+FLOOR, DIAGONAL = "floor", "diagonal"
+Cells = Mapping[str, Mapping[str, list[dict]]]  # part id -> subject -> cells
+Values = dict[str, dict[str, float]]  # part id -> subject -> value
 IMPOSSIBLE = "no: the floor is above it"
 ABOUT = (
     "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
@@ -31,12 +34,18 @@ class Line:
 
     cell: tuple
     means: dict[str, float]
+    mm: dict[str, float]  # the same, each part in mm or mm^2; empty where a table has none
     parts: int
+
+    @property
+    def squared(self) -> bool:
+        """Whether the cost is the square of a distance."""
+        return "squared" in self.cell
 
     @property
     def decimals(self) -> int:
         """With which a mean is told."""
-        return 6 if "squared" in self.cell else 4
+        return 6 if self.squared else 4
 
     @property
     def possible(self) -> bool:
@@ -44,29 +53,60 @@ class Line:
         return self.means[FLOOR] <= paper.EMD["industnerf"]
 
 
-def lines(cells: dict[str, dict[str, list[dict]]]) -> list[Line]:
-    """The means of part id -> subject -> cells, over parts in which every subject has the cell."""
-    values: dict[tuple, dict[str, dict[str, float]]] = defaultdict(lambda: defaultdict(dict))
-    subjects = sorted({subject for of_part in cells.values() for subject in of_part})
+def lines(cells: Cells, diagonals_mm: Mapping[str, float]) -> list[Line]:
+    """The means over the parts in which every subject has the cell; `diagonals_mm` by part."""
+    found = _by_cell(cells)
+    return [
+        Line(cell, _means(of_parts), _means(_in_mm(cell, found, diagonals_mm)), len(of_parts))
+        for cell, of_parts in found.items()
+    ]
+
+
+def _by_cell(cells: Cells) -> dict[tuple, Values]:
+    """Cell -> part id -> subject -> value, of parts in which every subject has the cell."""
+    values: dict[tuple, Values] = defaultdict(lambda: defaultdict(dict))
+    subjects = {subject for of_part in cells.values() for subject in of_part}
     for part, of_part in cells.items():
-        for subject, found in of_part.items():
+        for subject, found in sorted(of_part.items()):
             for cell in found:
                 values[tuple(cell[name] for name in CELL)][part][subject] = cell["value"]
-    return [
-        Line(cell, {s: fmean(of[s] for of in whole) for s in subjects}, len(whole))
+    whole = {
+        cell: {part: of for part, of in of_parts.items() if set(of) == subjects}
         for cell, of_parts in sorted(values.items())
-        if (whole := [of for of in of_parts.values() if set(of) == set(subjects)])
-    ]
+    }
+    return {cell: of_parts for cell, of_parts in whole.items() if of_parts}
+
+
+def _in_mm(cell: tuple, found: dict[tuple, Values], diagonals_mm: Mapping[str, float]) -> Values:
+    """The values of `cell`, whose scale is none in mm, or in mm^2 if it is of squares."""
+    power = 2 if "squared" in cell else 1
+    return {
+        part: {subject: value * diagonals_mm[part] ** power for subject, value in of.items()}
+        for part, of in found[(*cell[:-1], DIAGONAL)].items()
+    }
+
+
+def _means(of_parts: Values) -> dict[str, float]:
+    subjects = next(iter(of_parts.values()))
+    return {subject: fmean(of[subject] for of in of_parts.values()) for subject in subjects}
 
 
 def grid_csv(found: list[Line]) -> str:
     """`grid.csv`: a row for every cell and subject."""
     lines = [
-        [*line.cell, subject, mean, line.parts, paper.EMD.get(subject), int(line.possible)]
+        [
+            *line.cell,
+            subject,
+            mean,
+            line.parts,
+            paper.EMD.get(subject),
+            int(line.possible),
+            line.mm.get(subject),
+        ]
         for line in found
         for subject, mean in line.means.items()
     ]
-    return csv_text([*CELL, "subject", "mean", "parts", "paper", "possible"], lines)
+    return csv_text([*CELL, "subject", "mean", "parts", "paper", "possible", "mm"], lines)
 
 
 def grid_md(found: list[Line]) -> str:
@@ -92,27 +132,33 @@ def grid_html(folder: Path) -> str:
 def read_grid(path: Path) -> list[Line]:
     """What `grid_csv` wrote; raises BadArtifact if that is not it."""
     means: dict[tuple, dict[str, float]] = defaultdict(dict)
+    in_mm: dict[tuple, dict[str, float]] = defaultdict(dict)
     parts: dict[tuple, int] = {}
     try:
         for row in csv_rows(path):
             cell = (int(row["points"]), *(row[name] for name in CELL[1:]))
             means[cell][row["subject"]] = float(row["mean"])
             parts[cell] = int(row["parts"])
+            if row.get("mm"):
+                in_mm[cell][row["subject"]] = float(row["mm"])
     except (KeyError, ValueError, TypeError) as error:
         said = f"{path} is no table of a grid: {error!r}; `python -m pipeline.grid` writes it"
         raise BadArtifact(said) from None
-    return [Line(cell, means[cell], parts[cell]) for cell in means]
+    return [Line(cell, means[cell], in_mm[cell], parts[cell]) for cell in means]
 
 
 def _heads(found: list[Line]) -> list[str]:
     subjects = list(found[0].means) if found else []
-    return [*CELL, *subjects, "parts", f"{paper.EMD['industnerf']} possible"]
+    lengths = [f"{subject}, mm" for subject in (found[0].mm if found else ())]
+    return [*CELL, *subjects, *lengths, "parts", f"{paper.EMD['industnerf']} possible"]
 
 
 def _texts(line: Line) -> list[str]:
+    unit = " mm²" if line.squared else ""
     return [
         *map(str, line.cell),
         *(short(mean, line.decimals) for mean in line.means.values()),
+        *(brief(mean) + unit for mean in line.mm.values()),
         str(line.parts),
         "yes" if line.possible else IMPOSSIBLE,
     ]
