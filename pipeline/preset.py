@@ -116,7 +116,7 @@ def _seen_from(root: Path, project: Path, place: Path) -> Path:
     if any(place.is_relative_to(name) for name in SHARED):
         return place
     require_place(root / place)
-    return place if place.is_absolute() else Path(os.path.relpath(root / place, project.resolve()))
+    return place if place.is_absolute() else Path(os.path.relpath(root / place, project))
 
 
 if __name__ == "__main__":

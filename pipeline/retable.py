@@ -6,12 +6,13 @@ python -m pipeline.retable results/organic
 No score is measured anew, and none changes; `made.json` says when and at which commit the tables
 were made.  Pictures, which need more than the scores, stay as they are, and so does the goal about
 what the reference rig sees; `python -m pipeline.publish readme` then brings the documents up to
-date.  What is in mm is told by the parts as they are today: if these are no longer the parts that
-were scored, nothing is written.
+date.  What is in mm is told by the parts as they are today: if these have another size than those
+that were scored, nothing is written.
 """
 
 import csv
 import io
+import os
 from pathlib import Path
 
 from industnerf.artifacts.files import write_json, write_text
@@ -40,10 +41,10 @@ def main(published: str) -> None:
 
 def _refuse_other_parts(published: Path, text: str) -> None:
     """Raise BadArtifact unless `text`, the new Table 1, has the old one's EMDs in mm."""
-    known = {_row(row): row["emd_mm"] for row in csv_rows(published / "table1.csv")}
+    known = {_row(row): row.get("emd_mm") for row in csv_rows(published / "table1.csv")}
     for row in csv.DictReader(io.StringIO(text)):
-        before = known.get(_row(row), row["emd_mm"])
-        if before != row["emd_mm"]:
+        before = known.get(_row(row))  # None in a table of before there were mm
+        if before and before != row["emd_mm"]:
             raise BadArtifact(
                 f"{published}: the mean EMD of {row['method']} was {before} mm, and the same "
                 f"scores are {row['emd_mm']} mm today: the parts have another size than when they "
@@ -63,6 +64,8 @@ def _now() -> dict[str, str]:
 def tables(published: Path) -> dict[str, str]:
     """What the tables in the folder `published` should say, by the name of the file."""
     place = Path(read_yaml(published / "params.yaml")["parts"]["path"])
+    if ".." in place.parts:  # of a preset, which ran in runs/<preset>
+        place = Path(os.path.normpath(Path("runs") / published.name / place))
     return table_texts(reread_study(published, map(as_part, catalogue(place))))
 
 

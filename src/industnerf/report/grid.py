@@ -23,7 +23,8 @@ ABOUT = (
     "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
     "study of commit {commit}, {date}, whatever else this page shows. <i>points</i> on "
     "either side; <i>reduction</i> of the prediction; <i>cost</i> of moving a point: its distance, "
-    "or that squared; <i>scale</i>: the length that is 1. Where the floor, a second sample of the "
+    "or that squared; <i>scale</i>: the length that is 1, which changes no mean in mm (of squares: "
+    "mm²). Where the floor, a second sample of the "
     "true surface, is above the paper's {paper}, no method can have scored that."
 )
 

@@ -15,7 +15,8 @@ from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
 
-COARSEST, BLOCK = 32, 8  # cells a side: what the schema lets a lattice be, and its steps
+# Cells a side, as the schema's BLOCKS has them, which is in no key of the store: these are.
+COARSEST, BLOCK = 32, 8
 
 
 class PhotoHull:
