@@ -56,6 +56,17 @@ def test_parts_of_another_size_than_those_scored_are_refused(monkeypatch, tmp_pa
     assert (tmp_path / "organic/table1.md").read_bytes() == before
 
 
+def test_the_parts_of_a_preset_are_found_from_where_it_ran(monkeypatch, tmp_path):
+    """In runs/organic the place of parts is two folders up, and no folder of results."""
+    shutil.copytree(ROOT / "results/organic", tmp_path / "organic")
+    params = tmp_path / "organic/params.yaml"
+    written = params.read_text()
+    params.write_text(written.replace("path: data/organic", "path: ../../data/organic"))
+    assert params.read_text() != written
+    monkeypatch.chdir(ROOT)
+    assert tables(tmp_path / "organic") == tables(Path("results/organic"))
+
+
 @pytest.mark.parametrize("name", STUDIES)
 def test_what_is_said_of_a_published_folder_is_what_was_done(name: str):
     folder = ROOT / "results" / name

@@ -8,7 +8,7 @@ from statistics import fmean
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.comparisons import TESTED
-from industnerf.report.formats import brief, csv_rows, short
+from industnerf.report.formats import brief, csv_rows, interval_text, short
 from industnerf.report.lookup import EVEN
 from industnerf.report.statistics import bootstrap_interval, paired_change
 from industnerf.schema import ReportParams
@@ -113,5 +113,6 @@ def _paragraph(
 
 
 def _interval(low: float, high: float, families: Sequence[str], form: str) -> str:
-    """The interval in brackets; of one family there is nothing to draw it from, and it is ""."""
-    return f" ({low:{form}} to {high:{form}})" if len(set(families)) > 1 else ""
+    """In brackets, where there is one."""
+    text = interval_text(low, high, len(set(families)), form)
+    return f" ({text})" if text else ""

@@ -44,6 +44,11 @@ class Line:
         return "squared" in self.cell
 
     @property
+    def unit(self) -> str:
+        """Of `mm`."""
+        return "mm^2" if self.squared else "mm"
+
+    @property
     def decimals(self) -> int:
         """With which a mean is told."""
         return 6 if self.squared else 4
@@ -103,11 +108,14 @@ def grid_csv(found: list[Line]) -> str:
             paper.EMD.get(subject),
             int(line.possible),
             line.mm.get(subject),
+            line.unit,
         ]
         for line in found
         for subject, mean in line.means.items()
     ]
-    return csv_text([*CELL, "subject", "mean", "parts", "paper", "possible", "mm"], lines)
+    return csv_text(
+        [*CELL, "subject", "mean", "parts", "paper", "possible", "mean_mm", "unit"], lines
+    )
 
 
 def grid_md(found: list[Line]) -> str:
@@ -140,8 +148,8 @@ def read_grid(path: Path) -> list[Line]:
             cell = (int(row["points"]), *(row[name] for name in CELL[1:]))
             means[cell][row["subject"]] = float(row["mean"])
             parts[cell] = int(row["parts"])
-            if row.get("mm"):
-                in_mm[cell][row["subject"]] = float(row["mm"])
+            if row.get("mean_mm"):
+                in_mm[cell][row["subject"]] = float(row["mean_mm"])
     except (KeyError, ValueError, TypeError) as error:
         said = f"{path} is no table of a grid: {error!r}; `python -m pipeline.grid` writes it"
         raise BadArtifact(said) from None
@@ -155,7 +163,7 @@ def _heads(found: list[Line]) -> list[str]:
 
 
 def _texts(line: Line) -> list[str]:
-    unit = " mm²" if line.squared else ""
+    unit = " mm²" if line.squared else ""  # beside a head that says mm
     return [
         *map(str, line.cell),
         *(short(mean, line.decimals) for mean in line.means.values()),

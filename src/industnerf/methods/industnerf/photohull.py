@@ -15,7 +15,7 @@ from industnerf.photohull import carved, remarks
 from industnerf.photohull.lattice import rig_about
 from industnerf.schema import SpaceCarvingSettings
 
-# Cells a side, as the schema's BLOCKS has them, which is in no key of the store: these are.
+# Cells a side.  The schema's BLOCKS has them too, but no schema counts in a key of the store.
 COARSEST, BLOCK = 32, 8
 
 

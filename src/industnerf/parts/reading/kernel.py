@@ -85,7 +85,7 @@ class _Walk:
     made: dict[int, list[Body]] = field(default_factory=dict)
     bare: int = 0  # faces that the kernel could not mesh
     sheets: int = 0  # bodies that are no solids
-    endless: int = 0  # bodies without extent, or without end
+    unboxed: int = 0  # bodies without extent, or without end
 
     def below(
         self, label: TDF_Label, matrix: np.ndarray, paint: np.ndarray | None
@@ -113,7 +113,7 @@ class _Walk:
         for piece, solid in pieces_of(shape):
             box = box_of(piece)
             if box is None:
-                self.endless += 1
+                self.unboxed += 1
                 continue
             mesh, bare = meshed(piece, box, paint)
             self.bare += bare
@@ -128,8 +128,8 @@ class _Walk:
         said = []
         if self.bare:
             said.append(f"faces left out, for the kernel could not mesh them: {self.bare}")
-        if self.endless:
-            said.append(f"bodies left out, for they have no extent or no end: {self.endless}")
+        if self.unboxed:
+            said.append(f"bodies left out, for they have no extent or no end: {self.unboxed}")
         if self.sheets:
             said.append(f"bodies that are shells or loose faces, not solids: {self.sheets}")
         return tuple(said)
