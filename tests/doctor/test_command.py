@@ -42,6 +42,15 @@ def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(plain: WorkingCo
     assert (plain.folder / entry).exists()  # it never mends by itself
 
 
+def test_without_a_name_every_check_is_made(plain: WorkingCopy):
+    """The GPU's too: a device that is asked for in vain stops every stage."""
+    _, output = doctor(plain.folder, INDUSTNERF_DEVICE="cuda:99")
+    words = [line.split() for line in output.splitlines()]
+    assert [two[0] for two in words if two[1:] in (["ok"], ["wrong"])] == list(CHECKS)
+    assert "INDUSTNERF_DEVICE is 'cuda:99'" in output
+    assert "Warp" not in output  # what it prints of itself is no finding
+
+
 def test_an_unknown_check_is_refused_with_the_known_ones(plain: WorkingCopy):
     code, output = doctor(plain.folder, "-m", "industnerf.doctor", "cahce")
     assert code == 1

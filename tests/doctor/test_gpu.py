@@ -63,6 +63,17 @@ def test_without_a_driver_there_is_no_nvidia_smi(plain: WorkingCopy, monkeypatch
     assert plain.find("gpu")[0].what == "no NVIDIA driver (no nvidia-smi)"
 
 
+def test_a_library_that_is_not_there_is_said_not_raised(plain: WorkingCopy, monkeypatch):
+    monkeypatch.setitem(sys.modules, "torch", None)  # as if it were not installed
+    monkeypatch.setitem(sys.modules, "warp", None)
+    monkeypatch.setenv("INDUSTNERF_DEVICE", "cuda")
+    findings = plain.find("gpu")
+    assert [finding.is_wrong for finding in findings] == [False, False, False, True]
+    for finding, name in zip(findings[1:3], ("torch", "warp"), strict=True):
+        assert f"import of {name}" in finding.what
+        assert "industnerf.doctor environment" in finding.what
+
+
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU that torch could see")
 def test_a_gpu_that_is_there_is_seen_by_all_three(plain: WorkingCopy):
     name = torch.cuda.get_device_name(0)

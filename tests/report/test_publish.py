@@ -256,9 +256,11 @@ def test_costs_are_summed_by_step_and_spread_by_method(published):
 
 def test_a_net_stands_beside_what_it_must_beat(tmp_path):
     names = {"industnerf": 0.02, "r2n2": 0.08, "retrieval": 0.06}
-    head = "method,split,emd_even,ci_low,ci_high,steps,size,learned_from,paper_emd,emd_mm"
+    head = (
+        "method,split,emd_even,ci_low,ci_high,parameters,steps,size,learned_from,paper_emd,emd_mm"
+    )
     lines = [
-        f"{name},test,{emd},0.01,0.1,9,{'cpu' if name == 'r2n2' else ''},"
+        f"{name},test,{emd},0.01,0.1,77,9,{'cpu' if name == 'r2n2' else ''},"
         f"{0 if name == 'industnerf' else 73},{'' if name == 'retrieval' else emd / 2},{100 * emd}"
         for name, emd in names.items()
     ]
@@ -273,11 +275,11 @@ def test_a_net_stands_beside_what_it_must_beat(tmp_path):
         (tmp_path / f"{name}.json").write_text(json.dumps(content))
     shown = nets_block(tmp_path)
     assert "On 2 cores of chip, 2026-01-02, commit 0123456." in shown
+    net = "| `r2n2` | cpu | 77 | 3.0 | 9 | 0.0800 (0.0100 to 0.1000) | 8.00 | 4.00 | 0.0400, 4.00 |"
+    assert f"{net} 50 % |  |" in shown
     assert (
-        "| `r2n2` | 3.0 | 9 | 0.0800 (0.0100 to 0.1000) | 8.00 | 4.00 | 0.0400, 4.00 | 50 % |  |"
-        in shown
+        "| `retrieval` |  |  | 0.1 |  | 0.0600 (0.0100 to 0.1000) | 6.00 | 3.00 |  |  |  |" in shown
     )
-    assert "| `retrieval` | 0.1 |  | 0.0600 (0.0100 to 0.1000) | 6.00 | 3.00 |  |  |  |" in shown
 
 
 def test_committed_results_are_small_enough_for_a_repository():

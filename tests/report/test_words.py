@@ -5,7 +5,16 @@ import pytest
 from industnerf.report.formats import csv_text
 from industnerf.report.words import in_words
 
-COMPARISONS = ("method", "other", "difference", "ci_low", "ci_high", "p_holm", "win_rate")
+COMPARISONS = (
+    "method",
+    "other",
+    "difference",
+    "ci_low",
+    "ci_high",
+    "difference_mm",
+    "p_holm",
+    "win_rate",
+)
 GOALS = ("method", "goal", "wanted", "value", "met", "tsdf", "oracle")
 TABLE1 = ("method", "split", "undertrained")
 INSPECTION = ("method", "covered_0.5mm", "covered_1mm")
@@ -31,18 +40,18 @@ def study(tmp_path):
 def test_who_is_better_by_how_much_and_how_sure_that_is(study):
     text = study(
         comparisons=[
-            ("industnerf", "hull", 0.0012, -0.001, 0.003, 0.2, 0.25),
-            ("industnerf_plus", "hull", -0.0123, -0.02, -0.01, 0.004, 0.75),
-            ("industnerf", "nerf", -0.1, -0.2, -0.1, 0.001, 1.0),
+            ("industnerf", "hull", 0.0012, -0.001, 0.003, -0.004, 0.2, 0.25),
+            ("industnerf_plus", "hull", -0.0123, -0.02, -0.01, -1.234, 0.004, 0.75),
+            ("industnerf", "nerf", -0.1, -0.2, -0.1, -9.0, 0.001, 1.0),
         ]
     )
     better, worse = text.splitlines()
     assert better == (
         "- `industnerf_plus` has an EMD 0.0123 lower than `hull` (90 %: -0.0200 to -0.0100; "
-        "p 0.004 after Holm's correction), and is better on 75 % of the parts."
+        "in mm -1.23; p 0.004 after Holm's correction), and is better on 75 % of the parts."
     )
-    assert "0.0012 higher than `hull` (90 %: -0.0010 to +0.0030; p 0.2 after Holm's" in worse
-    assert "correction: not certain)" in worse
+    assert "0.0012 higher than `hull` (90 %: -0.0010 to +0.0030; in mm -0.00; p 0.2" in worse
+    assert "after Holm's correction: not certain)" in worse
 
 
 def test_nets_that_are_weaker_than_they_should_be_are_named_with_the_reason(study):

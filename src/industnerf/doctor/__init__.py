@@ -20,9 +20,8 @@ CHECKS = {
     "database": "the MLflow database: readable, and of the installed version",
     "environment": "installed packages against constraints.txt",
     "variables": "INDUSTNERF_*: known, and of values that commands take",
-    "gpu": "whether torch and warp see one; slow, hence only when asked for",
+    "gpu": "whether the driver, torch and warp see one; wrong only if one is asked for",
 }
-QUICK = [name for name in CHECKS if name != "gpu"]
 
 
 def examine(name: str, places: Places) -> list[Finding]:

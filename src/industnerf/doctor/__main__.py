@@ -1,6 +1,6 @@
 """Say what is wrong with this working copy, and what mends it.  Changes nothing.
 
-python -m industnerf.doctor              every check but gpu
+python -m industnerf.doctor              every check
 python -m industnerf.doctor cache gpu    these
 
 Exit code 1 if something is wrong, else 0.
@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.console import Console
 
 from industnerf.cli import exit_with_message
-from industnerf.doctor import CHECKS, QUICK, examine
+from industnerf.doctor import CHECKS, examine
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.places import Places
 
@@ -28,7 +28,7 @@ def main() -> None:
     parser.add_argument("checks", nargs="*", metavar="CHECK")
     places, console = Places.of(Path.cwd()), Console(soft_wrap=True, highlight=False)
     wrong = 0
-    for name in parser.parse_args().checks or QUICK:
+    for name in parser.parse_args().checks or CHECKS:
         found = examine(name, places)
         wrong += sum(finding.is_wrong for finding in found)
         _show(console, places, name, found)

@@ -5,6 +5,7 @@ Without one everything runs too, and nothing is wrong, unless INDUSTNERF_DEVICE 
 
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 from industnerf import environment
@@ -21,15 +22,23 @@ QUERY = ("nvidia-smi", "--query-gpu=name,driver_version,memory.total", "--format
 def find(places: Places) -> list[Finding]:
     """What the driver, torch and warp each see, for information; a device asked for in vain."""
     device = Path("/dev/nvidia0")
-    seen = [Finding(device, text) for text in (_driver(), _torch(), _warp())]
+    seen = [Finding(device, text) for text in (_driver(), _said(_torch), _said(_warp))]
     return [*seen, *(Finding(device, text, NONE) for text in _in_vain())]
+
+
+def _said(ask: Callable[[], str]) -> str:
+    """What `ask` says, or why its library cannot be asked."""
+    try:
+        return ask()
+    except ImportError as error:
+        return f"{error}: `python -m industnerf.doctor environment` says what to install"
 
 
 def _in_vain() -> list[str]:
     """What refuses the device that is asked for; with submitit other machines have to have it."""
     try:
         check_device(here=environment.text("INDUSTNERF_RUNNER") != "submitit")
-    except BadParams as error:
+    except (BadParams, ImportError) as error:
         return [f"{error}: no stage begins; name one that is there, or none"]
     return []
 
@@ -57,8 +66,9 @@ def _torch() -> str:
 def _warp() -> str:
     import warp
 
-    warp.config.quiet = True
-    warp.init()
+    from industnerf.geometry import compiled
+
+    compiled.start()
     devices = warp.get_cuda_devices()
     seen = ", ".join(device.name for device in devices) or "no GPU: kernels run on the CPU"
     return f"warp {warp.__version__} sees {seen}"

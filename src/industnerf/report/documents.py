@@ -25,10 +25,21 @@ def nets_block(folder: Path) -> str:
     rows = [row for row in csv_rows(folder / "table1.csv") if row["split"] == "test"]
     ours = next((row for row in rows if row["method"] == paper.METHOD), None)
     costs, even = csv_rows(folder / "cost.csv"), _even(folder)
-    heads = ["method", "minutes", "most steps", "EMD", "mm", f"x `{paper.METHOD}`"]
+    heads = [
+        "method",
+        "size",
+        "numbers",
+        "minutes",
+        "most steps",
+        "EMD",
+        "mm",
+        f"x `{paper.METHOD}`",
+    ]
     lines = [
         [
             f"`{row['method']}`",
+            row["size"],
+            row["parameters"] if row["size"] else "",
             _minutes(_seconds(costs, "train", row["method"])),
             row["steps"] if row["size"] else "",
             "{:.4f} ({:.4f} to {:.4f})".format(*(float(row[name]) for name in MEAN)),

@@ -163,11 +163,15 @@ def _heads(found: list[Line]) -> list[str]:
 
 
 def _texts(line: Line) -> list[str]:
-    unit = " mm²" if line.squared else ""  # beside a head that says mm
     return [
         *map(str, line.cell),
         *(short(mean, line.decimals) for mean in line.means.values()),
-        *(brief(mean) + unit for mean in line.mm.values()),
+        *(in_unit(mean, line) for mean in line.mm.values()),
         str(line.parts),
         "yes" if line.possible else IMPOSSIBLE,
     ]
+
+
+def in_unit(mean: float | None, line: Line) -> str:
+    """A mean of `line.mm` under a head that says mm: of squares it has its unit."""
+    return brief(mean) + (" mm²" if line.squared and mean is not None else "")

@@ -10,7 +10,7 @@ from statistics import fmean
 
 from industnerf.report import paper
 from industnerf.report.formats import csv_rows, markdown, short
-from industnerf.report.grid import FLOOR, Line, read_grid
+from industnerf.report.grid import FLOOR, Line, in_unit, read_grid
 from industnerf.report.provenance import commit_of, made_where, read_made
 from industnerf.report.table2 import LOSSES
 
@@ -36,7 +36,7 @@ def measuring_block(study: Path, grid: Path) -> str:
     made = read_made(grid)
     cells = {line.cell: line for line in read_grid(grid / "grid.csv")}
     protocols = [_protocol(name, cells[cell]) for name, cell in CHOICES.items() if cell in cells]
-    subjects = f"EMD, `{paper.METHOD}`", "floor", "x floor", f"EMD, `{HULL}`"
+    subjects = f"EMD, `{paper.METHOD}`", "in mm", "floor", "x floor", f"EMD, `{HULL}`"
     heads = ["id", "reading", *subjects, "parts"]
     return (
         f"R12: results/{study.name}/scores.csv, test parts, {made_where(study)}.\n\n"
@@ -69,4 +69,5 @@ def _values(rows: list[dict[str, str]], metric: str, protocol: str) -> list[floa
 def _protocol(name: str, line: Line) -> list[str]:
     ours, floor, hull = (line.means[subject] for subject in (paper.METHOD, FLOOR, HULL))
     a, b, c = (short(mean, line.decimals) for mean in (ours, floor, hull))
-    return ["R13", f"`{name}`", a, b, short(ours / floor, 2), c, str(line.parts)]
+    mm = in_unit(line.mm.get(paper.METHOD), line)
+    return ["R13", f"`{name}`", a, mm, b, short(ours / floor, 2), c, str(line.parts)]

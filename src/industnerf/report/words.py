@@ -41,15 +41,14 @@ def _compared(rows: Sequence[Cells], interval: str) -> Iterator[str]:
 
 
 def _comparison(row: Cells, interval: str) -> str:
-    off, low, high, p, wins = (
-        float(row[name]) for name in ("difference", "ci_low", "ci_high", "p_holm", "win_rate")
-    )
+    names = ("difference", "ci_low", "ci_high", "difference_mm", "p_holm", "win_rate")
+    off, low, high, mm, p, wins = (float(row[name]) for name in names)
     way = "lower" if off < 0 else "higher"
     sure = "" if p <= CERTAIN else ": not certain"
     return (
         f"`{row['method']}` has an EMD {abs(off):.4f} {way} than `{row['other']}` ({interval}: "
-        f"{low:+.4f} to {high:+.4f}; p {p:.2g} after Holm's correction{sure}), and is better on "
-        f"{100 * wins:.0f} % of the parts."
+        f"{low:+.4f} to {high:+.4f}; in mm {mm:+.2f}; p {p:.2g} after Holm's correction{sure}), "
+        f"and is better on {100 * wins:.0f} % of the parts."
     )
 
 
