@@ -8,8 +8,9 @@ are read.  Each net learns from the parts of the other folds, with so many times
 params.yaml, or of a preset, and is then asked about the parts of the fold.  Other than 1 time it
 does not end early, and validates at least twenty times.  `minutes` are those of one processor, on
 a GPU by the clock, reading and targets included.  EMD is P1-even, the mean over reported parts and
-over dev parts; retrieval and the mean shape stand beside it.  Rows run one after the other, each
-in a process of its own.
+over dev parts; retrieval and the mean shape stand beside it.  `kept`: the step whose weights were
+best on validation, of the last phase.  `memory` is torch's on the GPU.  Rows run one after the
+other, each in a process of its own.
 """
 
 import argparse
@@ -24,9 +25,11 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 from typing import Any
 
+import torch
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
+from industnerf.artifacts.history import History
 from industnerf.artifacts.split import load_split, taught
 from industnerf.artifacts.state import State
 from industnerf.artifacts.truth import Truth
@@ -36,10 +39,15 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, hand_over
 from industnerf.metrics.protocol import Judge
+from industnerf.report.formats import markdown
 from industnerf.schema import Params
 
 NETS = ["r2n2", "atlasnet", "occupancy"]
 SIMPLE = ["retrieval", "mean_shape"]
+COLUMNS = (
+    *("method", "numbers", "minutes", "steps", "settled", "kept", "validation, best", "last"),
+    *("memory, GB", "EMD (test)", "EMD (dev)"),
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,7 @@ class Done:
     state: State
     test: float
     dev: float
+    memory_gb: float  # most that torch had on the GPU; 0 without one
 
 
 def run(job: Job) -> Done:
@@ -72,10 +81,11 @@ def run(job: Job) -> Done:
     with TemporaryDirectory() as scratch:
         state = method.fit(examples, job.settings, 0, Path(scratch))
     seconds = clock() - start
+    memory_gb = torch.cuda.max_memory_allocated() / 1e9 if torch.cuda.is_available() else 0.0
     asked = {part: place for part, place in places.items() if place.net == net}
     emds = {part: emd(job, state, part) for part in asked}
     test, dev = ([emds[p] for p in asked if asked[p].split == split] for split in ("test", "dev"))
-    return Done(job, seconds, state, fmean(test), fmean(dev))
+    return Done(job, seconds, state, fmean(test), fmean(dev), memory_gb)
 
 
 def params_of(experiment: str | None) -> Params:
@@ -112,6 +122,31 @@ def emd(job: Job, state: State, part: str) -> float:
     return fmean(found[0].value for found in values or [judge.nothing(every=False)])
 
 
+def cells(done: Done) -> list[str]:
+    """Of COLUMNS."""
+    state = done.state
+    return [
+        done.job.method,
+        str(state.parameters),
+        f"{done.seconds / 60:.1f}",
+        str(state.steps),
+        "yes" if state.settled else "no",
+        *validated(state.validation),
+        f"{done.memory_gb:.1f}",
+        f"{done.test:.4f}",
+        f"{done.dev:.4f}",
+    ]
+
+
+def validated(curve: History | None) -> list[str]:
+    """Of the last phase: the step of the least loss, that loss, and the last one; none without."""
+    if curve is None or not len(curve.loss):
+        return ["", "", ""]
+    last = curve.steps >= max(curve.levels.values(), default=0)
+    steps, loss = curve.steps[last], curve.loss[last]
+    return [str(steps[loss.argmin()]), f"{loss.min():.4g}", f"{loss[-1]:.4g}"]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("data", type=Path)
@@ -125,17 +160,11 @@ def main() -> None:
         Job(asked.data, name, asked.fold, times, stretched(getattr(known, name), times))
         for name, times in [*product(SIMPLE, [1]), *product(asked.methods, asked.times)]
     ]
-    print(
-        "| method | minutes | steps | settled | EMD (test) | EMD (dev) |\n|---|---|---|---|---|---|"
-    )
+    print(markdown(COLUMNS, []), end="")
     for job in jobs:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             done = pool.submit(run, job).result()
-        print(
-            f"| {job.method} | {done.seconds / 60:.1f} | {done.state.steps} "
-            f"| {'yes' if done.state.settled else 'no'} | {done.test:.4f} | {done.dev:.4f} |",
-            flush=True,
-        )
+        print("| " + " | ".join(cells(done)) + " |", flush=True)
 
 
 if __name__ == "__main__":
