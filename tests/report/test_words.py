@@ -5,16 +5,8 @@ import pytest
 from industnerf.report.formats import csv_text
 from industnerf.report.words import in_words
 
-COMPARISONS = (
-    "method",
-    "other",
-    "difference",
-    "ci_low",
-    "ci_high",
-    "difference_mm",
-    "p_holm",
-    "win_rate",
-)
+OFF = ("difference", "ci_low", "ci_high", "difference_mm")
+COMPARISONS = ("method", "other", *OFF, "p_holm", "win_rate")
 GOALS = ("method", "goal", "wanted", "value", "met", "tsdf", "oracle")
 TABLE1 = ("method", "split", "undertrained")
 INSPECTION = ("method", "covered_0.5mm", "covered_1mm")
