@@ -36,6 +36,7 @@ from tests.samples import unit_part
 
 CONF = Path(__file__).parents[2] / "conf"
 SWEEPS = ["leakage", *(path.stem for path in sorted(CONF.glob("experiment/sweep-*.yaml")))]
+ASK_OF_TEST_PARTS = ("leakage", "sweep-views")  # what a claim is worth; nothing is tuned by them
 IN_FULL = [*SWEEPS, "ablation", "seeds", "seeds_nets"]  # readings: not on a line
 NETS = ("r2n2", "atlasnet", "occupancy")
 
@@ -226,7 +227,7 @@ def test_a_line_says_where_its_sweep_goes_if_the_preset_does(preset):
     assert f"hydra.sweep.dir=runs/sweeps/{preset}" in words
 
 
-@pytest.mark.parametrize("preset", [name for name in SWEEPS if name != "leakage"])
+@pytest.mark.parametrize("preset", sorted({*SWEEPS} - {*ASK_OF_TEST_PARTS}))
 def test_sweeps_look_at_dev_parts_only(preset, monkeypatch):
     dev = set(composed("dev", monkeypatch).parts.select)
     for point in points_of(preset, monkeypatch):
@@ -235,8 +236,9 @@ def test_sweeps_look_at_dev_parts_only(preset, monkeypatch):
         assert set(parts) <= dev
 
 
-def test_the_parts_of_seeds_are_those_that_the_rule_chooses(monkeypatch):
-    params = composed("seeds", monkeypatch)
+@pytest.mark.parametrize("preset", ["seeds", "sweep-views"])
+def test_the_twenty_parts_are_those_that_the_rule_chooses(preset, monkeypatch):
+    params = composed(preset, monkeypatch)
     embedded = [unit_part(path.stem) for path in CONF.parent.glob("data/embedded/*.npz")]
     tested = [name for name, at in assign(embedded, params.split).items() if at.split == "test"]
     assert params.parts.select == sorted(by_hash("seeds", tested)[:SEED_PARTS])

@@ -4,7 +4,7 @@ figure3    One test part of every family, the one whose hash is smallest.  The p
            4.6.2 scores what its Figure 3 shows, and does not say which parts that is nor how they
            were chosen.  A figure shows a part of each kind, so ours does, whatever it looks like.
 exhibited  What the contact sheet and the page's viewer show: figure3, then others.
-seeds      The SEED_PARTS test parts whose hashes are smallest (conf/experiment/seeds.yaml).
+seeds      The SEED_PARTS test parts whose hashes are smallest (conf/experiment/twenty.yaml).
 """
 
 from collections.abc import Iterable
