@@ -1,7 +1,8 @@
 """The compiled kernels against the torch twin, on every scene.
 
 float32 marches of a few hundred steps: 1e-4 is a hundred roundings, gradients add some thousand
-terms and are compared by the largest.
+terms and are compared by the largest; so that small ones count too, nine in ten, those whose terms
+do not cancel, are to be right to 1e-3 by themselves.
 """
 
 import math
@@ -69,6 +70,8 @@ def test_gradients_are_the_twins(scene):
     for mine, leaf in zip(ours, leaves, strict=True):
         largest = leaf.grad.abs().max().item()
         torch.testing.assert_close(mine, leaf.grad, rtol=1e-3, atol=1e-3 * largest)
+        beside = (mine - leaf.grad).abs() > 1e-3 * leaf.grad.abs()
+        assert beside.sum() <= 0.1 * leaf.grad.count_nonzero()
 
 
 @pytest.mark.parametrize("samples", ["max", "sum"])

@@ -8,7 +8,16 @@ import pytest
 
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.costs import CostRow
-from industnerf.report.goals import ABOVE, Beside, Goal, goals, goals_csv, goals_md, with_the_rigs
+from industnerf.report.goals import (
+    ABOVE,
+    AUSE_SHARE,
+    Beside,
+    Goal,
+    goals,
+    goals_csv,
+    goals_md,
+    with_the_rigs,
+)
 from industnerf.store import Cost
 from tests.samples import unit_part
 from tests.studies import study_of
@@ -36,6 +45,10 @@ def found():
         study.scores.append(PartScore(part, "industnerf", score))
         score = Score("depth_mse", "P1-union", 0.002, 0.0, "diagonal^2", "ok")
         study.scores.append(PartScore(part, "industnerf", score))
+    for part, area, chance in zip("abcd", (0.1, 0.2, 0.3, 9.0), (0.5, 0.5, 0.2, 9.0), strict=True):
+        for metric, value in (("confidence_ause", area), ("confidence_ause_chance", chance)):
+            score = Score(metric, "P1-near", value, 0.0, "1", "ok")
+            study.scores.append(PartScore(part, "industnerf", score))
     costs = [
         CostRow("reconstruct", "industnerf_plus", part, Cost(seconds, 70 * seconds, "cpu"))
         for part, seconds in (("a", 14.0), ("b", 30.0), ("c", 31.0), ("d", 99.0))
@@ -70,6 +83,14 @@ def test_what_is_to_be_at_least_so_much_is_met_from_above(found):
     assert Goal("m", "w", 0.98, True, 0.98).met
     assert not Goal("m", "w", 0.98, True, 0.97).met
     assert not Goal("m", "w", 0.98, False, 0.99).met
+
+
+def test_the_area_between_sparsification_curves_is_held_against_that_of_chance(found):
+    """Of the means, not part by part: c alone is worse than chance, by 1.5."""
+    goal = found["industnerf", AUSE_SHARE]
+    assert goal.value == pytest.approx(0.6 / 1.2)
+    assert goal.met
+    assert ("industnerf_plus", AUSE_SHARE) not in found
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(found):

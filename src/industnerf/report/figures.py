@@ -5,13 +5,10 @@ from html import escape
 
 from industnerf.report import texts
 from industnerf.report.gather import Study
-from industnerf.report.lookup import EVEN, Scores
+from industnerf.report.lookup import AUSE, CHANCE, EVEN, SPEARMAN, Scores
 from industnerf.report.markup import note, part_link, picture
 from industnerf.report.snapshots import Snapshots
 from industnerf.report.strips import Dot, strips
-
-SPEARMAN = ("confidence_spearman", "P1-near")
-AUSE, CHANCE = ("confidence_ause", "P1-near"), ("confidence_ause_chance", "P1-near")
 
 
 def distribution(study: Study, scores: Scores) -> str:

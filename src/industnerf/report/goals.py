@@ -17,7 +17,7 @@ from industnerf.report.comparisons import even_by_part
 from industnerf.report.costs import CostRow
 from industnerf.report.formats import brief, csv_text, markdown
 from industnerf.report.gather import Study
-from industnerf.report.lookup import EVEN, only, scores_of
+from industnerf.report.lookup import AUSE, CHANCE, EVEN, SPEARMAN, only, scores_of
 from industnerf.report.millimetres import in_mm, unit_in_mm
 
 PLUS, HULL = "industnerf_plus", "hull"
@@ -27,6 +27,7 @@ POCKETS = "pockets"
 MEAN_EMD = "EMD (even)"
 WHOLE_EMD = f"EMD (even) in floors, parts that the rig sees to {WHOLE:g} without pockets"
 ABOVE = "share of parts above"
+AUSE_SHARE = "AUSE of confidence, over that of a random order (0: of the true order)"
 
 Found = dict[str, Score]  # by part
 
@@ -142,10 +143,17 @@ def _pictures(study: Study, method: str) -> Iterable[Goal]:
 
 
 def _confidence(study: Study, method: str) -> Iterable[Goal]:
-    scores = only(scores_of(study, method, "test"), "confidence_spearman", "P1-near")
-    what = "rank correlation of confidence with the distance to the truth"
-    if scores:
-        yield Goal(method, what, -0.5, False, fmean(row.score.value for row in scores))
+    scores = scores_of(study, method, "test")
+    means = {
+        kind: fmean(row.score.value for row in found)
+        for kind in (SPEARMAN, AUSE, CHANCE)
+        if (found := only(scores, *kind))
+    }
+    if SPEARMAN in means:
+        what = "rank correlation of confidence with the distance to the truth"
+        yield Goal(method, what, -0.5, False, means[SPEARMAN])
+    if means.get(CHANCE):
+        yield Goal(method, AUSE_SHARE, 1.0, False, means[AUSE] / means[CHANCE])
 
 
 def _cost(study: Study, costs: Sequence[CostRow], method: str) -> Iterable[Goal]:

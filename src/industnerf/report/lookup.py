@@ -6,6 +6,8 @@ from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.gather import Study
 
 EVEN = ("emd", "P1-even")
+SPEARMAN = ("confidence_spearman", "P1-near")
+AUSE, CHANCE = ("confidence_ause", "P1-near"), ("confidence_ause_chance", "P1-near")
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The whole method on solids that are known, in the frame and unit of their cameras."""
 
 from dataclasses import replace
+from functools import cache
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -74,7 +75,7 @@ def test_the_papers_method_finds_the_surface(name):
     # a cell of the first grid, 3.8 mm; points all over the ball of 30 mm would be 9 mm away
     assert away < 3.8
     assert covered > 0.9
-    assert off < 0.2
+    assert off < 0.11  # half of what grey is off by
 
 
 ALTERNATIVES = [
@@ -82,11 +83,13 @@ ALTERNATIVES = [
     for name, hint in get_type_hints(Readings).items()
     for value in get_args(hint)
     if name != "activation"  # of 10 steps a few leave nothing of the field
+    and (name, value) != ("encoder", "shared")  # which, untaught, is frozen
 ]
 
 
-@pytest.mark.parametrize(("name", "value"), ALTERNATIVES)
-def test_every_reading_goes_from_the_warm_up_to_the_last_level(name, value):
+@cache
+def briefly(name: str, value: str) -> bytes:
+    """What a few steps of the paper's method make of a ball with one reading chosen."""
     ways = settings(
         readings={"activation": "distance", name: value},
         warm_up={"steps": 6, "image_px": 32},
@@ -94,7 +97,16 @@ def test_every_reading_goes_from_the_warm_up_to_the_last_level(name, value):
         initial=0.0,
         **SMALL,
     )
-    assert len(run(posed(SOLIDS["ball"], 8, 32, None), ways, 1).points)
+    outcome = run(posed(SOLIDS["ball"], 8, 32, None), ways, 1)
+    assert len(outcome.points)
+    return bytes_of(outcome)
+
+
+@pytest.mark.parametrize(("name", "value"), ALTERNATIVES)
+def test_every_reading_reaches_the_cloud_from_the_warm_up_to_the_last_level(name, value):
+    """It ends, and each choice ends elsewhere: one that nobody reads would change nothing."""
+    others = [other for key, other in ALTERNATIVES if key == name and other != value]
+    assert all(briefly(name, value) != briefly(name, other) for other in others)
 
 
 METHODS = pytest.mark.parametrize("name", ["industnerf", FREE])
