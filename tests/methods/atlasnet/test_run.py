@@ -7,6 +7,7 @@ import pytest
 import torch
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
+from torch.nn.modules.batchnorm import _BatchNorm
 
 from industnerf.artifacts.part import load_mesh
 from industnerf.config import load_params
@@ -133,15 +134,32 @@ def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
         METHOD.fit(examples, wild, 0, tmp_path)
 
 
+def test_the_last_phase_learns_with_the_statistics_it_answers_with(
+    examples, settings, tmp_path, monkeypatch
+):
+    loss, learning = run.Lessons.from_pictures, []
+
+    def watch(lessons, net, which, rng):
+        if net.training:
+            norms = [module for module in net.modules() if isinstance(module, _BatchNorm)]
+            learning.append({norm.training for norm in norms})
+        return loss(lessons, net, which, rng)
+
+    monkeypatch.setattr(run.Lessons, "from_pictures", watch)
+    METHOD.fit(examples, settings, 0, tmp_path)
+    assert learning == 6 * [{True}] + 2 * [{False}]
+
+
 @pytest.mark.slow
-def test_the_cpu_sizes_learn_one_part_by_heart(root, photographed, examples, tmp_path):
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_cpu_sizes_learn_one_part_by_heart(root, photographed, examples, tmp_path, seed):
     settings = load_params(root / "params.yaml").method.atlasnet
-    training = replace(settings.training, steps=1400, batch=4, rate=2e-3, validate_every=100)
+    training = replace(settings.training, steps=700, batch=4, rate=2e-3, validate_every=50)
     plain = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0)
     settings = replace(settings, views=4, answers=4, patch_points=24, training=training)
-    state = METHOD.fit(examples[:1], replace(settings, augment=plain), 0, tmp_path)
+    state = METHOD.fit(examples[:1], replace(settings, augment=plain), seed, tmp_path)
     given = hand_over(METHOD, photographed / "part", photographed / "views")
-    found = METHOD.reconstruct(given, settings, state, 0)
+    found = METHOD.reconstruct(given, settings, state, seed)
     mesh = load_mesh(photographed / "part")
     truth, _ = sample_surface(mesh.vertices, mesh.faces, 20000, np.random.default_rng(0))
     size = np.linalg.norm(np.ptp(truth, axis=0))

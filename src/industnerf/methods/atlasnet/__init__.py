@@ -2,7 +2,8 @@
 
 Groueix et al., "A Papier-Mache Approach to Learning 3D Surface Generation" (2018), as the authors'
 second code has it.  It sees one view at a time, so that several views give several answers.
-What differs: parts fill the unit cube, not the unit ball; no mirror images; fewer parts by far.
+What differs: parts fill the unit cube, not the unit ball; no mirror images; fewer parts by far;
+batch norms keep their statistics in the last of the three trainings.
 """
 
 from collections.abc import Sequence

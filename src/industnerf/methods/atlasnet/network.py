@@ -10,6 +10,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
+from torch.nn.modules.batchnorm import _BatchNorm
 
 from industnerf.learning.resnet import ResNet18
 from industnerf.schema import AtlasNetSettings
@@ -88,6 +89,18 @@ class AtlasNet(nn.Module):
     def __init__(self, encoder: nn.Module, decoder: Decoder) -> None:
         super().__init__()
         self.encoder, self.decoder = encoder, decoder
+        self.frozen = False  # batch norms keep their statistics while all else learns
+
+    def train(self, mode: bool = True) -> "AtlasNet":
+        """For training or for evaluation; frozen batch norms are always for evaluation.
+
+        Wu and Johnson, "Rethinking 'Batch' in BatchNorm" (2021), freeze them in the last epochs.
+        """
+        super().train(mode)
+        for module in self.modules():
+            if self.frozen and isinstance(module, _BatchNorm):
+                module.eval()
+        return self
 
     def forward(
         self, seen: Float[Tensor, "b ..."], uv: Float[Tensor, "patches 2 b n"]

@@ -47,6 +47,9 @@ def learned(
     net.decoder.requires_grad_(False)
     phases.append(phase("encoder", net))
     net.decoder.requires_grad_(True)
+    # A batch of few parts has statistics of its own: a net that learns to live with those may
+    # answer far off with the running ones.  In the end it learns with the ones it answers with.
+    net.frozen = True
     phases.append(phase("together", net))
     return kept(net, settings, len(parts[0]), phases)
 
