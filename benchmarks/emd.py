@@ -26,7 +26,7 @@ from scipy.spatial.distance import cdist
 from trimesh import creation
 
 from industnerf.metrics.emd import emd, squared_emd
-from industnerf.metrics.reduce import farthest_points
+from industnerf.metrics.subsample import farthest_points
 
 OVERSAMPLED = 8  # samples per even point
 Solver = Callable[[np.ndarray, np.ndarray], float]
@@ -40,7 +40,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class Run:
+class SolverRun:
     value: float
     seconds: float
     peak_mb: float
@@ -51,16 +51,16 @@ def flange() -> trimesh.Trimesh:
     return trimesh.util.concatenate([creation.annulus(0.15, 0.5, 0.12), neck])
 
 
-def unit(solid: trimesh.Trimesh) -> trimesh.Trimesh:
-    centred = solid.copy().apply_translation(-solid.bounds.mean(axis=0))
-    return centred.apply_scale(1 / centred.scale)
+def to_unit_diagonal(solid: trimesh.Trimesh) -> trimesh.Trimesh:
+    centered = solid.copy().apply_translation(-solid.bounds.mean(axis=0))
+    return centered.apply_scale(1 / centered.scale)
 
 
 def area_samples(solid: trimesh.Trimesh, n: int, seed: int) -> np.ndarray:
     return np.asarray(trimesh.sample.sample_surface(solid, n, seed=seed)[0])
 
 
-def even(solid: trimesh.Trimesh, n: int, seed: int, noise: float = 0.0) -> np.ndarray:
+def even_samples(solid: trimesh.Trimesh, n: int, seed: int, noise: float = 0.0) -> np.ndarray:
     points = area_samples(solid, OVERSAMPLED * n, seed)
     return farthest_points(points + np.random.default_rng(seed).normal(0, noise, points.shape), n)
 
@@ -68,31 +68,33 @@ def even(solid: trimesh.Trimesh, n: int, seed: int, noise: float = 0.0) -> np.nd
 def pairs(n: int) -> Iterator[Pair]:
     """From the truth against itself to a ball in its place; the truth is always `b`."""
     for name, solid in {"torus": creation.torus(1, 0.3), "box": creation.box((3, 2, 1))}.items():
-        part = unit(solid)
-        yield from good(name, part, even(part, n, 0))
-    part = unit(flange())
-    truth = even(part, n, 0)
-    yield from good("flange", part, truth)
-    yield from poor("flange", part, truth)
+        part = to_unit_diagonal(solid)
+        yield from good_pairs(name, part, even_samples(part, n, 0))
+    part = to_unit_diagonal(flange())
+    truth = even_samples(part, n, 0)
+    yield from good_pairs("flange", part, truth)
+    yield from poor_pairs("flange", part, truth)
 
 
-def good(name: str, part: trimesh.Trimesh, truth: np.ndarray) -> Iterator[Pair]:
+def good_pairs(name: str, part: trimesh.Trimesh, truth: np.ndarray) -> Iterator[Pair]:
     n = len(truth)
-    yield Pair(f"{name}: resampled", even(part, n, 1), truth)
-    yield Pair(f"{name}: resampled, noise 0.3 %", even(part, n, 1, 0.003), truth)
+    yield Pair(f"{name}: resampled", even_samples(part, n, 1), truth)
+    yield Pair(f"{name}: resampled, noise 0.3 %", even_samples(part, n, 1, 0.003), truth)
     yield Pair(f"{name}: iid sample", area_samples(part, n, 1), truth)
-    yield Pair(f"{name}: 3/4 of the points", even(part, 3 * n // 4, 1), truth)
+    yield Pair(f"{name}: 3/4 of the points", even_samples(part, 3 * n // 4, 1), truth)
     yield Pair(f"{name}: 10 % moved by 1 %", partly_moved(truth), truth)
 
 
-def poor(name: str, part: trimesh.Trimesh, truth: np.ndarray) -> Iterator[Pair]:
+def poor_pairs(name: str, part: trimesh.Trimesh, truth: np.ndarray) -> Iterator[Pair]:
     n = len(truth)
-    yield Pair(f"{name}: noise 2 %", even(part, n, 1, 0.02), truth)
-    yield Pair(f"{name}: shifted 5 %", even(part, n, 1) + np.array([0.05, 0, 0]), truth)
-    yield Pair(f"{name}: one third missing", without_a_third(even(part, 2 * n, 1), n), truth)
-    yield Pair(f"{name}: its box", even(creation.box(part.extents), n, 1), truth)
-    yield Pair(f"{name}: a ball", even(creation.icosphere(4, 0.25), n, 1), truth)
-    yield Pair(f"{name}: far off", even(part, n, 1) + np.array([3.0, 2, 1]), truth)
+    yield Pair(f"{name}: noise 2 %", even_samples(part, n, 1, 0.02), truth)
+    yield Pair(f"{name}: shifted 5 %", even_samples(part, n, 1) + np.array([0.05, 0, 0]), truth)
+    yield Pair(
+        f"{name}: one third missing", without_a_third(even_samples(part, 2 * n, 1), n), truth
+    )
+    yield Pair(f"{name}: its box", even_samples(creation.box(part.extents), n, 1), truth)
+    yield Pair(f"{name}: a ball", even_samples(creation.icosphere(4, 0.25), n, 1), truth)
+    yield Pair(f"{name}: far off", even_samples(part, n, 1) + np.array([3.0, 2, 1]), truth)
 
 
 def partly_moved(points: np.ndarray) -> np.ndarray:
@@ -116,22 +118,22 @@ def dense(a: np.ndarray, b: np.ndarray, *, metric: str = "euclidean") -> float:
     return float(value)
 
 
-def timed(solve: Solver, a: np.ndarray, b: np.ndarray) -> Run:
+def time_solver(solve: Solver, a: np.ndarray, b: np.ndarray) -> SolverRun:
     solve(a[:300], b[:300])  # imports
     start = process_time()
     value = solve(a, b)
     seconds = process_time() - start
-    return Run(value, seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    return SolverRun(value, seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
-def alone(solve: Solver, pair: Pair) -> Run:
+def run_in_subprocess(solve: Solver, pair: Pair) -> SolverRun:
     """`timed` in a fresh process."""
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        return pool.submit(timed, solve, pair.a, pair.b).result()
+        return pool.submit(time_solver, solve, pair.a, pair.b).result()
 
 
-def table(n: int, ours: Solver, theirs: Solver) -> Table:
+def table(n: int, sparse_solver: Solver, dense_solver: Solver) -> Table:
     columns = [
         "clouds",
         "EMD",
@@ -146,7 +148,7 @@ def table(n: int, ours: Solver, theirs: Solver) -> Table:
     result = Table(*columns, title=f"{n} points")
     floor = np.nan
     for pair in pairs(n):
-        sparse, full = alone(ours, pair), alone(theirs, pair)
+        sparse, full = run_in_subprocess(sparse_solver, pair), run_in_subprocess(dense_solver, pair)
         if pair.name.endswith(": resampled"):
             floor = sparse.value
         result.add_row(
@@ -167,12 +169,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("points", type=int, nargs="*", default=[4096, 8192])
     parser.add_argument("--squared", action="store_true")
-    given = parser.parse_args()
-    ways = emd, dense
-    if given.squared:
-        ways = squared_emd, partial(dense, metric="sqeuclidean")
-    for points in given.points:
-        Console(width=120).print(table(points, *ways))
+    arguments = parser.parse_args()
+    solvers = emd, dense
+    if arguments.squared:
+        solvers = squared_emd, partial(dense, metric="sqeuclidean")
+    for points in arguments.points:
+        Console(width=120).print(table(points, *solvers))
 
 
 if __name__ == "__main__":

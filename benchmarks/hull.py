@@ -23,8 +23,8 @@ from solids import solids
 from industnerf.artifacts.part import Mesh
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.config import load_params
-from industnerf.geometry.cameras import Cameras, back_projection, pixel_centres
-from industnerf.geometry.raycast import Scene
+from industnerf.geometry.cameras import Cameras, back_projection, pixel_centers
+from industnerf.geometry.raycast import RaycastingScene
 from industnerf.methods.hull import octree, surface
 from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.schema import HullSettings, ViewsParams
@@ -36,10 +36,10 @@ RESOLUTIONS, CELLS_PX = (128, 256, 512, 1024), (0.5, 1.0, 2.0, 4.0)
 
 
 def masks_of(mesh: Mesh, settings: ViewsParams) -> tuple[np.ndarray, Cameras]:
-    """The training views' masks: pixels whose centre shows the part."""
+    """The training views' masks: pixels whose center shows the part."""
     cameras, held_out = cameras_around(*bounding_ball(mesh.vertices), settings)
-    cameras, scene = cameras[~held_out], Scene(mesh.vertices, mesh.faces)
-    uv1 = np.insert(pixel_centres(cameras.width, cameras.height), 2, 1, axis=1)
+    cameras, scene = cameras[~held_out], RaycastingScene(mesh.vertices, mesh.faces)
+    uv1 = np.insert(pixel_centers(cameras.width, cameras.height), 2, 1, axis=1)
     masks = [
         np.isfinite(scene.distance(c2w[None, :3, 3], uv1 @ back_projection(K, c2w).T))
         for K, c2w in zip(cameras.K, cameras.c2w, strict=True)
@@ -49,12 +49,12 @@ def masks_of(mesh: Mesh, settings: ViewsParams) -> tuple[np.ndarray, Cameras]:
 
 def measure(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list[str]:
     """One row, but for the name."""
-    looked_up = 0
+    num_lookups = 0
 
     def counted(function: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
         def count(image: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-            nonlocal looked_up
-            looked_up += len(u)
+            nonlocal num_lookups
+            num_lookups += len(u)
             return function(image, u, v)
 
         return count
@@ -62,19 +62,21 @@ def measure(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list
     octree.bilinear = counted(octree.bilinear)
     surface.bilinear = counted(surface.bilinear)
     times = [process_time()]
-    seen = distance_images(masks, cameras, 0.0)
+    silhouettes = distance_images(masks, cameras, 0.0)
     times.append(process_time())
-    families = octree.refine(seen, settings.cell_px, surface.SEGMENT)
+    nodes = octree.refine(silhouettes, settings.cell_px, surface.SEGMENT_LENGTH)
     times.append(process_time())
-    points = surface.draw(seen, families, settings.points, np.random.default_rng(0))
+    points = surface.sample_hull_surface(
+        silhouettes, nodes, settings.points, np.random.default_rng(0)
+    )
     times.append(process_time())
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # kB on Linux
     row = [cameras.width, settings.cell_px, *np.diff(times), times[-1] - times[0], peak]
-    row += [families.count / 1e6, looked_up / 1e6, len(points)]
+    row += [nodes.num_open / 1e6, num_lookups / 1e6, len(points)]
     return [f"{value:{form}}" for value, form in zip(row, FORMS, strict=True)]
 
 
-def alone(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list[str]:
+def run_in_subprocess(masks: np.ndarray, cameras: Cameras, settings: HullSettings) -> list[str]:
     """`measure` in a new process."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         return pool.submit(measure, masks, cameras, settings).result()
@@ -94,16 +96,16 @@ def main(names: list[str]) -> None:
     parts = list(solids(names))
     by_part = new_table(f"{views.count} views")
     for name, mesh in parts:
-        by_part.add_row(name, *alone(*masks_of(mesh, views), hull))
+        by_part.add_row(name, *run_in_subprocess(*masks_of(mesh, views), hull))
     console.print(by_part)
     name, mesh = parts[-1]
     by_size = new_table("against the resolution, then against the size of the cells")
     for resolution in RESOLUTIONS:
-        at = replace(views, resolution=resolution)
-        by_size.add_row(name, *alone(*masks_of(mesh, at), hull))
+        varied_settings = replace(views, resolution=resolution)
+        by_size.add_row(name, *run_in_subprocess(*masks_of(mesh, varied_settings), hull))
     for cell_px in CELLS_PX:
-        at = replace(hull, cell_px=cell_px)
-        by_size.add_row(name, *alone(*masks_of(mesh, views), at))
+        varied_settings = replace(hull, cell_px=cell_px)
+        by_size.add_row(name, *run_in_subprocess(*masks_of(mesh, views), varied_settings))
     console.print(by_size)
 
 

@@ -34,46 +34,50 @@ from industnerf.artifacts.split import load_split
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.config import load_params
-from industnerf.geometry.raycast import Scene
-from industnerf.geometry.visibility import seen_from
-from industnerf.metrics.protocol import Judge
-from industnerf.metrics.reduce import farthest_points
-from industnerf.metrics.visible import ON_SURFACE
+from industnerf.geometry.raycast import RaycastingScene
+from industnerf.geometry.visibility import visible_from
+from industnerf.metrics.protocol import Evaluator
+from industnerf.metrics.reference_rig import SURFACE_TOLERANCE
+from industnerf.metrics.subsample import farthest_points
 from industnerf.seeds import generator
 
 METHODS = ["industnerf_plus", "industnerf", "hull", "oracle"]
-PERFECT = "oracle"  # what is left over of it is no method's fault
+ORACLE = "oracle"  # what is left over of it is no method's fault
 GROUPS = {"at most 1": (0, 1), "2 to 3": (2, 3), "4 to 7": (4, 7), "8 or more": (8, np.inf)}
-EVERY = "all"
+ALL_POINTS = "all"
 
 
 @dataclass(frozen=True)
-class Group:
+class VisibilityGroup:
     """Points of one part that about as many cameras see."""
 
     share: float
-    added: float  # floors
+    emd_contribution: float  # floors
 
 
-def groups_of(data: Path, part_id: str, method: str) -> dict[str, Group]:
+def groups_of(data: Path, part_id: str, method: str) -> dict[str, VisibilityGroup]:
     """How far the true surface of one part is from a cloud, group by group."""
     params, part = load_params(), data / "parts" / part_id
-    judge = Judge(part, Truth.load(data / "truth" / part_id), params.evaluate, params.seed)
+    evaluator = Evaluator(part, Truth.load(data / "truth" / part_id), params.evaluate, params.seed)
     cloud = Cloud.load(data / "clouds" / method / part_id).points_mm
-    shown = judge.sampled(cloud, generator(params.seed, "evaluate", part_id))
-    truth, count = judge.truth, params.evaluate.points
-    truth = farthest_points(truth.points[truth.kept], count)
-    carried = distances(farthest_points(shown.points[shown.kept], count), truth)
-    carried /= judge.known.floors["emd P1-even"]
-    seen = cameras_that_see(judge, truth, data / "views" / part_id)
-    found = {EVERY: Group(1.0, carried.mean())}
+    sampled = evaluator.sample_prediction(cloud, generator(params.seed, "evaluate", part_id))
+    truth, count = evaluator.truth, params.evaluate.points
+    truth = farthest_points(truth.points[truth.evaluated], count)
+    transport_distances = transport_distances_of(
+        farthest_points(sampled.points[sampled.evaluated], count), truth
+    )
+    transport_distances /= evaluator.ground_truth.floors["emd P1-even"]
+    num_cameras = count_cameras(evaluator, truth, data / "views" / part_id)
+    groups = {ALL_POINTS: VisibilityGroup(1.0, transport_distances.mean())}
     for name, (least, most) in GROUPS.items():
-        of_group = (seen >= least) & (seen <= most)
-        found[name] = Group(of_group.mean(), carried[of_group].sum() / len(truth))
-    return found
+        of_group = (num_cameras >= least) & (num_cameras <= most)
+        groups[name] = VisibilityGroup(
+            of_group.mean(), transport_distances[of_group].sum() / len(truth)
+        )
+    return groups
 
 
-def distances(
+def transport_distances_of(
     cloud: Float[np.ndarray, "n 3"], truth: Float[np.ndarray, "m 3"]
 ) -> Float[np.ndarray, "m"]:
     """How far each point of the truth is from what is carried onto it; the mean is the EMD."""
@@ -85,24 +89,27 @@ def distances(
     return (plan * cost).sum(axis=0) * len(truth)
 
 
-def cameras_that_see(
-    judge: Judge, truth: Float[np.ndarray, "m 3"], views: Path
+def count_cameras(
+    evaluator: Evaluator, truth: Float[np.ndarray, "m 3"], views: Path
 ) -> Int[np.ndarray, "m"]:
     """How many training cameras see each point, given in diagonals."""
-    taken, frame = load_views(views), judge.frame
-    scene = Scene(frame.mesh.vertices, frame.mesh.faces)
-    points = truth * frame.diagonal_mm + frame.centre
-    reach = ON_SURFACE * frame.diagonal_mm
-    eyes = taken.cameras[taken.train].eyes
-    return sum(seen_from(scene, points, eye[None], reach).astype(int) for eye in eyes)
+    capture, part_frame = load_views(views), evaluator.reference
+    scene = RaycastingScene(part_frame.mesh.vertices, part_frame.mesh.faces)
+    points = truth * part_frame.diagonal_mm + part_frame.center
+    tolerance_mm = SURFACE_TOLERANCE * part_frame.diagonal_mm
+    camera_centers = capture.cameras[capture.train_indices].centers
+    return sum(
+        visible_from(scene, points, camera_center[None], tolerance_mm).astype(int)
+        for camera_center in camera_centers
+    )
 
 
-def rows(parts: list[dict[str, Group]]) -> dict[str, tuple[float, float]]:
+def mean_groups(parts: list[dict[str, VisibilityGroup]]) -> dict[str, tuple[float, float]]:
     """Share and floors added, mean over parts, group by group."""
     gathered = defaultdict(list)
     for part in parts:
         for name, group in part.items():
-            gathered[name].append((group.share, group.added))
+            gathered[name].append((group.share, group.emd_contribution))
     return {name: tuple(np.mean(values, axis=0)) for name, values in gathered.items()}
 
 
@@ -111,21 +118,29 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("--methods", nargs="+", default=METHODS)
     parser.add_argument("--split", default="dev")
-    asked = parser.parse_args()
-    split = load_split(asked.data / "split.json")
-    chosen = [part_id for part_id, place in split.items() if place.split == asked.split]
-    table = Table(title=f"{len(chosen)} {asked.split} parts, floors")
+    arguments = parser.parse_args()
+    split = load_split(arguments.data / "split.json")
+    part_ids = [
+        part_id for part_id, assignment in split.items() if assignment.split == arguments.split
+    ]
+    table = Table(title=f"{len(part_ids)} {arguments.split} parts, floors")
     for head in ("method", "seen by", "share", "carried", "part", "excess"):
         table.add_column(head, justify="left" if head in ("method", "seen by") else "right")
-    found = {}
+    results = {}
     with ProcessPoolExecutor() as pool:
-        for method in dict.fromkeys([*asked.methods, PERFECT]):
-            work = pool.map(partial(groups_of, asked.data, method=method), chosen)
-            found[method] = rows(list(track(work, method, len(chosen))))
-    for method in asked.methods:
-        for name in (*GROUPS, EVERY):
-            (share, added), (_, perfect) = found[method][name], found[PERFECT][name]
-            numbers = share, added / share if share else 0.0, added, added - perfect
+        for method in dict.fromkeys([*arguments.methods, ORACLE]):
+            work = pool.map(partial(groups_of, arguments.data, method=method), part_ids)
+            results[method] = mean_groups(list(track(work, method, len(part_ids))))
+    for method in arguments.methods:
+        for name in (*GROUPS, ALL_POINTS):
+            (share, contribution) = results[method][name]
+            (_, oracle_contribution) = results[ORACLE][name]
+            numbers = (
+                share,
+                contribution / share if share else 0.0,
+                contribution,
+                contribution - oracle_contribution,
+            )
             table.add_row(method, name, *(f"{number:.2f}" for number in numbers))
     Console(width=100).print(table)
 

@@ -33,16 +33,19 @@ from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.config import load_params
-from industnerf.geometry.cameras import Cameras, framed_ball
+from industnerf.geometry.cameras import Cameras, common_view_ball
 from industnerf.metrics.emd import emd
-from industnerf.metrics.reduce import farthest_points, random_points
-from industnerf.metrics.visible import Frame, Rig, scored
+from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
+from industnerf.metrics.subsample import farthest_points, random_points
 from industnerf.schema import EvaluateParams, IndustnerfSettings
 
 METHODS = ["industnerf", "industnerf_plus"]
 PARTS = ["bearing-angular-7304", "collet-er32-d12", "ballscrew-nut-sfu1605"]
 BUDGETS = (10, 30, 60, 150)  # seconds a part
-NEAR, TRIES = 0.2, 4  # a run this close to its budget, or so many of them, are enough
+BUDGET_TOLERANCE, MAX_TRIES = (
+    0.2,
+    4,
+)  # a run this close to its budget, or so many of them, are enough
 VALUES = {
     "grid_res": (32, 48, 64, 96),
     "views": (5, 10, 20, 40),
@@ -60,11 +63,11 @@ class Job:
     method: str
     settings: IndustnerfSettings
     views: int | None = None  # None: all
-    side: int | None = None  # px; None: as photographed
+    image_px: int | None = None  # px; None: as photographed
 
 
 @dataclass(frozen=True)
-class Done:
+class JobResult:
     seconds: float
     peak_mb: float
     steps: int
@@ -72,43 +75,47 @@ class Done:
     shares: Counter
 
 
-def posed(job: Job) -> Any:
+def load_images(job: Job) -> Any:
     """The photographs that the method is given."""
-    from industnerf.methods.industnerf.scene import Posed
+    from industnerf.methods.industnerf.scene import PosedImages
 
     views = load_views(job.data / "views" / job.part)
-    which = views.train
+    view_ids = views.train_indices
     if job.views:
-        which = which[np.linspace(0, len(which) - 1, job.views).round().astype(int)]
-    rgb, cameras = views.rgb(which), views.cameras[which]
-    if job.side:
-        rgb, cameras = smaller(rgb, cameras, job.side)
-    known = views.background[which] if job.method == "industnerf_plus" else None
-    return Posed(rgb, cameras, known, *framed_ball(cameras))
+        view_ids = view_ids[np.linspace(0, len(view_ids) - 1, job.views).round().astype(int)]
+    rgb, cameras = views.rgb(view_ids), views.cameras[view_ids]
+    if job.image_px:
+        rgb, cameras = resize_images(rgb, cameras, job.image_px)
+    backgrounds = views.background[view_ids] if job.method == "industnerf_plus" else None
+    return PosedImages(rgb, cameras, backgrounds, *common_view_ball(cameras))
 
 
-def smaller(rgb: np.ndarray, cameras: Cameras, side: int) -> tuple[np.ndarray, Cameras]:
+def resize_images(rgb: np.ndarray, cameras: Cameras, image_px: int) -> tuple[np.ndarray, Cameras]:
     """The images `side` px wide, each pixel the mean of those that it stands for."""
-    images = [Image.fromarray(image).resize((side, side), Image.Resampling.BOX) for image in rgb]
+    images = [
+        Image.fromarray(image).resize((image_px, image_px), Image.Resampling.BOX) for image in rgb
+    ]
     K = cameras.K.copy()
-    K[:, :2] *= side / cameras.width
-    return np.stack([np.asarray(image) for image in images]), Cameras(K, cameras.c2w, side, side)
+    K[:, :2] *= image_px / cameras.width
+    return np.stack([np.asarray(image) for image in images]), Cameras(
+        K, cameras.c2w, image_px, image_px
+    )
 
 
-def reconstruct(job: Job) -> Done:
-    from industnerf.methods.industnerf.run import run
+def reconstruct(job: Job) -> JobResult:
+    from industnerf.methods.industnerf.pipeline import run
 
-    given, clock = posed(job), Clock()
-    with clocked(clock):
+    images, clock = load_images(job), Clock()
+    with profile_steps(clock):
         start = process_time()
-        outcome = run(given, job.settings, seed=0)
+        outcome = run(images, job.settings, seed=0)
         seconds = process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # kB on Linux
     clock.spent["rest"] = seconds - sum(clock.spent.values())
-    return Done(seconds, peak, outcome.steps, outcome.points, clock.spent)
+    return JobResult(seconds, peak, outcome.steps, outcome.points, clock.spent)
 
 
-def alone(job: Job) -> Done:
+def run_in_subprocess(job: Job) -> JobResult:
     """`reconstruct` in a new process."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         return pool.submit(reconstruct, job).result()
@@ -122,7 +129,7 @@ class Clock:
         self._open: list[str] = []
         self._last = 0.0
 
-    def timed(self, label: str, function: Callable) -> Callable:
+    def wrap(self, label: str, function: Callable) -> Callable:
         def call(*args: Any, **named: Any) -> Any:
             self._turn()
             self._open.append(label)
@@ -142,120 +149,134 @@ class Clock:
 
 
 @contextmanager
-def clocked(clock: Clock) -> Iterator[None]:
+def profile_steps(clock: Clock) -> Iterator[None]:
     """The steps of the method, told apart."""
     import torch
 
     from industnerf.methods.industnerf.field import Field
-    from industnerf.methods.industnerf.pixels import Pixels
-    from industnerf.methods.industnerf.sources import Sources
-    from industnerf.methods.industnerf.training import Training
+    from industnerf.methods.industnerf.ray_sampler import RaySampler
+    from industnerf.methods.industnerf.source_features import SourceFeatures
+    from industnerf.methods.industnerf.trainer import Trainer
     from industnerf.rendering.render import Renderer
 
-    places = [
-        ("place points", Training, "__init__"),
-        ("draw rays", Pixels, "draw"),
-        ("encode views", Sources, "refresh"),
+    timed_methods = [
+        ("place points", Trainer, "__init__"),
+        ("draw rays", RaySampler, "draw"),
+        ("encode views", SourceFeatures, "refresh"),
         ("field", Field, "forward"),
         ("render", Renderer, "_forward"),
         ("backward, all but rendering", torch.Tensor, "backward"),
         ("render, backward", Renderer, "_backward"),
         ("Adam", torch.optim.Adam, "step"),
-        ("sweep", Training, "_sweep"),
-        ("testimony", Training, "testimony"),
+        ("sweep", Trainer, "_sweep"),
+        ("testimony", Trainer, "testimony"),
     ]
-    before = [(owner, name, getattr(owner, name)) for _, owner, name in places]
-    for (label, *_), (owner, name, function) in zip(places, before, strict=True):
-        setattr(owner, name, clock.timed(label, function))
+    original_methods = [(owner, name, getattr(owner, name)) for _, owner, name in timed_methods]
+    for (label, *_), (owner, name, function) in zip(timed_methods, original_methods, strict=True):
+        setattr(owner, name, clock.wrap(label, function))
     try:
         yield
     finally:
-        for owner, name, function in before:
+        for owner, name, function in original_methods:
             setattr(owner, name, function)
 
 
-def even_emd(job: Job, points: np.ndarray, ways: EvaluateParams) -> tuple[float, float]:
+def even_emd(job: Job, points: np.ndarray, settings: EvaluateParams) -> tuple[float, float]:
     """EMD under P1-even, and its floor."""
-    known = Truth.load(job.data / "truth" / job.part)
-    frame = Frame(load_mesh(job.data / "parts" / job.part))
-    points = random_points(points.astype(float), ways.cap, np.random.default_rng(0))
-    truth = known.points_mm.astype(float)
-    kept = scored(Rig(frame, ways), points, truth, known.visible, ways.hidden)
-    a, b = frame.unit(truth[known.visible]), frame.unit(points[kept])
-    value = emd(farthest_points(a, ways.points), farthest_points(b, ways.points))
-    return value, known.floors["emd P1-even"]
+    truth_artifact = Truth.load(job.data / "truth" / job.part)
+    part_frame = ReferenceSurface(load_mesh(job.data / "parts" / job.part))
+    points = random_points(points.astype(float), settings.max_points, np.random.default_rng(0))
+    truth = truth_artifact.points_mm.astype(float)
+    kept = evaluated_mask(
+        ReferenceRig(part_frame, settings),
+        points,
+        truth,
+        truth_artifact.visible,
+        settings.occlusion_margin,
+    )
+    a, b = part_frame.normalize(truth[truth_artifact.visible]), part_frame.normalize(points[kept])
+    value = emd(farthest_points(a, settings.points), farthest_points(b, settings.points))
+    return value, truth_artifact.floors["emd P1-even"]
 
 
-def varied(job: Job, what: str, value: int) -> Job:
+def with_value(job: Job, parameter: str, value: int) -> Job:
     """`job` with `what` at `value`."""
-    ways, levels = job.settings, job.settings.levels
-    match what:
+    settings, levels = job.settings, job.settings.levels
+    match parameter:
         case "grid_res":
-            return replace(job, settings=replace(ways, grid_res=value))
+            return replace(job, settings=replace(settings, grid_res=value))
         case "views":
             return replace(job, views=value)
         case "image_size":
             warm_up, *levels = [
                 replace(x, image_px=max(16, x.image_px * value // 512))
-                for x in (ways.warm_up, *levels)
+                for x in (settings.warm_up, *levels)
             ]
-            return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels), side=value)
+            return replace(
+                job, settings=replace(settings, warm_up=warm_up, levels=levels), image_px=value
+            )
         case _:
             levels = [levels[0], *(replace(x, points=value) for x in levels[1:])]
-            return replace(job, settings=replace(ways, levels=levels))
+            return replace(job, settings=replace(settings, levels=levels))
 
 
-def stretched(job: Job, factor: float) -> Job:
+def with_steps_scaled(job: Job, factor: float) -> Job:
     """`job` with `factor` times the steps."""
-    ways = job.settings
-    levels = [replace(x, steps=math.ceil(factor * x.steps)) for x in ways.levels]
-    warm_up = replace(ways.warm_up, steps=round(factor * ways.warm_up.steps))
-    recolour = replace(ways.recolour, steps=round(factor * ways.recolour.steps))
-    return replace(job, settings=replace(ways, warm_up=warm_up, levels=levels, recolour=recolour))
+    settings = job.settings
+    levels = [replace(x, steps=math.ceil(factor * x.steps)) for x in settings.levels]
+    warm_up = replace(settings.warm_up, steps=round(factor * settings.warm_up.steps))
+    recolor = replace(
+        settings.color_refinement, steps=round(factor * settings.color_refinement.steps)
+    )
+    return replace(
+        job, settings=replace(settings, warm_up=warm_up, levels=levels, color_refinement=recolor)
+    )
 
 
-def cost(what: str, job: Job, first: int | None) -> Iterator[tuple[str, ...]]:
+def cost_rows(parameter: str, job: Job, limit: int | None) -> Iterator[tuple[str, ...]]:
     """A row for each value of `what`."""
-    if what == "points" and job.settings.refine == "divided":
+    if parameter == "points" and job.settings.refine == "divided":
         return  # there the grid decides how many
-    for value in VALUES[what][:first]:
-        done = alone(varied(job, what, value))
-        yield str(value), f"{done.seconds:.1f}", f"{done.peak_mb:.0f}", str(len(done.points))
+    for value in VALUES[parameter][:limit]:
+        result = run_in_subprocess(with_value(job, parameter, value))
+        yield str(value), f"{result.seconds:.1f}", f"{result.peak_mb:.0f}", str(len(result.points))
 
 
-def budget(job: Job, first: int | None) -> Iterator[tuple[str, ...]]:
-    ways, usual = load_params().evaluate, alone(job).seconds
-    for seconds in BUDGETS[:first]:
-        done = within(job, seconds, seconds / usual)
-        value, floor = even_emd(job, done.points, ways)
-        numbers = f"{done.steps}", f"{done.seconds:.1f}", f"{value:.5f}", f"{value / floor:.2f}"
+def budget_rows(job: Job, limit: int | None) -> Iterator[tuple[str, ...]]:
+    settings, default_seconds = load_params().evaluate, run_in_subprocess(job).seconds
+    for seconds in BUDGETS[:limit]:
+        result = run_within_budget(job, seconds, seconds / default_seconds)
+        value, floor = even_emd(job, result.points, settings)
+        numbers = f"{result.steps}", f"{result.seconds:.1f}", f"{value:.5f}", f"{value / floor:.2f}"
         yield str(seconds), *numbers
 
 
-def within(job: Job, seconds: float, factor: float) -> Done:
+def run_within_budget(job: Job, seconds: float, factor: float) -> JobResult:
     """`job` with about the steps that take `seconds`; the first steps cost more than the last."""
-    for _ in range(TRIES):
-        done = alone(stretched(job, factor))
-        if abs(done.seconds / seconds - 1) < NEAR:
+    for _ in range(MAX_TRIES):
+        result = run_in_subprocess(with_steps_scaled(job, factor))
+        if abs(result.seconds / seconds - 1) < BUDGET_TOLERANCE:
             break
-        factor *= seconds / done.seconds
-    return done
+        factor *= seconds / result.seconds
+    return result
 
 
-def shares(job: Job, first: int | None) -> Iterator[tuple[str, ...]]:
-    done = alone(job)
-    for what, seconds in done.shares.most_common(first):
-        numbers = seconds, 1000 * seconds / done.steps, 100 * seconds / done.seconds
-        yield what, *(f"{number:.1f}" for number in numbers)
+def share_rows(job: Job, limit: int | None) -> Iterator[tuple[str, ...]]:
+    result = run_in_subprocess(job)
+    for label, seconds in result.shares.most_common(limit):
+        numbers = seconds, 1000 * seconds / result.steps, 100 * seconds / result.seconds
+        yield label, *(f"{number:.1f}" for number in numbers)
 
 
-TABLES = {what: (partial(cost, what), (what, "s", "peak MB", "points out")) for what in VALUES} | {
-    "budget": (budget, ("budget s", "steps", "s", "EMD", "/ floor")),
-    "shares": (shares, ("what", "s", "ms a step", "%")),
+TABLES = {
+    what: (partial(cost_rows, what), (what, "s", "peak MB", "points out")) for what in VALUES
+} | {
+    "budget": (budget_rows, ("budget s", "steps", "s", "EMD", "/ floor")),
+    "shares": (share_rows, ("what", "s", "ms a step", "%")),
 }
 
 
-def show(*cells: str) -> None:
+def print_row(*cells: str) -> None:
     """A row at once: the next may take minutes."""
     print(f"| {' | '.join(cells)} |", flush=True)
 
@@ -267,14 +288,14 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--parts", nargs="+", default=PARTS)
     parser.add_argument("--tables", nargs="+", choices=TABLES, default=list(TABLES))
     parser.add_argument("--first", type=int, help="only so many rows of each table and part")
-    given, known = parser.parse_args(argv), load_params().method
-    for rows, heads in (TABLES[name] for name in given.tables):
-        show("method", "part", *heads)
-        show(*["---"] * (2 + len(heads)))
-        for method, part in product(given.methods, given.parts):
-            job = Job(given.data, part, method, getattr(known, method))
-            for row in rows(job, given.first):
-                show(method, part, *row)
+    arguments, method_settings = parser.parse_args(argv), load_params().method
+    for rows, heads in (TABLES[name] for name in arguments.tables):
+        print_row("method", "part", *heads)
+        print_row(*["---"] * (2 + len(heads)))
+        for method, part in product(arguments.methods, arguments.parts):
+            job = Job(arguments.data, part, method, getattr(method_settings, method))
+            for row in rows(job, arguments.first):
+                print_row(method, part, *row)
         print()
 
 

@@ -30,20 +30,20 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from industnerf.artifacts.history import History
-from industnerf.artifacts.split import load_split, taught
-from industnerf.artifacts.state import State
+from industnerf.artifacts.split import load_split, train_parts
+from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.truth import Truth
 from industnerf.config import build, load_params
 from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods import load_method
-from industnerf.methods.base import Example, hand_over
-from industnerf.metrics.protocol import Judge
-from industnerf.report.formats import markdown
+from industnerf.methods.base import Example, load_inputs
+from industnerf.metrics.protocol import Evaluator
+from industnerf.report.tables.formats import markdown_table
 from industnerf.schema import Params
 
 NETS = ["r2n2", "atlasnet", "occupancy"]
-SIMPLE = ["retrieval", "mean_shape"]
+BASELINES = ["retrieval", "mean_shape"]
 COLUMNS = (
     *("method", "numbers", "minutes", "steps", "settled", "kept", "validation, best", "last"),
     *("memory, GB", "EMD (test)", "EMD (dev)"),
@@ -60,21 +60,21 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Done:
+class JobResult:
     job: Job
     seconds: float
-    state: State
+    state: ModelState
     test: float
     dev: float
     memory_gb: float  # most that torch had on the GPU; 0 without one
 
 
-def run(job: Job) -> Done:
+def run(job: Job) -> JobResult:
     method = load_method(job.method)
-    places, net = load_split(job.data / "split.json"), f"fold-{job.fold}"
+    assignments, net = load_split(job.data / "split.json"), f"fold-{job.fold}"
     examples = [
         Example(part, job.data / "parts" / part, job.data / "views" / part, method.inputs)
-        for part in taught(places, net)
+        for part in train_parts(assignments, net)
     ]
     clock = process_time if device().type == "cpu" else perf_counter
     start = clock()
@@ -82,68 +82,80 @@ def run(job: Job) -> Done:
         state = method.fit(examples, job.settings, 0, Path(scratch))
     seconds = clock() - start
     memory_gb = torch.cuda.max_memory_allocated() / 1e9 if torch.cuda.is_available() else 0.0
-    asked = {part: place for part, place in places.items() if place.net == net}
-    emds = {part: emd(job, state, part) for part in asked}
-    test, dev = ([emds[p] for p in asked if asked[p].split == split] for split in ("test", "dev"))
-    return Done(job, seconds, state, fmean(test), fmean(dev), memory_gb)
+    fold_assignments = {
+        part: assignment for part, assignment in assignments.items() if assignment.net_name == net
+    }
+    emds = {part: mean_emd(job, state, part) for part in fold_assignments}
+    test, dev = (
+        [emds[p] for p in fold_assignments if fold_assignments[p].split == split]
+        for split in ("test", "dev")
+    )
+    return JobResult(job, seconds, state, fmean(test), fmean(dev), memory_gb)
 
 
-def params_of(experiment: str | None) -> Params:
+def load_experiment_params(experiment: str | None) -> Params:
     """Those of params.yaml, or what the preset makes of them."""
     if experiment is None:
         return load_params()
     os.environ["INDUSTNERF_ROOT"] = os.getcwd()  # where conf/config.yaml looks for params.yaml
     with initialize_config_dir(os.path.abspath("conf"), version_base="1.3"):
-        found = compose("config", [f"experiment={experiment}"])
-    return build(Params, OmegaConf.to_container(found), experiment)
+        composed = compose("config", [f"experiment={experiment}"])
+    return build(Params, OmegaConf.to_container(composed), experiment)
 
 
-def stretched(settings: Any, times: float) -> Any:
+def with_steps_scaled(settings: Any, times: float) -> Any:
     """`settings` with so many times the steps."""
     if times == 1:
         return settings
     steps = round(times * settings.training.steps)
-    every = min(settings.training.validate_every, max(1, steps // 20))
-    ways = replace(settings.training, steps=steps, patience=steps, validate_every=every)
-    return replace(settings, training=ways)
+    validation_interval = min(settings.training.validate_every, max(1, steps // 20))
+    training = replace(
+        settings.training, max_steps=steps, patience=steps, val_interval=validation_interval
+    )
+    return replace(settings, training=training)
 
 
-def emd(job: Job, state: State, part: str) -> float:
+def mean_emd(job: Job, state: ModelState, part: str) -> float:
     """P1-even by params.yaml, the mean over all answers; a failure scores as one."""
-    folder, known = job.data / "parts" / part, Truth.load(job.data / "truth" / part)
-    judge, method = Judge(folder, known, load_params().evaluate, 0), load_method(job.method)
+    folder, truth = job.data / "parts" / part, Truth.load(job.data / "truth" / part)
+    evaluator, method = Evaluator(folder, truth, load_params().evaluate, 0), load_method(job.method)
     try:
-        given = hand_over(method, folder, job.data / "views" / part)
-        answer = method.reconstruct(given, job.settings, state, 0)
-        clouds = [answer.points_mm, *answer.others_mm]
+        inputs = load_inputs(method, folder, job.data / "views" / part)
+        prediction = method.reconstruct(inputs, job.settings, state, 0)
+        clouds = [prediction.points_mm, *prediction.extra_clouds_mm]
     except ReconstructionFailed:
         clouds = []
-    values = [judge.judged(cloud, every=False) or judge.nothing(every=False) for cloud in clouds]
-    return fmean(found[0].value for found in values or [judge.nothing(every=False)])
+    values = [
+        evaluator.evaluate(cloud, all_metrics=False) or evaluator.failure_scores(all_metrics=False)
+        for cloud in clouds
+    ]
+    return fmean(
+        scores[0].value for scores in values or [evaluator.failure_scores(all_metrics=False)]
+    )
 
 
-def cells(done: Done) -> list[str]:
+def row_cells(result: JobResult) -> list[str]:
     """Of COLUMNS."""
-    state = done.state
+    state = result.state
     return [
-        done.job.method,
-        str(state.parameters),
-        f"{done.seconds / 60:.1f}",
+        result.job.method,
+        str(state.num_parameters),
+        f"{result.seconds / 60:.1f}",
         str(state.steps),
-        "yes" if state.settled else "no",
-        *validated(state.validation),
-        f"{done.memory_gb:.1f}",
-        f"{done.test:.4f}",
-        f"{done.dev:.4f}",
+        "yes" if state.converged else "no",
+        *validation_cells(state.val_history),
+        f"{result.memory_gb:.1f}",
+        f"{result.test:.4f}",
+        f"{result.dev:.4f}",
     ]
 
 
-def validated(curve: History | None) -> list[str]:
+def validation_cells(curve: History | None) -> list[str]:
     """Of the last phase: the step of the least loss, that loss, and the last one; none without."""
     if curve is None or not len(curve.loss):
         return ["", "", ""]
-    last = curve.steps >= max(curve.levels.values(), default=0)
-    steps, loss = curve.steps[last], curve.loss[last]
+    in_last_phase = curve.steps >= max(curve.levels.values(), default=0)
+    steps, loss = curve.steps[in_last_phase], curve.loss[in_last_phase]
     return [str(steps[loss.argmin()]), f"{loss.min():.4g}", f"{loss[-1]:.4g}"]
 
 
@@ -154,17 +166,23 @@ def main() -> None:
     parser.add_argument("--times", nargs="+", type=float, default=[1, 4, 15])
     parser.add_argument("--fold", type=int, default=0)
     parser.add_argument("--experiment")
-    asked = parser.parse_args()
-    known = params_of(asked.experiment).method
+    arguments = parser.parse_args()
+    method_settings = load_experiment_params(arguments.experiment).method
     jobs = [
-        Job(asked.data, name, asked.fold, times, stretched(getattr(known, name), times))
-        for name, times in [*product(SIMPLE, [1]), *product(asked.methods, asked.times)]
+        Job(
+            arguments.data,
+            name,
+            arguments.fold,
+            times,
+            with_steps_scaled(getattr(method_settings, name), times),
+        )
+        for name, times in [*product(BASELINES, [1]), *product(arguments.methods, arguments.times)]
     ]
-    print(markdown(COLUMNS, []), end="")
+    print(markdown_table(COLUMNS, []), end="")
     for job in jobs:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
-            done = pool.submit(run, job).result()
-        print("| " + " | ".join(cells(done)) + " |", flush=True)
+            result = pool.submit(run, job).result()
+        print("| " + " | ".join(row_cells(result)) + " |", flush=True)
 
 
 if __name__ == "__main__":

@@ -12,10 +12,11 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from tests.report import gallery
 from tests.report.browser import visit
-from tests.report.test_page import bare
-from tests.report.test_size import grown
+from tests.report.test_page import bare_page
+from tests.report.test_size import with_parts
+
+from tests.report import gallery
 
 REPEATS = 3
 PROBE = """
@@ -27,24 +28,24 @@ PROBE = """
 def main(*pages: str) -> None:
     print(f"{'MB':>6} {'s read':>7} {'s loaded':>9}  median of {REPEATS}")
     for name in pages:
-        page = of_parts(int(name)) if name.isdigit() else Path(name).read_text()
-        found = [opened(page) for _ in range(REPEATS)]
-        read, loaded = (median(each[key] for each in found) for key in ("read", "loaded"))
+        page = page_of_parts(int(name)) if name.isdigit() else Path(name).read_text()
+        timings = [open_page(page) for _ in range(REPEATS)]
+        read, loaded = (median(timing[key] for timing in timings) for key in ("read", "loaded"))
         print(f"{len(page.encode()) / 1e6:6.2f} {read:7.2f} {loaded:9.2f}  {name}", flush=True)
 
 
-def of_parts(count: int) -> str:
+def page_of_parts(count: int) -> str:
     """The page of a study of equal balls."""
     with tempfile.TemporaryDirectory() as folder:
         for name in gallery.PARTS:
-            gallery.lay_out(Path(folder), name)
-        return bare(grown(gallery.study(Path(folder)), count))
+            gallery.write_part(Path(folder), name)
+        return bare_page(with_parts(gallery.study(Path(folder)), count))
 
 
-def opened(page: str) -> dict[str, float]:
+def open_page(page: str) -> dict[str, float]:
     """Seconds, in a browser that has seen no page before."""
     with tempfile.TemporaryDirectory() as folder:
-        return visit(page, PROBE, Path(folder)).found
+        return visit(page, PROBE, Path(folder)).result
 
 
 if __name__ == "__main__":

@@ -16,53 +16,62 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
 
-from nets import Job, emd, run
+from nets import Job, mean_emd, run
 
 from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split
 from industnerf.config import load_params
-from industnerf.report.formats import markdown
-from industnerf.report.statistics import paired_change
+from industnerf.report.statistics.significance import paired_change
+from industnerf.report.tables.formats import markdown_table
 
 METHOD, VIEWS = "r2n2", (1, 2, 3, 4, 5)
 
 
-def asked(job: Job) -> dict[int, dict[str, float]]:
+def emd_by_view_count(job: Job) -> dict[int, dict[str, float]]:
     """Views shown -> the EMD of each reported part of the fold."""
     state = run(job).state
     parts = [
         part
-        for part, place in load_split(job.data / "split.json").items()
-        if place.fold == job.fold and place.split == "test"
+        for part, assignment in load_split(job.data / "split.json").items()
+        if assignment.fold == job.fold and assignment.split == "test"
     ]
-    shown = {count: replace(job, settings=replace(job.settings, views=count)) for count in VIEWS}
-    return {count: {part: emd(one, state, part) for part in parts} for count, one in shown.items()}
+    jobs_by_count = {
+        count: replace(job, settings=replace(job.settings, views=count)) for count in VIEWS
+    }
+    return {
+        count: {part: mean_emd(view_job, state, part) for part in parts}
+        for count, view_job in jobs_by_count.items()
+    }
 
 
 def main() -> None:
     data = Path(sys.argv[1])
-    folds = {place.fold for place in load_split(data / "split.json").values()}
+    folds = {assignment.fold for assignment in load_split(data / "split.json").values()}
     settings = load_params().method.r2n2
     jobs = [Job(data, METHOD, fold, 1, settings) for fold in sorted(folds)]
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
-        found = list(pool.map(asked, jobs))
-    emds = {count: {p: x for one in found for p, x in one[count].items()} for count in VIEWS}
+        results = list(pool.map(emd_by_view_count, jobs))
+    emds = {
+        count: {p: x for result in results for p, x in result[count].items()} for count in VIEWS
+    }
     families = {part.part_id: part.family for part in load_parts(data / "parts")}
     rows = [
         [
             str(count),
-            f"{fmean(of.values()):.4f}",
-            *(gain(emds[1], of, families) if count > 1 else [""] * 3),
+            f"{fmean(by_part.values()):.4f}",
+            *(gain(emds[1], by_part, families) if count > 1 else [""] * 3),
         ]
-        for count, of in emds.items()
+        for count, by_part in emds.items()
     ]
-    print(markdown(["views", "EMD even", "more than with one", "95 %", "better on"], rows))
+    print(markdown_table(["views", "EMD even", "more than with one", "95 %", "better on"], rows))
 
 
-def gain(one: dict[str, float], more: dict[str, float], families: dict[str, str]) -> list[str]:
-    change = paired_change(one, more, families, load_params().report, seed=0)
+def gain(
+    single_view: dict[str, float], more_views: dict[str, float], families: dict[str, str]
+) -> list[str]:
+    change = paired_change(single_view, more_views, families, load_params().report, seed=0)
     ends = f"{change.low:+.4f} to {change.high:+.4f}"
-    return [f"{change.mean:+.4f}", ends, f"{change.lower} of {len(one)}"]
+    return [f"{change.mean:+.4f}", ends, f"{change.num_lower} of {len(single_view)}"]
 
 
 if __name__ == "__main__":

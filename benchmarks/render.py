@@ -22,24 +22,24 @@ from rich.table import Table
 from solids import solids
 
 from industnerf.artifacts.part import Mesh
-from industnerf.artifacts.png import DEEPEST
-from industnerf.artifacts.views import Frame, Views, save_views
-from industnerf.capture.chance import draws_of
-from industnerf.capture.develop import develop, through_centres
+from industnerf.artifacts.png import MAX_DEPTH_VALUE
+from industnerf.artifacts.views import RgbdImage, Views, save_views
+from industnerf.capture.image_formation import pixel_center_rays, render_image
 from industnerf.capture.materials import Materials
-from industnerf.capture.photograph import shading, share_seen
+from industnerf.capture.ray_hits import Surface
+from industnerf.capture.render import view_shading, visible_share
 from industnerf.capture.rigs import bounding_ball, cameras_around
-from industnerf.capture.surface import Surface
+from industnerf.capture.rng import random_streams
 from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, back_projection
-from industnerf.geometry.raycast import Scene
-from industnerf.parts.finishes import FINISHES
+from industnerf.geometry.raycast import RaycastingScene
+from industnerf.parts.catalogue.appearances import APPEARANCES
 from industnerf.schema import ViewsParams
 
 # Each share: the functions that it counts, less those in them that another share counts.
 SHARES = {
     "bounds": (("project", "may_show"), ()),
-    "rays": (("through_centres",), ()),
+    "rays": (("through_centers",), ()),
     "casting": (("cast",), ()),
     "shading": (("shown_by",), ("cast",)),
     "edges": (("on_edge", "pixel_means"), ("light_at",)),
@@ -50,11 +50,11 @@ HEADS += [f"{name} %" for name in SHARES]
 FORMS = ["d", ".0f", ".1f", ".1f", ".2f", ".1f", ".1f", ".1f"] + [".0f"] * len(SHARES)
 
 
-def bare(mesh: Mesh, cameras: Cameras) -> Iterator[float]:
+def bare_ray_casting(mesh: Mesh, cameras: Cameras) -> Iterator[float]:
     """Seconds that embree takes for all primary rays of each camera, and nothing else."""
-    scene = Scene(mesh.vertices, mesh.faces)
+    scene = RaycastingScene(mesh.vertices, mesh.faces)
     for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
-        rays = through_centres(back_projection(K, c2w).astype(np.float32), cameras.width)
+        rays = pixel_center_rays(back_projection(K, c2w).astype(np.float32), cameras.width)
         starts = np.repeat(scene._to_box(c2w[None, :3, 3]), len(rays), axis=0)
         start = perf_counter()
         scene._scene.run(starts, rays, query="INTERSECT", output=True)
@@ -64,23 +64,25 @@ def bare(mesh: Mesh, cameras: Cameras) -> Iterator[float]:
 def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
     """One row: views a second rendered and bare, their ratio, PNG cost, and the shares."""
     start = perf_counter()
-    centre, radius_mm = bounding_ball(mesh.vertices)
-    cameras, held_out = cameras_around(centre, radius_mm, settings)
+    center, radius_mm = bounding_ball(mesh.vertices)
+    cameras, held_out = cameras_around(center, radius_mm, settings)
     surface, frames = Surface(mesh, settings.crease_deg), []
-    materials = Materials.of(mesh, tuple(FINISHES.values()), settings.albedo)
-    share = share_seen(surface, mesh, cameras[~held_out])
-    own = draws_of(0, "part", settings)[0]
-    shade = shading(surface, materials, settings, own)
-    plain = np.ones(3), settings, own
+    materials = Materials.from_mesh(mesh, tuple(APPEARANCES.values()), settings.albedo)
+    share = visible_share(surface, mesh, cameras[~held_out])
+    draws = random_streams(0, "part", settings)[0]
+    shade = view_shading(surface, materials, settings, draws)
+    capture_settings = np.ones(3), settings, draws
     ready, seconds, profile = perf_counter() - start, np.zeros(2), cProfile.Profile()
-    for K, c2w, casting in zip(cameras.K, cameras.c2w, bare(mesh, cameras), strict=True):
+    for K, c2w, casting in zip(
+        cameras.K, cameras.c2w, bare_ray_casting(mesh, cameras), strict=True
+    ):
         start = perf_counter()
-        frames.append(develop(surface, shade, K, c2w, *plain))
+        frames.append(render_image(surface, shade, K, c2w, *capture_settings))
         seconds += perf_counter() - start, casting
-        profile.runcall(develop, surface, shade, K, c2w, *plain)
-    step_mm = (settings.radius + 1) * radius_mm / DEEPEST
-    behind = np.ones((len(frames), 3))
-    views = Views(Path(), "part", cameras, held_out, behind, step_mm, share)
+        profile.runcall(render_image, surface, shade, K, c2w, *capture_settings)
+    step_mm = (settings.radius + 1) * radius_mm / MAX_DEPTH_VALUE
+    backgrounds = np.ones((len(frames), 3))
+    views = Views(Path(), "part", cameras, held_out, backgrounds, step_mm, share)
     written, size = write(views, frames)
     rendering, casting = len(frames) / seconds
     row = [len(mesh.faces), 1000 * ready, rendering, casting, rendering / casting]
@@ -89,7 +91,7 @@ def measure(mesh: Mesh, settings: ViewsParams) -> list[str]:
     return [f"{value:{form}}" for value, form in zip(row, FORMS, strict=True)]
 
 
-def write(views: Views, frames: list[Frame]) -> tuple[float, int]:
+def write(views: Views, frames: list[RgbdImage]) -> tuple[float, int]:
     """Seconds that writing all files of `frames` takes, and the bytes of the pictures."""
     with tempfile.TemporaryDirectory() as folder:
         start = perf_counter()

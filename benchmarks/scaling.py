@@ -31,9 +31,9 @@ from small_files import fill
 from industnerf.runner import runner_from_environment
 from industnerf.stage import Task, read_index, run_stage
 from industnerf.store import Store, content_digest
-from industnerf.tracking import log_report, prepare
+from industnerf.tracking import log_report, prepare_database
 
-FILES = 147  # of the photographs of one part: 48 times colour, mask and depth, and cameras
+FILES = 147  # of the photographs of one part: 48 times color, mask and depth, and cameras
 READ = {  # what a stage reads of every part, by the folder of the stage before
     "views": {"parts": ["part.json", "mesh.npz"]},
     "truth": {"parts": ["mesh.npz"]},
@@ -48,12 +48,15 @@ def costs(data: str = "data") -> None:
     store, rows = Store.from_environment(), []
     for index in sorted(Path(data).glob("**/index.json")):
         step = json.loads(index.read_text())["step"]
-        found = [store.cost(step, key) for key in read_index(index.parent).values()]
-        seconds = sorted(cost.seconds for cost in found if cost)
+        step_costs = [store.cost(step, key) for key in read_index(index.parent).values()]
+        seconds = sorted(cost.seconds for cost in step_costs if cost)
         if seconds:
             name = str(index.parent.relative_to(data))
-            middle, most = seconds[len(seconds) // 2], max(cost.peak_mb for cost in found if cost)
-            rows.append([name, len(seconds), fmean(seconds), middle, seconds[-1], most])
+            median_seconds = seconds[len(seconds) // 2]
+            max_peak_mb = max(cost.peak_mb for cost in step_costs if cost)
+            rows.append(
+                [name, len(seconds), fmean(seconds), median_seconds, seconds[-1], max_peak_mb]
+            )
     show(["step", "results", "s mean", "s median", "s most", "MB most"], rows)
 
 
@@ -64,11 +67,16 @@ def keys(data: str = "data") -> None:
         [(folder, names)] = inputs.items()
         parts = sorted(read_index(Path(data) / folder))
         paths = [[Path(data) / folder / part / name for name in names] for part in parts]
-        size = sum(file.stat().st_size for each in paths for path in each for file in below(path))
-        count = sum(1 for each in paths for path in each for _ in below(path))
+        size = sum(
+            file.stat().st_size
+            for part_paths in paths
+            for path in part_paths
+            for file in files_below(path)
+        )
+        count = sum(1 for part_paths in paths for path in part_paths for _ in files_below(path))
         start = time.perf_counter()
-        for each in paths:
-            content_digest(each)
+        for part_paths in paths:
+            content_digest(part_paths)
         seconds, n = time.perf_counter() - start, len(parts)
         rows.append([stage, n, count / n, size / n / 1e6, seconds, 1e3 * seconds / n])
     show(["reads", "parts", "files a part", "MB a part", "s", "ms a part"], rows)
@@ -106,8 +114,8 @@ def dvc() -> None:
             )
             for command in (["init", "--no-scm", "-q"], ["config", "cache.type", "hardlink,copy"]):
                 subprocess.run(["dvc", *command], cwd=folder, check=True)
-            copying = timed(["cp", "-r", "made", "copy"], folder)
-            first, second = (timed(["dvc", "repro", "-q"], folder) for _ in range(2))
+            copying = time_command(["cp", "-r", "made", "copy"], folder)
+            first, second = (time_command(["dvc", "repro", "-q"], folder) for _ in range(2))
             listing = next((folder / ".dvc" / "cache").rglob("*.dir")).stat().st_size
             lock = (folder / "dvc.lock").stat().st_size
         rows.append([parts * FILES, first - copying, second, listing / 1e3, lock / 1e3])
@@ -123,7 +131,7 @@ def mlflow() -> None:
             report = folder / "reports"
             report.mkdir()
             write_report(report, count)
-            prepare()
+            prepare_database()
             start = time.perf_counter()
             log_report(report, {"seed": 0})
             seconds = time.perf_counter() - start
@@ -134,9 +142,9 @@ def mlflow() -> None:
 
 def slurm() -> None:
     """Submit arrays of jobs that cannot start; then send pieces of work that do nothing."""
-    from tests.slurm.cluster import CORES, Cluster, why_not
+    from tests.slurm.cluster import CORES, Cluster, unavailable_reason
 
-    if reason := why_not():
+    if reason := unavailable_reason():
         sys.exit(f"no SLURM: {reason}")
     rows = []
     with scratch() as folder:
@@ -150,38 +158,40 @@ def slurm() -> None:
         }
         try:
             for jobs in (10, 100, 250):
-                rows.append([f"submit an array of {jobs}", submitting(jobs)])
+                rows.append([f"submit an array of {jobs}", time_submission(jobs)])
             for pieces, jobs in ((8, 8), (80, 8)):
                 name = f"{pieces} empty pieces in {jobs} jobs on {CORES} cores"
-                rows.append([name, working(pieces, pieces // jobs)])
+                rows.append([name, time_empty_tasks(pieces, pieces // jobs)])
         finally:
             cluster.stop()
     show(["", "s"], rows)
 
 
-def submitting(jobs: int) -> float:
+def time_submission(jobs: int) -> float:
     """Seconds until SLURM has an array of `jobs`, which are then cancelled."""
     os.environ |= {"INDUSTNERF_SLURM_PARTITION": "closed", "INDUSTNERF_SLURM_CHUNK": "1"}
     from industnerf.runner.chunk import Chunk
-    from industnerf.runner.notes import Notes
+    from industnerf.runner.job_status import JobStatus
     from industnerf.runner.slurm import SlurmRunner
 
     runner = runner_from_environment()
     assert isinstance(runner, SlurmRunner)
-    folder = runner.waiting.folder / f"submit-{jobs}"
+    folder = runner.wait_settings.folder / f"submit-{jobs}"
     folder.mkdir(parents=True)
     start = time.perf_counter()
-    runner._submit(folder, [Chunk(((i, int),), Notes(folder), 1, 60.0, None) for i in range(jobs)])
+    runner._submit(
+        folder, [Chunk(((i, int),), JobStatus(folder), 1, 60.0, None) for i in range(jobs)]
+    )
     seconds = time.perf_counter() - start
     subprocess.run(["scancel", "-u", "root"], check=True)
     return seconds
 
 
-def working(pieces: int, size: int) -> float:
+def time_empty_tasks(count: int, size: int) -> float:
     """Seconds from the call to the last outcome of `pieces` that do nothing, `size` in a job."""
     os.environ |= {"INDUSTNERF_SLURM_PARTITION": "work", "INDUSTNERF_SLURM_CHUNK": str(size)}
     start = time.perf_counter()
-    outcomes = list(runner_from_environment().map([int] * pieces, 60.0))
+    outcomes = list(runner_from_environment().map([int] * count, 60.0))
     assert all(outcome.error is None for outcome in outcomes), outcomes
     return time.perf_counter() - start
 
@@ -197,11 +207,11 @@ def write_report(report: Path, rows: int) -> None:
     (report / "summary.json").write_text(json.dumps(summary))
 
 
-def below(path: Path) -> Iterator[Path]:
+def files_below(path: Path) -> Iterator[Path]:
     return iter([path]) if path.is_file() else (p for p in path.rglob("*") if p.is_file())
 
 
-def timed(command: list[str], folder: Path) -> float:
+def time_command(command: list[str], folder: Path) -> float:
     start = time.perf_counter()
     subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
     return time.perf_counter() - start

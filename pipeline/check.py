@@ -8,14 +8,14 @@ from pathlib import Path
 from industnerf.cli import exit_with_message
 from industnerf.config import load_params
 from industnerf.doctor import lockfile
-from industnerf.doctor.places import Places
-from industnerf.parts.files import require_place
+from industnerf.doctor.project_paths import ProjectPaths
+from industnerf.parts.io.cad_files import require_path
 
 
 def main() -> None:
-    require_place(Path(load_params().parts.path))
-    places = Places.of(Path.cwd())
-    lockfile.require_whole(places, places.root)
+    require_path(Path(load_params().parts.path))
+    project_paths = ProjectPaths.from_root(Path.cwd())
+    lockfile.require_intact(project_paths, project_paths.root)
 
 
 if __name__ == "__main__":

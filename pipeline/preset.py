@@ -19,36 +19,36 @@ from omegaconf.errors import OmegaConfBaseException
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
-from industnerf.doctor.places import Places
+from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams, SuiteError
-from industnerf.parts.files import require_place
+from industnerf.parts.io.cad_files import require_path
 from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
-from industnerf.tracking import home, is_on
+from industnerf.tracking import database_dir, is_enabled
 
-HEADER = re.compile(r"#\s*@package\s+_global_")
-SETTINGS = {"core.analytics": "false", "cache.type": "hardlink,copy"}
-CODE = ("src", "pipeline", "conf", "dvc.yaml")
-SHARED = (*CODE, "data/embedded", "data/organic", "results/grid", "results/seeds")
+HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
+DVC_CONFIG = {"core.analytics": "false", "cache.type": "hardlink,copy"}
+CODE_PATHS = ("src", "pipeline", "conf", "dvc.yaml")
+SHARED_PATHS = (*CODE_PATHS, "data/embedded", "data/organic", "results/grid", "results/seeds")
 
 
 def main(preset: str) -> None:
     require_dvc()
     root = Path.cwd()
-    known = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
-    if preset not in known:
-        raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(known)}")
+    presets = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
+    if preset not in presets:
+        raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(presets)}")
     settings = read_preset(root / "conf/experiment" / f"{preset}.yaml")
     if settings.get("hydra", {}).get("mode") == "MULTIRUN":
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
     project = root / "runs" / preset
-    lay_out(root, project, [f"experiment={preset}"])
-    lockfile.require_whole(Places.of(root), project)
+    create_project(root, project, [f"experiment={preset}"])
+    lockfile.require_intact(ProjectPaths.from_root(root), project)
     # whatever is relative is relative to the root, not to the project
     os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
-    if is_on():
-        os.environ["INDUSTNERF_MLFLOW"] = str(home())
+    if is_enabled():
+        os.environ["INDUSTNERF_MLFLOW"] = str(database_dir())
     # a `dvc` that outlives its parent would keep the next one out
     if subprocess.run(["dvc", "repro"], cwd=project, preexec_fn=die_with_parent).returncode:
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
@@ -57,7 +57,7 @@ def main(preset: str) -> None:
 
 def read_preset(path: Path) -> dict[str, Any]:
     """The values of a preset; raises BadParams if they would be a group's and change nothing."""
-    if not any(map(HEADER.fullmatch, head_of(path.read_text(encoding="utf-8")))):
+    if not any(map(HEADER_PATTERN.fullmatch, header_lines(path.read_text(encoding="utf-8")))):
         raise BadParams(
             f"{path} does not begin with the line '# @package _global_': its values would change "
             "nothing"
@@ -65,13 +65,13 @@ def read_preset(path: Path) -> dict[str, Any]:
     return read_yaml(path)
 
 
-def head_of(text: str) -> list[str]:
+def header_lines(text: str) -> list[str]:
     """The lines that Hydra looks for directives in: up to the first that is something else."""
     lines = [line.strip() for line in text.splitlines()]
     return list(takewhile(lambda line: not line or re.match(r"#\s*@", line), lines))
 
 
-def composed(root: Path, overrides: list[str]) -> Any:
+def compose_params(root: Path, overrides: list[str]) -> Any:
     """params.yaml with `overrides`; raises BadParams with Hydra's reason if they do not fit."""
     try:
         with initialize_config_dir(str(root / "conf"), version_base="1.3"):
@@ -81,15 +81,17 @@ def composed(root: Path, overrides: list[str]) -> Any:
         raise BadParams(f"{' '.join(overrides)}: {reason}") from None
 
 
-def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
+def create_project(root: Path, project: Path, overrides: list[str]) -> None:
     """A DVC project that shares code and catalogue with `root` and has a params.yaml of its own."""
     (project / "data").mkdir(parents=True, exist_ok=True)
     os.environ["INDUSTNERF_ROOT"] = str(root)  # where conf/config.yaml looks for params.yaml
-    values = composed(root, overrides)
+    values = compose_params(root, overrides)
     build(Params, values, " ".join(overrides))
-    values["parts"]["path"] = str(_seen_from(root, project, Path(values["parts"]["path"])))
+    values["parts"]["path"] = str(
+        _relative_to_project(root, project, Path(values["parts"]["path"]))
+    )
     OmegaConf.save(values, project / "params.yaml")
-    for name in SHARED:
+    for name in SHARED_PATHS:
         link = project / name
         if not link.is_symlink():
             link.parent.mkdir(exist_ok=True)
@@ -97,26 +99,26 @@ def lay_out(root: Path, project: Path, overrides: list[str]) -> None:
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
     config = project / ".dvc" / "config"
-    if "cache" not in _text_of(config):  # new, or interrupted before
-        for key, value in SETTINGS.items():
+    if "cache" not in _read_text(config):  # new, or interrupted before
+        for key, value in DVC_CONFIG.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
 
 
-def _text_of(path: Path) -> str:
+def _read_text(path: Path) -> str:
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
-def _seen_from(root: Path, project: Path, place: Path) -> Path:
+def _relative_to_project(root: Path, project: Path, path: Path) -> Path:
     """The place of the parts, relative to `root`, as the project finds it, which shares SHARED.
 
     It stays relative, for a published result says no more of a machine than its user wrote.
     Raises BadParams if it is the user's own and not there.
     """
-    if any(place.is_relative_to(name) for name in SHARED):
-        return place
-    require_place(root / place)
-    return place if place.is_absolute() else Path(os.path.relpath(root / place, project))
+    if any(path.is_relative_to(name) for name in SHARED_PATHS):
+        return path
+    require_path(root / path)
+    return path if path.is_absolute() else Path(os.path.relpath(root / path, project))
 
 
 if __name__ == "__main__":

@@ -19,140 +19,166 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Column, Table
 
-from industnerf.artifacts.cloud import load_remarks
+from industnerf.artifacts.cloud import load_warnings
 from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.cli import run_command
-from industnerf.config import Masked, load_params, read_yaml, stage
+from industnerf.config import StageParams, load_params, load_stage, read_yaml
 from industnerf.errors import PartsFailed
-from industnerf.outside.files import baked, cad_file, clouds_at, own
-from industnerf.outside.points import take_over
-from industnerf.outside.reports import begin, folder_for
-from industnerf.outside.table import HEADS, Known, known_of, part_lines, summary
+from industnerf.external.files import cad_file, find_clouds, select_catalogue, user_cad
+from industnerf.external.points import import_points
+from industnerf.external.report_folders import report_folder, start_report
+from industnerf.external.table import (
+    COLUMNS,
+    PublishedScores,
+    load_published_scores,
+    part_rows,
+    summary,
+)
 from industnerf.schema import Params
 from industnerf.stage import Task, read_failures, read_index, run_stage
-from pipeline import evaluate, parts, solids, truth
+from pipeline.stages import evaluate, parts, solids, truth
 
 OUT, STUDY = Path("runs/score"), Path("results/study")
 
 
-def main(place: str, part: str = "") -> None:
-    cad = cad_file(part)
-    params, clouds = asked(load_params(), Path(place), part, cad)
-    named = Path(place).resolve()
-    of = str(cad.resolve()) if cad else part
-    out = folder_for(OUT, named, of, (named, Path(params.parts.path), *clouds.values()))
-    begin(out, named, of)
-    score(params, clouds, out)
-    show(params, out)
-    require_one(out)
+def main(path: str, part: str = "") -> None:
+    cad_path = cad_file(part)
+    params, clouds = resolve_inputs(load_params(), Path(path), part, cad_path)
+    cloud_path = Path(path).resolve()
+    subject = str(cad_path.resolve()) if cad_path else part
+    out = report_folder(
+        OUT, cloud_path, subject, (cloud_path, Path(params.parts.path), *clouds.values())
+    )
+    start_report(out, cloud_path, subject)
+    score_clouds(params, clouds, out)
+    print_scores(params, out)
+    require_scored(out)
 
 
-def asked(
-    params: Params, place: Path, part: str, cad: Path | None
+def resolve_inputs(
+    params: Params, path: Path, part: str, cad_path: Path | None
 ) -> tuple[Params, dict[str, Path]]:
     """The parameters that bring in the parts, and the file of the cloud of each.
 
     `cad` is the file that `part` names, if it names one.
     """
-    if cad:
-        chosen, part_id = own(params.parts, cad)
-        clouds = clouds_at(place, part_id)
+    if cad_path:
+        parts_params, part_id = user_cad(params.parts, cad_path)
+        clouds = find_clouds(path, part_id)
     else:
-        clouds = clouds_at(place, part)
-        chosen = baked(params.parts, clouds)
-    return replace(params, parts=chosen), clouds
+        clouds = find_clouds(path, part)
+        parts_params = select_catalogue(params.parts, clouds)
+    return replace(params, parts=parts_params), clouds
 
 
-def score(params: Params, clouds: dict[str, Path], out: Path) -> None:
+def score_clouds(params: Params, clouds: dict[str, Path], out: Path) -> None:
     """The stages of the study up to its scores, with the files in the place of a method.
 
     `out` holds no report; of what was scored before, the store has the results.
     """
-    source, solid, part, known, cloud = (
+    source, solids_dir, parts_dir, truth_dir, clouds_dir = (
         params.parts.path,
         *(str(out / name) for name in ("solids", "parts", "truth", "clouds")),
     )
-    solids.main(masked(params, "solids"), source, solid)
-    parts.main(masked(params, "parts"), source, solid, part)
-    truth.main(masked(params, "truth"), part, known)
-    cap = params.evaluate.cap
+    solids.main(stage_params(params, "solids"), source, solids_dir)
+    parts.main(stage_params(params, "parts"), source, solids_dir, parts_dir)
+    truth.main(stage_params(params, "truth"), parts_dir, truth_dir)
+    cap = params.evaluate.max_points
     tasks = [
         Task(
             part_id,
-            partial(take_over, clouds[part_id], Path(part) / part_id, cap, params.seed),
+            partial(import_points, clouds[part_id], Path(parts_dir) / part_id, cap, params.seed),
             [cap, params.seed, part_id],
-            (clouds[part_id], *(Path(part) / part_id / name for name in ("mesh.npz", "part.json"))),
+            (
+                clouds[part_id],
+                *(Path(parts_dir) / part_id / name for name in ("mesh.npz", "part.json")),
+            ),
         )
-        for part_id in read_index(Path(part))
+        for part_id in read_index(Path(parts_dir))
     ]
-    before = read_failures(Path(part))
-    run_stage("outside", tasks, Path(cloud), "report", failed_before=before, needs_one=False)
+    earlier_failures = read_failures(Path(parts_dir))
+    run_stage(
+        "outside",
+        tasks,
+        Path(clouds_dir),
+        "report",
+        earlier_failures=earlier_failures,
+        needs_one=False,
+    )
     no_views = str(out / "views")  # a cloud without renderings asks for none
     evaluate.main(
-        masked(params, "evaluate"), out.name, part, no_views, known, cloud, str(out / "scores")
+        stage_params(params, "evaluate"),
+        out.name,
+        parts_dir,
+        no_views,
+        truth_dir,
+        clouds_dir,
+        str(out / "scores"),
     )
 
 
-def masked(params: Params, name: str) -> Masked:
+def stage_params(params: Params, name: str) -> StageParams:
     """What the stage `name` of dvc.yaml may read of `params`."""
-    return stage(name).mask(params)
+    return load_stage(name).select_params(params)
 
 
-def show(params: Params, out: Path) -> None:
+def print_scores(params: Params, out: Path) -> None:
     """Print the scores below `out`, part by part and in the mean, beside the study's."""
-    found = load_method_scores(out / "scores", out.name)
-    known = {part.part_id: part for part in load_parts(out / "parts")}
-    wide = Column(HEADS[0], min_width=max(map(len, known)))
-    table = Table(wide, *(Column(head, justify="right") for head in HEADS[1:]), box=SIMPLE)
-    for line in part_lines(found, known):
-        table.add_row(*line)
+    scores = load_method_scores(out / "scores", out.name)
+    parts_by_id = {part.part_id: part for part in load_parts(out / "parts")}
+    part_column = Column(COLUMNS[0], min_width=max(map(len, parts_by_id)))
+    table = Table(part_column, *(Column(head, justify="right") for head in COLUMNS[1:]), box=SIMPLE)
+    for row in part_rows(scores, parts_by_id):
+        table.add_row(*row)
     Console().print(table)
-    for part_id, why in read_failures(out / "clouds").items():
-        print(f"{part_id} failed: {why}")
-    said = read_failures(out / "clouds") | read_failures(out / "scores")
-    for part_id, why in read_failures(out / "scores").items():
-        print(f"{part_id} counts as failed, it could not be scored: {why}")
-    for part_id in sorted(failing(found) - said.keys()):
+    for part_id, reason in read_failures(out / "clouds").items():
+        print(f"{part_id} failed: {reason}")
+    reported = read_failures(out / "clouds") | read_failures(out / "scores")
+    for part_id, reason in read_failures(out / "scores").items():
+        print(f"{part_id} counts as failed, it could not be scored: {reason}")
+    for part_id in sorted(failed_parts(scores) - reported.keys()):
         print(f"{part_id} counts as failed: no point of its cloud can be scored")
     for part_id in read_index(out / "clouds"):
-        for remark in load_remarks(out / "clouds" / part_id):
-            print(f"{part_id}: {remark}")
-    beside, why = published(params)
-    for text in summary(found, known, beside, params.report, params.seed):
+        for warning in load_warnings(out / "clouds" / part_id):
+            print(f"{part_id}: {warning}")
+    study_scores, reason = published_scores(params)
+    for text in summary(scores, parts_by_id, study_scores, params.report, params.seed):
         print(text)
-    if why:
-        print(f"not set beside the study: {why}")
+    if reason:
+        print(f"not set beside the study: {reason}")
     print(f"every metric: {out / 'scores' / 'scores.csv'}")
 
 
-def require_one(out: Path) -> None:
+def require_scored(out: Path) -> None:
     """Raise PartsFailed if not one cloud below `out` was read and scored."""
-    said = read_failures(out / "clouds") | read_failures(out / "scores")
-    failed = said.keys() | failing(load_method_scores(out / "scores", out.name))
+    reported = read_failures(out / "clouds") | read_failures(out / "scores")
+    failed = reported.keys() | failed_parts(load_method_scores(out / "scores", out.name))
     if not read_index(out / "clouds").keys() - failed:
         if len(failed) == 1:
             raise PartsFailed("the cloud could not be scored; the reason stands above")
         raise PartsFailed(f"none of {len(failed)} clouds could be scored; the reasons stand above")
 
 
-def failing(scores: Sequence[PartScore]) -> set[str]:
+def failed_parts(scores: Sequence[PartScore]) -> set[str]:
     """The parts of which one of the `scores` is a failure's."""
     return {row.part_id for row in scores if row.score.status != "ok"}
 
 
-def published(params: Params) -> tuple[Known, str]:
+def published_scores(params: Params) -> tuple[PublishedScores, str]:
     """The published study; of its values none, and why, if it was not scored as `params` say."""
     if params.parts.source == "path":  # a file may be called as one of the study's parts
-        return Known({}, {}), "its parts are not your CAD file"
+        return PublishedScores({}, {}), "its parts are not your CAD file"
     if not STUDY.exists():
-        return Known({}, {}), f"there is no {STUDY}"
-    then, known = read_yaml(STUDY / "params.yaml"), known_of(STUDY)
-    now = {"evaluate": asdict(params.evaluate), "seed": params.seed}
-    others = [key for key, value in now.items() if then[key] != value]
-    if not others:
-        return known, ""
-    return Known(known.splits, {}), f"params.yaml has another {' and '.join(others)}"
+        return PublishedScores({}, {}), f"there is no {STUDY}"
+    study_params, study_scores = read_yaml(STUDY / "params.yaml"), load_published_scores(STUDY)
+    current = {"evaluate": asdict(params.evaluate), "seed": params.seed}
+    differing = [key for key, value in current.items() if study_params[key] != value]
+    if not differing:
+        return study_scores, ""
+    return PublishedScores(
+        study_scores.splits, {}
+    ), f"params.yaml has another {' and '.join(differing)}"
 
 
 if __name__ == "__main__":

@@ -21,19 +21,19 @@ from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
 from industnerf.config import PARAMS, build
 from industnerf.errors import BadArtifact, BadParams, SuiteError
-from industnerf.report.provenance import origin
-from industnerf.report.sweep import write_sweep
-from industnerf.report.sweep_index import TABLES
+from industnerf.report.publish.provenance import commit_stamp
+from industnerf.report.sweeps.preset_table import TABLES
+from industnerf.report.sweeps.sweep_report import write_sweep_report
 from industnerf.schema import Params
-from industnerf.tracking import label, log_report, prepare
-from pipeline.chain import run_chain
+from industnerf.tracking import log_report, prepare_database, save_tags
+from pipeline.in_process import run_pipeline
 
-CONF = Path(__file__).parents[1] / "conf"
-PICTURE = "sweep.png"
-GROUPS = ("experiment", "reading", "without")  # folders of conf
+CONF_DIR = Path(__file__).parents[1] / "conf"
+PLOT_FILE = "sweep.png"
+GROUPS = ("experiment", "reading", "ablation")  # folders of conf
 
 
-class SweepEnd(Callback):
+class SweepCallback(Callback):
     """Before a sweep the tracking database is made, and its commit noted; after it stand a table
     and a plot.
     """
@@ -41,16 +41,16 @@ class SweepEnd(Callback):
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         folder = Path(config.hydra.sweep.dir)
         try:
-            clear(folder)
+            clear_previous_sweep(folder)
         except BadArtifact as error:  # of which Hydra would make a warning
             print(f"error: {error}", file=sys.stderr)
             sys.exit(1)
-        write_json(folder / "made.json", origin())
-        prepare()
+        write_json(folder / "made.json", commit_stamp())
+        prepare_database()
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         try:
-            failed = write_sweep(Path(config.hydra.sweep.dir))
+            failed = write_sweep_report(Path(config.hydra.sweep.dir))
         except Exception:  # of which Hydra would make a warning, and end as if all were well
             traceback.print_exc()
             failed = True
@@ -58,54 +58,54 @@ class SweepEnd(Callback):
             sys.exit(1)
 
 
-def clear(folder: Path) -> None:
+def clear_previous_sweep(folder: Path) -> None:
     """Remove what an earlier sweep into `folder` left: what it made is in the store.
 
     Raises BadArtifact if something lies there, and no sweep has.
     """
-    there = {path.name for path in folder.iterdir()} if folder.exists() else set()
-    if not there - {"made.json"}:
+    names = {path.name for path in folder.iterdir()} if folder.exists() else set()
+    if not names - {"made.json"}:
         return
-    if "multirun.yaml" not in there:  # which Hydra writes
+    if "multirun.yaml" not in names:  # which Hydra writes
         raise BadArtifact(f"{folder} holds something else than a sweep; name another folder")
     for point in folder.iterdir():
         # one that failed early has no params.yaml, and nothing else; what has may be somebody's
         is_point = point.is_dir() and point.name.isdigit()
         if is_point and ((point / PARAMS).exists() or not any(point.iterdir())):
             shutil.rmtree(point)
-    for name in (*(table for _, table in TABLES), PICTURE):
+    for name in (*(table for _, table in TABLES), PLOT_FILE):
         (folder / name).unlink(missing_ok=True)
 
 
-def require_known(choices: Mapping[str, str | None]) -> None:
+def check_choices(choices: Mapping[str, str | None]) -> None:
     """Raise BadParams if a group's choice has no file: Hydra skips what is optional and missing."""
     for group in GROUPS:
-        known = sorted(path.stem for path in (CONF / group).glob("*.yaml"))
-        if (name := choices.get(group)) not in (None, "null", *known):
-            raise BadParams(f"{group}={name} is unknown, known are {', '.join(known)}")
+        available = sorted(path.stem for path in (CONF_DIR / group).glob("*.yaml"))
+        if (name := choices.get(group)) not in (None, "null", *available):
+            raise BadParams(f"{group}={name} is unknown, known are {', '.join(available)}")
 
 
 @hydra.main(version_base="1.3", config_path="../conf", config_name="config")
 def main(config: DictConfig) -> None:
-    run = HydraConfig.get()
-    folder, overrides = Path(run.runtime.output_dir), " ".join(run.overrides.task)
+    hydra_config = HydraConfig.get()
+    folder, overrides = Path(hydra_config.runtime.output_dir), " ".join(hydra_config.overrides.task)
     values = OmegaConf.to_container(config, resolve=True)
     try:
-        require_known(run.runtime.choices)
-        _point(folder, values, overrides)
+        check_choices(hydra_config.runtime.choices)
+        _run_point(folder, values, overrides)
     except Exception as error:
         if not isinstance(error, SuiteError):
             traceback.print_exc()
         print(f"error at {overrides}: {error}", file=sys.stderr)
-        if run.mode == RunMode.RUN:
+        if hydra_config.mode == RunMode.RUN:
             sys.exit(1)  # a sweep goes on with its other points, and ends with SweepEnd
 
 
-def _point(folder: Path, values: Any, overrides: str) -> None:
+def _run_point(folder: Path, values: Any, overrides: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     OmegaConf.save(values, folder / "params.yaml")
-    run_chain(build(Params, values, "the composed configuration"), folder)
-    label(folder / "reports", point=overrides)
+    run_pipeline(build(Params, values, "the composed configuration"), folder)
+    save_tags(folder / "reports", point=overrides)
     log_report(folder / "reports", values)
 
 

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from industnerf.artifacts.finish import UNSTATED
+from industnerf.artifacts.appearance import UNSPECIFIED
 from industnerf.artifacts.part import Part
 
 
-def unit_part(part_id: str = "p1", family: str = "gears", **facts: Any) -> Part:
+def unit_part(part_id: str = "p1", family: str = "gears", **fields: Any) -> Part:
     """A part of unit size; `facts` are fields of Part that matter."""
     values = {
         "designation": part_id,
@@ -21,7 +21,7 @@ def unit_part(part_id: str = "p1", family: str = "gears", **facts: Any) -> Part:
         "visible_share": 1.0,
         "hull_hidden_share": 0.0,
         "strata": (),
-        "finishes": (UNSTATED,),
+        "finishes": (UNSPECIFIED,),
         "defects": (),
     }
-    return Part(part_id, family, **(values | facts))
+    return Part(part_id, family, **(values | fields))

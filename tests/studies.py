@@ -6,48 +6,50 @@ from typing import Any
 
 from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
-from industnerf.artifacts.split import Place
+from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
-from industnerf.report.gather import Folders, Study
-from industnerf.report.given import Views
+from industnerf.report.input_views import InputViews
+from industnerf.report.study import Study, StudyFolders
 from industnerf.schema import ReportParams
 
-SETTINGS = ReportParams(resamples=200, interval=0.9, sheet_parts=4)
+SETTINGS = ReportParams(bootstrap_resamples=200, confidence_level=0.9, contact_sheet_parts=4)
 FLOOR = 0.01
 PROTOCOLS = ("P1-even", "P1-iid", "P1-full")
 
 
-def study_of(
+def make_study(
     parts: list[Part], emds: dict[str, list[float]], dev: Collection[str] = (), **changes: Any
 ) -> Study:
     """`emds` of each method on `parts`, in their order: 0.1 more under `P1-iid`, 0.2 `P1-full`.
 
     A part in `dev` is tuned on.  A part on which the EMD is infinite failed, with the EMD 1.
     """
-    names = [part.part_id for part in parts]
+    part_ids = [part.part_id for part in parts]
     values = {
         "preset": "smoke",
         "seed": 0,
         "views": 12,
         "methods": {name: load_method(name) for name in emds},
         "parts": {part.part_id: part for part in parts},
-        "places": {name: Place("dev" if name in dev else "test", None) for name in names},
-        "scores": [row for name in emds for row in _scores(name, names, emds[name])],
+        "places": {
+            name: SplitAssignment("dev" if name in dev else "test", None) for name in part_ids
+        },
+        "scores": [row for name in emds for row in _make_scores(name, part_ids, emds[name])],
         "failures": {},
         "remarks": {},
         "training": dict.fromkeys(emds, (0, 0)),
         "lessons": {},
         "seen_by_training": {},
-        "seen_by_rig": dict.fromkeys(names, 1.0),
-        "folders": Folders(*[Path("nowhere")] * 8),
-        "given": dict.fromkeys(emds, Views(12)),
+        "seen_by_rig": dict.fromkeys(part_ids, 1.0),
+        "folders": StudyFolders(*[Path("nowhere")] * 8),
+        "given": dict.fromkeys(emds, InputViews(12)),
         "seeds_sd": {},
         "empty_answers": {},
     }
     return Study(**(values | changes))
 
 
-def _scores(method: str, names: list[str], emds: list[float]) -> list[PartScore]:
+def _make_scores(method: str, names: list[str], emds: list[float]) -> list[PartScore]:
     return [
         PartScore(
             name, method, Score("emd", protocol, min(emd, 1.0) + 0.1 * i, FLOOR, "diagonal", status)

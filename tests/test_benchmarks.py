@@ -7,14 +7,14 @@ from unittest.mock import create_autospec
 
 import pytest
 
-from industnerf.artifacts.split import Place, save_split
+from industnerf.artifacts.split import SplitAssignment, save_split
 from industnerf.config import load_params
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
 @pytest.fixture(autouse=True)
-def beside_each_other(monkeypatch):
+def benchmarks_on_path(monkeypatch):
     """As if a script of benchmarks/ were run: they import each other by plain name."""
     monkeypatch.syspath_prepend(BENCHMARKS)
     yield
@@ -31,14 +31,18 @@ def test_r2n2_learns_once_and_is_asked_with_one_to_five_views(root, tmp_path, mo
     module = importlib.import_module("r2n2_views")
     save_split(
         tmp_path / "split.json",
-        {"a": Place("test", 0), "b": Place("test", 1), "c": Place("dev", 0)},
+        {
+            "a": SplitAssignment("test", 0),
+            "b": SplitAssignment("test", 1),
+            "c": SplitAssignment("dev", 0),
+        },
     )
     run = create_autospec(module.run)
     emd = create_autospec(module.emd, side_effect=lambda job, *_: job.settings.views / 10)
     monkeypatch.setattr(module, "run", run)
     monkeypatch.setattr(module, "emd", emd)
     settings = load_params(root / "params.yaml").method.r2n2
-    found = module.asked(module.Job(tmp_path, "r2n2", 0, 1, settings))
-    assert found == {views: {"a": views / 10} for views in (1, 2, 3, 4, 5)}
+    emds = module.asked(module.Job(tmp_path, "r2n2", 0, 1, settings))
+    assert emds == {views: {"a": views / 10} for views in (1, 2, 3, 4, 5)}
     assert run.call_count == 1
     assert {call.args[1] for call in emd.call_args_list} == {run.return_value.state}

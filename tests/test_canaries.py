@@ -5,12 +5,12 @@ import pytest
 from jaxtyping import TypeCheckError
 
 from industnerf.geometry.sphere import fibonacci_sphere
-from industnerf.geometry.visibility import seen_from
+from industnerf.geometry.visibility import visible_from
 
 
 def test_shape_annotations_are_enforced():
     with pytest.raises(TypeCheckError):
-        seen_from(None, np.zeros((5, 2)), np.zeros((1, 3)), 0.1)
+        visible_from(None, np.zeros((5, 2)), np.zeros((1, 3)), 0.1)
 
 
 def test_types_are_enforced():

@@ -12,37 +12,40 @@ from pipeline import preset, publish
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize("given", [[], ["data/parts"], ["data/parts", "data/views", "more"]])
-def test_other_arguments_than_the_stage_takes_are_refused_in_words(given, monkeypatch, capsys):
+@pytest.mark.parametrize("arguments", [[], ["data/parts"], ["data/parts", "data/views", "more"]])
+def test_other_arguments_than_the_stage_takes_are_refused_in_words(arguments, monkeypatch, capsys):
     def main(cfg, parts, out):
         raise AssertionError("not to be reached")
 
-    monkeypatch.setattr(sys, "argv", ["pipeline/views.py", *given])
+    monkeypatch.setattr(sys, "argv", ["pipeline/stages/views.py", *arguments])
     with pytest.raises(SystemExit) as end:
         run_as_stage(main, "views")
     assert end.value.code == 1
-    told = capsys.readouterr().err
-    assert f"python -m pipeline.views takes PARTS OUT, {len(given)} arguments were given" in told
-    assert "`dvc repro views`" in told
+    stderr = capsys.readouterr().err
+    assert (
+        f"python -m pipeline.stages.views takes PARTS OUT, {len(arguments)} arguments were given"
+        in stderr
+    )
+    assert "`dvc repro views`" in stderr
 
 
 def test_those_that_it_takes_reach_it_with_its_parameters(monkeypatch):
-    seen = []
+    calls = []
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(sys, "argv", ["pipeline/views.py", "data/parts", "data/views"])
-    run_as_stage(lambda cfg, parts, out: seen.append((cfg.views.count, parts, out)), "views")
-    assert seen == [(40, "data/parts", "data/views")]
+    monkeypatch.setattr(sys, "argv", ["pipeline/stages/views.py", "data/parts", "data/views"])
+    run_as_stage(lambda cfg, parts, out: calls.append((cfg.views.count, parts, out)), "views")
+    assert calls == [(40, "data/parts", "data/views")]
 
 
-@pytest.mark.parametrize(("module", "given"), [(preset, []), (publish, ["a", "b"])])
-def test_a_command_with_other_arguments_says_its_usage(module, given, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", [module.__name__, *given])
+@pytest.mark.parametrize(("module", "arguments"), [(preset, []), (publish, ["a", "b"])])
+def test_a_command_with_other_arguments_says_its_usage(module, arguments, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [module.__name__, *arguments])
     with pytest.raises(SystemExit) as end:
         run_command(module.main)
     assert end.value.code == 1
-    told = capsys.readouterr().err
-    assert f"{len(given)} arguments were given" in told
-    assert f"python -m {module.__name__}" in told
+    stderr = capsys.readouterr().err
+    assert f"{len(arguments)} arguments were given" in stderr
+    assert f"python -m {module.__name__}" in stderr
 
 
 def test_without_the_environment_dvc_is_asked_for(monkeypatch):

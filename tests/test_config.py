@@ -34,7 +34,7 @@ def test_params_yaml_is_a_whole_set_of_values(values):
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "said"),
+    ("path", "value", "message"),
     [
         ("views.count", "forty", "views.count is 'forty', must be a whole number"),
         ("views.count", 40.0, "views.count is 40.0, must be a whole number"),
@@ -56,7 +56,11 @@ def test_params_yaml_is_a_whole_set_of_values(values):
         ("methods", ["hul"], "methods[0] is 'hul', must be one of industnerf"),
         ("methods", [], "methods is [], must be a list of at least one method"),
         ("on_failure", True, "on_failure is True, must be one of strict, report"),
-        ("evaluate.dense", 1, "evaluate.dense is 1, must be at least the 4096 of points"),
+        (
+            "evaluate.dense_samples",
+            1,
+            "evaluate.dense_samples is 1, must be at least the 4096 of points",
+        ),
         (
             "method.nerf.levels",
             [
@@ -65,16 +69,20 @@ def test_params_yaml_is_a_whole_set_of_values(values):
             ],
             "method.nerf.levels[1].steps is -1, must be at least 0",
         ),
-        ("method.nerf.rays", 0, "method.nerf.rays is 0, must be at least 1"),
-        ("method.nerf.initial", 1e9, "method.nerf.initial is 1000000000.0, must be below ceiling"),
+        ("method.nerf.rays_per_step", 0, "method.nerf.rays_per_step is 0, must be at least 1"),
+        (
+            "method.nerf.density_bias",
+            1e9,
+            "method.nerf.density_bias is 1000000000.0, must be below ceiling",
+        ),
         ("method.hull.cell_px", 0, "method.hull.cell_px is 0.0, must be in (0, 8] px"),
         ("method.mlp", {}, "method.mlp is unknown"),
     ],
 )
-def test_a_wrong_value_is_named(values, path, value, said):
+def test_a_wrong_value_is_named(values, path, value, message):
     with pytest.raises(BadParams) as refusal:
         config.build(Params, changed(values, path, value))
-    assert said in str(refusal.value)
+    assert message in str(refusal.value)
     assert "params.yaml" in str(refusal.value)
 
 
@@ -98,8 +106,8 @@ def test_a_missing_or_torn_file_is_named(tmp_path, monkeypatch):
 
 
 def test_a_stage_reads_what_dvc_yaml_lists_and_nothing_else(root):
-    stage = config.stage("reconstruct", "hull", root / "dvc.yaml")
-    cfg = stage.mask(config.load_params(root / "params.yaml"))
+    stage = config.load_stage("reconstruct", "hull", root / "dvc.yaml")
+    cfg = stage.select_params(config.load_params(root / "params.yaml"))
     assert cfg.method.hull.points > 0
     with pytest.raises(UndeclaredParameter, match=r"stage 'reconstruct' reads 'method\.ball'"):
         cfg.method.ball  # noqa: B018
@@ -114,4 +122,8 @@ def test_dvc_and_we_read_params_yaml_alike(values, root, monkeypatch):
 
 
 def test_sections_become_dotted_keys():
-    assert config.flat({"a": {"b": {"c": 1}, "d": [2]}, "e": 3}) == {"a.b.c": 1, "a.d": [2], "e": 3}
+    assert config.flatten({"a": {"b": {"c": 1}, "d": [2]}, "e": 3}) == {
+        "a.b.c": 1,
+        "a.d": [2],
+        "e": 3,
+    }

@@ -48,10 +48,10 @@ def test_a_line_that_means_nothing_is_named(file, line):
 def test_what_is_no_number_is_refused(monkeypatch, value):
     monkeypatch.setenv("INDUSTNERF_WORKERS", value)
     with pytest.raises(BadParams, match=r"INDUSTNERF_WORKERS is .*, must be a number of processes"):
-        environment.number("INDUSTNERF_WORKERS", "processes")
+        environment.get_positive_int("INDUSTNERF_WORKERS", "processes")
 
 
 def test_an_empty_variable_is_as_good_as_none(monkeypatch):
     monkeypatch.setenv("INDUSTNERF_WORKERS", "")
-    assert environment.number("INDUSTNERF_WORKERS", "processes", 7) == 7
-    assert environment.text("INDUSTNERF_WORKERS") is None
+    assert environment.get_positive_int("INDUSTNERF_WORKERS", "processes", 7) == 7
+    assert environment.get_str("INDUSTNERF_WORKERS") is None

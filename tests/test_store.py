@@ -8,12 +8,12 @@ import textwrap
 
 import pytest
 
-from industnerf.store import Cost, Store, content_digest, key_of
+from industnerf.store import Cost, Store, content_digest, store_key
 
 COST = Cost(1.0, 2.0, "cpu")
 
 
-def maker(text="hello"):
+def make_writer(text="hello"):
     def make(target):
         (target / "deep").mkdir()
         (target / "deep" / "a.txt").write_text(text)
@@ -25,8 +25,8 @@ def maker(text="hello"):
 def test_what_is_put_can_be_placed_and_its_cost_is_known(tmp_path):
     store = Store(tmp_path / "store")
     assert not store.has("step", "k")
-    store.put("step", "k", maker())
-    store.place("step", "k", tmp_path / "out")
+    store.put("step", "k", make_writer())
+    store.link_result("step", "k", tmp_path / "out")
     assert (tmp_path / "out" / "deep" / "a.txt").read_text() == "hello"
     assert store.cost("step", "k") == COST
     assert store.cost("step", "other") is None
@@ -40,24 +40,24 @@ def test_an_empty_variable_is_none(monkeypatch):
 
 def test_a_placed_result_replaces_what_was_there(tmp_path):
     store = Store(tmp_path / "store")
-    store.put("step", "k", maker())
+    store.put("step", "k", make_writer())
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "stale").write_text("")
-    store.place("step", "k", tmp_path / "out")
+    store.link_result("step", "k", tmp_path / "out")
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["deep"]
 
 
 def test_results_are_read_only(tmp_path):
     store = Store(tmp_path)
-    store.put("step", "k", maker())
-    assert (store.out("step", "k") / "deep" / "a.txt").stat().st_mode & 0o222 == 0
+    store.put("step", "k", make_writer())
+    assert (store.result_path("step", "k") / "deep" / "a.txt").stat().st_mode & 0o222 == 0
 
 
 def test_the_first_of_two_workers_wins(tmp_path):
     store = Store(tmp_path)
-    store.put("step", "k", maker("first"))
-    store.put("step", "k", maker("second"))
-    assert (store.out("step", "k") / "deep" / "a.txt").read_text() == "first"
+    store.put("step", "k", make_writer("first"))
+    store.put("step", "k", make_writer("second"))
+    assert (store.result_path("step", "k") / "deep" / "a.txt").read_text() == "first"
     assert [p.name for p in (tmp_path / "step").iterdir()] == ["k"]
 
 
@@ -102,12 +102,12 @@ def test_a_key_depends_on_settings_code_and_content(tmp_path):
     file = tmp_path / "a"
     file.write_text("1")
 
-    def key(step="s", settings=1, module="industnerf.seeds"):
-        return key_of(step, settings, [module], [file])
+    def key(stage="s", settings=1, module="industnerf.seeds"):
+        return store_key(stage, settings, [module], [file])
 
     first = key()
     assert key() == first
-    others = [key(step="t"), key(settings=2), key(module="industnerf.errors")]
+    others = [key(stage="t"), key(settings=2), key(module="industnerf.errors")]
     file.write_text("2")
     others.append(key())
     assert len({first, *others}) == 5

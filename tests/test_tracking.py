@@ -116,11 +116,11 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
 
 def test_a_method_that_was_dropped_is_not_in_the_run(report, tmp_path):
     """DVC leaves its clouds where they are; of parts without views they cannot even be shown."""
-    gone = tmp_path / "data" / "clouds" / "gone" / "p1"
-    gone.mkdir(parents=True)
-    History(np.array([0]), np.array([9.0]), {}).save(gone)
-    asked = LOG.replace('"seed": 0', '"seed": 0, "methods": ["net"]')
-    assert finish(start(asked, report))[0] == 0
+    dropped = tmp_path / "data" / "clouds" / "gone" / "p1"
+    dropped.mkdir(parents=True)
+    History(np.array([0]), np.array([9.0]), {}).save(dropped)
+    script = LOG.replace('"seed": 0', '"seed": 0, "methods": ["net"]')
+    assert finish(start(script, report))[0] == 0
     code, output = finish(start(READ, tmp_path / "mlflow"))
     assert code == 0, output
     assert "net.loss" in output
@@ -176,8 +176,8 @@ def test_what_results_are_written_to_makes_no_tree_dirty(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("code.py", "dvc.lock"):
         (tmp_path / name).write_text("as committed\n")
-    who = ("-c", "user.name=n", "-c", "user.email=e@example.org")
-    for command in (("init", "-q"), ("add", "-A"), (*who, "commit", "-q", "-m", "first")):
+    identity = ("-c", "user.name=n", "-c", "user.email=e@example.org")
+    for command in (("init", "-q"), ("add", "-A"), (*identity, "commit", "-q", "-m", "first")):
         subprocess.run(["git", *command], check=True)
     (tmp_path / "dvc.lock").write_text("changed\n")
     assert git_state()["git.dirty"] == "false"

@@ -21,21 +21,21 @@ def run_as_stage(main: Callable[..., None], name: str) -> None:
     arguments = sys.argv[1:]
 
     def job() -> None:
-        _refuse_other_arguments(main, name, arguments)
-        stage = config.stage(name, arguments[0] if config.is_matrix(name) else None)
-        main(stage.mask(config.load_params()), *arguments)
+        _check_arguments(main, name, arguments)
+        stage = config.load_stage(name, arguments[0] if config.is_matrix(name) else None)
+        main(stage.select_params(config.load_params()), *arguments)
 
     exit_with_message(job)
 
 
-def _refuse_other_arguments(main: Callable[..., None], name: str, arguments: list[str]) -> None:
+def _check_arguments(main: Callable[..., None], name: str, arguments: list[str]) -> None:
     signature = inspect.signature(main)
     try:
         signature.bind(None, *arguments)
     except TypeError:
-        wanted = " ".join(word.upper() for word in list(signature.parameters)[1:])
+        expected = " ".join(parameter.upper() for parameter in list(signature.parameters)[1:])
         raise BadParams(
-            f"python -m pipeline.{name} takes {wanted}, {len(arguments)} arguments were given; "
+            f"python -m pipeline.{name} takes {expected}, {len(arguments)} arguments were given; "
             f"`dvc repro {name}` gives it the right ones"
         ) from None
 

@@ -38,12 +38,12 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return typing.cast(dict[str, Any], content)
 
 
-def build(schema: type[T], values: object, where: str = "params.yaml") -> T:
+def build(schema: type[T], values: object, source: str = "params.yaml") -> T:
     """`values` as a `schema`: every key present, none unknown, all types and rules as declared.
 
     Raises BadParams that names `where` and the key, and says what it must be.
     """
-    return _typed(schema, values, where, "")
+    return _check_type(schema, values, source, "")
 
 
 def load_params(path: Path = PARAMS) -> Params:
@@ -61,9 +61,9 @@ class Stage:
     deps: tuple[str, ...]
     outs: tuple[str, ...]
 
-    def mask(self, params: Params) -> Any:
+    def select_params(self, params: Params) -> Any:
         """`params` cut down to what this stage lists."""
-        return Masked(params, self.params, self.name)
+        return StageParams(params, self.params, self.name)
 
 
 def load_stages(path: Path = PIPELINE) -> dict[str, dict[str, Any]]:
@@ -76,93 +76,104 @@ def is_matrix(name: str, path: Path = PIPELINE) -> bool:
     return "matrix" in load_stages(path)[name]
 
 
-def stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
+def load_stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
     """The stage `name`; of a matrix, the one of method `item`."""
     raw = load_stages(path)[name]
 
-    def filled(texts: list[Any]) -> tuple[str, ...]:
-        flat = [next(iter(text)) if isinstance(text, dict) else text for text in texts]
-        return tuple(text.replace("${item.method}", item or "") for text in flat)
+    def interpolate(texts: list[Any]) -> tuple[str, ...]:
+        templates = [next(iter(text)) if isinstance(text, dict) else text for text in texts]
+        return tuple(text.replace("${item.method}", item or "") for text in templates)
 
     return Stage(
         name,
-        filled([raw["cmd"]])[0],
-        filled(raw.get("params", [])),
-        filled(raw.get("deps", [])),
-        filled(raw.get("outs", [])),
+        interpolate([raw["cmd"]])[0],
+        interpolate(raw.get("params", [])),
+        interpolate(raw.get("deps", [])),
+        interpolate(raw.get("outs", [])),
     )
 
 
-def flat(params: Mapping[str, Any], at: str = "") -> dict[str, Any]:
+def flatten(params: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Nested sections to dotted keys."""
-    found: dict[str, Any] = {}
+    flattened: dict[str, Any] = {}
     for key, value in params.items():
-        found |= flat(value, f"{at}{key}.") if isinstance(value, Mapping) else {f"{at}{key}": value}
-    return found
+        flattened |= (
+            flatten(value, f"{prefix}{key}.")
+            if isinstance(value, Mapping)
+            else {f"{prefix}{key}": value}
+        )
+    return flattened
 
 
-class Masked:
+class StageParams:
     """Parameters of which only the declared keys can be read."""
 
-    def __init__(self, values: object, allowed: tuple[str, ...], stage: str, at: str = "") -> None:
-        self._values, self._allowed, self._stage, self._at = values, allowed, stage, at
+    def __init__(
+        self, values: object, allowed: tuple[str, ...], stage: str, prefix: str = ""
+    ) -> None:
+        self._values, self._allowed, self._stage, self._prefix = values, allowed, stage, prefix
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        key = f"{self._at}{name}"
+        key = f"{self._prefix}{name}"
         if key in self._allowed:
             return getattr(self._values, name)
         if any(path.startswith(f"{key}.") for path in self._allowed):
-            return Masked(getattr(self._values, name), self._allowed, self._stage, f"{key}.")
+            return StageParams(getattr(self._values, name), self._allowed, self._stage, f"{key}.")
         raise UndeclaredParameter(
             f"stage {self._stage!r} reads {key!r}, which dvc.yaml does not list under its params "
             f"({', '.join(self._allowed)})"
         )
 
 
-def _typed(kind: Any, value: Any, where: str, key: str) -> Any:
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if dataclasses.is_dataclass(kind):
-        return _section(kind, value, where, key)
+def _check_type(expected_type: Any, value: Any, source: str, key: str) -> Any:
+    origin, arguments = typing.get_origin(expected_type), typing.get_args(expected_type)
+    if dataclasses.is_dataclass(expected_type):
+        return _build_section(expected_type, value, source, key)
     if origin is Literal:
-        return _expect(value in arguments, value, where, key, f"one of {', '.join(arguments)}")
+        return _expect(value in arguments, value, source, key, f"one of {', '.join(arguments)}")
     if origin is Annotated:
-        typed = _typed(arguments[0], value, where, key)
+        typed = _check_type(arguments[0], value, source, key)
         for rule in arguments[1:]:
-            _expect(rule.holds(typed), typed, where, key, rule.words)
+            _expect(rule.is_valid(typed), typed, source, key, rule.message)
         return typed
     if origin is list:
-        _expect(isinstance(value, list), value, where, key, "a list")
-        return [_typed(arguments[0], each, where, f"{key}[{i}]") for i, each in enumerate(value)]
-    if kind is float:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        return float(_expect(number, value, where, key, "a number"))
-    exact = type(value) is kind  # so that `true` is no int and 40.0 no count
-    names = {int: "a whole number", str: "a text", bool: "true or false"}
-    return _expect(exact, value, where, key, names[kind])
+        _expect(isinstance(value, list), value, source, key, "a list")
+        return [
+            _check_type(arguments[0], item, source, f"{key}[{i}]") for i, item in enumerate(value)
+        ]
+    if expected_type is float:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        return float(_expect(is_number, value, source, key, "a number"))
+    is_exact_type = type(value) is expected_type  # so that `true` is no int and 40.0 no count
+    type_names = {int: "a whole number", str: "a text", bool: "true or false"}
+    return _expect(is_exact_type, value, source, key, type_names[expected_type])
 
 
-def _section(kind: Any, value: Any, where: str, key: str) -> Any:
+def _build_section(section_type: Any, value: Any, source: str, key: str) -> Any:
     name = key or "the file"
-    _expect(isinstance(value, Mapping), value, where, name, "a section with keys")
-    types_of = typing.get_type_hints(kind, include_extras=True)
-    unknown, missing = sorted(set(value) - set(types_of)), sorted(set(types_of) - set(value))
+    _expect(isinstance(value, Mapping), value, source, name, "a section with keys")
+    field_types = typing.get_type_hints(section_type, include_extras=True)
+    unknown, missing = sorted(set(value) - set(field_types)), sorted(set(field_types) - set(value))
     prefix = f"{key}." if key else ""
     if unknown:
         raise BadParams(
-            f"{where}: {prefix}{unknown[0]} is unknown; {name} has {', '.join(types_of)}"
+            f"{source}: {prefix}{unknown[0]} is unknown; {name} has {', '.join(field_types)}"
         )
     if missing:
-        raise BadParams(f"{where}: {prefix}{missing[0]} is missing")
-    typed = {field: _typed(t, value[field], where, prefix + field) for field, t in types_of.items()}
+        raise BadParams(f"{source}: {prefix}{missing[0]} is missing")
+    typed = {
+        field: _check_type(field_type, value[field], source, prefix + field)
+        for field, field_type in field_types.items()
+    }
     try:
-        return kind(**typed)
+        return section_type(**typed)
     except BadValue as error:
-        raise BadParams(f"{where}: {prefix}{error}") from None
+        raise BadParams(f"{source}: {prefix}{error}") from None
 
 
-def _expect(holds: bool, value: Any, where: str, key: str, rule: str) -> Any:
-    if not holds:
-        raise BadParams(f"{where}: {key} is {value!r}, must be {rule}")
+def _expect(is_valid: bool, value: Any, source: str, key: str, rule: str) -> Any:
+    if not is_valid:
+        raise BadParams(f"{source}: {key} is {value!r}, must be {rule}")
     return value

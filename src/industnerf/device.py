@@ -7,5 +7,5 @@ from industnerf import environment
 
 def device() -> torch.device:
     """The device of whatever is trained."""
-    name = environment.text("INDUSTNERF_DEVICE")
+    name = environment.get_str("INDUSTNERF_DEVICE")
     return torch.device(name or ("cuda" if torch.cuda.is_available() else "cpu"))

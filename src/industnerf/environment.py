@@ -17,7 +17,7 @@ from pathlib import Path
 from industnerf.errors import BadParams
 
 FILE = Path(".industnerf.env")
-LINE = re.compile(r"(?P<name>(INDUSTNERF|SBATCH)_[A-Z0-9_]+)=(?P<value>.*)")
+LINE_PATTERN = re.compile(r"(?P<name>(INDUSTNERF|SBATCH)_[A-Z0-9_]+)=(?P<value>.*)")
 
 
 def read_local_file(path: Path = FILE) -> None:
@@ -26,31 +26,31 @@ def read_local_file(path: Path = FILE) -> None:
     Raises BadParams for a line that is no `NAME=value` of a name in INDUSTNERF_* or SBATCH_*.
     """
     lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    for number, line in enumerate(lines, start=1):
+    for line_number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        match = LINE.fullmatch(line.strip())
+        match = LINE_PATTERN.fullmatch(line.strip())
         if match is None:
             raise BadParams(
-                f"{path}:{number}: {line.strip()!r} is no NAME=value "
+                f"{path}:{line_number}: {line.strip()!r} is no NAME=value "
                 "of a name that begins with INDUSTNERF_ or SBATCH_"
             )
         os.environ.setdefault(match["name"], match["value"].strip())
 
 
-def text(name: str) -> str | None:
+def get_str(name: str) -> str | None:
     """The variable `name`, or None where it is not set or empty."""
     return os.environ.get(name) or None
 
 
-def number(name: str, what: str, default: int | None = None) -> int | None:
+def get_positive_int(name: str, unit: str, default: int | None = None) -> int | None:
     """The variable `name` as a whole number of `what`, at least 1.
 
     Raises BadParams for anything else.
     """
-    value = text(name)
+    value = get_str(name)
     if value is None:
         return default
     if not (value.isascii() and value.isdigit()) or int(value) < 1:
-        raise BadParams(f"{name} is {value!r}, must be a number of {what}, at least 1")
+        raise BadParams(f"{name} is {value!r}, must be a number of {unit}, at least 1")
     return int(value)

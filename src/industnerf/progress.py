@@ -13,8 +13,8 @@ from industnerf.store import Cost
 class Progress:
     """Counts done, reused and failed parts of one stage."""
 
-    def __init__(self, step: str, name: str, total: int, reused: int) -> None:
-        self._label = step if name == step else f"{step} {name}"
+    def __init__(self, stage: str, name: str, total: int, reused: int) -> None:
+        self._label = stage if name == stage else f"{stage} {name}"
         self._total, self._reused, self._done, self._failed = total, reused, 0, 0
         self._peak_mb = 0.0
         self._console = Console()
@@ -33,7 +33,7 @@ class Progress:
         self._bar.start()
         # reused parts take no time, so they stay out of the bar that foretells the end
         self._task = self._bar.add_task(
-            self._label, total=self._total - self._reused, note=self._note()
+            self._label, total=self._total - self._reused, note=self._counts_text()
         )
         return self
 
@@ -42,11 +42,11 @@ class Progress:
         self._peak_mb = max(self._peak_mb, cost.peak_mb if cost else 0.0)
         self._done += error is None
         self._failed += error is not None
-        self._bar.update(self._task, advance=1, note=self._note())
+        self._bar.update(self._task, advance=1, note=self._counts_text())
         if error is not None:
             self._console.print(f"{self._label}: {part_id} failed: {error}", markup=False)
         elif not self._console.is_terminal and self._is_due():
-            self._console.print(f"{self._label}: {self._note()} of {self._total}")
+            self._console.print(f"{self._label}: {self._counts_text()} of {self._total}")
 
     def __exit__(
         self,
@@ -56,11 +56,13 @@ class Progress:
     ) -> None:
         self._bar.stop()
         seconds = time.perf_counter() - self._start
-        ending = "interrupted" if kind else "done"
+        outcome = "interrupted" if kind else "done"
         memory = f", at most {self._peak_mb:.0f} MB a process" if self._peak_mb else ""
-        self._console.print(f"{self._label}: {ending}, {self._note()}, {seconds:.1f} s{memory}")
+        self._console.print(
+            f"{self._label}: {outcome}, {self._counts_text()}, {seconds:.1f} s{memory}"
+        )
 
-    def _note(self) -> str:
+    def _counts_text(self) -> str:
         return f"{self._done} made, {self._reused} reused, {self._failed} failed"
 
     def _is_due(self) -> bool:

@@ -15,15 +15,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from industnerf import attempts
+from industnerf import resume_time
 from industnerf.artifacts.files import read_json, write_json
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
-from industnerf.store import Cost, Store, key_of
+from industnerf.store import Cost, Store, store_key
 
 SCHEMA = 1
-SHOWN = 10  # failures that are named where a stage refuses
+MAX_SHOWN_FAILURES = 10  # failures that are named where a stage refuses
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class Task:
 
 
 def run_stage(
-    step: str,
+    stage: str,
     tasks: Sequence[Task],
     out: Path,
     on_failure: str,
     *,
-    failed_before: dict[str, str] | None = None,
+    earlier_failures: dict[str, str] | None = None,
     limit_s: float = math.inf,
     memory_mb: int | None = None,
     needs_one: bool = True,
@@ -66,27 +66,29 @@ def run_stage(
     before anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
-    keys = [_key(step, task) for task in tasks]
-    todo = [i for i, key in enumerate(keys) if not store.has(step, key)]
-    failures, lost = dict(failed_before or {}), set[str]()
-    works = [partial(_make, store, step, keys[i], tasks[i]) for i in todo]
-    with Progress(step, out.name, len(tasks), reused=len(tasks) - len(todo)) as progress:
-        for outcome in runner_from_environment().map(works, limit_s, memory_mb):
-            at = todo[outcome.index]
+    keys = [_store_key(stage, task) for task in tasks]
+    pending = [i for i, key in enumerate(keys) if not store.has(stage, key)]
+    failures, lost = dict(earlier_failures or {}), set[str]()
+    work_items = [partial(_make_result, store, stage, keys[i], tasks[i]) for i in pending]
+    with Progress(stage, out.name, len(tasks), reused=len(tasks) - len(pending)) as progress:
+        for outcome in runner_from_environment().map(work_items, limit_s, memory_mb):
+            index_of_task = pending[outcome.index]
             if outcome.error is not None:
-                failures[tasks[at].part_id] = outcome.error
+                failures[tasks[index_of_task].part_id] = outcome.error
             if outcome.lost:
-                lost.add(tasks[at].part_id)
-            progress.advance(tasks[at].part_id, outcome.error, store.cost(step, keys[at]))
+                lost.add(tasks[index_of_task].part_id)
+            progress.advance(
+                tasks[index_of_task].part_id, outcome.error, store.cost(stage, keys[index_of_task])
+            )
     for task, key in zip(tasks, keys, strict=True):
         if task.part_id not in failures:
-            store.place(step, key, out / task.part_id)
+            store.link_result(stage, key, out / task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
-    write_json(out / "index.json", {"schema": SCHEMA, "step": step, "keys": index})
+    write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "keys": index})
     write_failures(out, failures)
-    nothing = needs_one and not index
-    if lost or (failures and (on_failure == "strict" or nothing)):
-        raise _refusal(step, out, failures, len(index), lost, nothing)
+    is_empty = needs_one and not index
+    if lost or (failures and (on_failure == "strict" or is_empty)):
+        raise _failure_error(stage, out, failures, len(index), lost, is_empty)
 
 
 def read_index(folder: Path) -> dict[str, str]:
@@ -94,66 +96,68 @@ def read_index(folder: Path) -> dict[str, str]:
 
     Raises BadArtifact if the stage was not run, as does `read_failures`.
     """
-    return _read(folder / "index.json")["keys"]
+    return _read_record(folder / "index.json")["keys"]
 
 
 def read_failures(folder: Path) -> dict[str, str]:
     """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
-    return _read(folder / "failures.json")["failures"]
+    return _read_record(folder / "failures.json")["failures"]
 
 
 def write_failures(folder: Path, failures: dict[str, str]) -> None:
     """What `read_failures` reads."""
-    said = dict(sorted(failures.items()))  # they come in the order in which parts end
-    write_json(folder / "failures.json", {"schema": SCHEMA, "failures": said})
+    ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
+    write_json(folder / "failures.json", {"schema": SCHEMA, "failures": ordered})
 
 
-def _read(path: Path) -> Any:
-    return read_json(path, SCHEMA, stage_of(path.parent))
+def _read_record(path: Path) -> Any:
+    return read_json(path, SCHEMA, stage_of_output(path.parent))
 
 
-def stage_of(folder: Path) -> str:
+def stage_of_output(folder: Path) -> str:
     """The name that dvc.yaml has for the stage with this output."""
-    of_methods = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
-    step = of_methods.get(folder.parent.name)
-    return f"{step}@{folder.name}" if step else folder.name
+    stages_by_folder = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
+    stage = stages_by_folder.get(folder.parent.name)
+    return f"{stage}@{folder.name}" if stage else folder.name
 
 
-def _key(step: str, task: Task) -> str:
+def _store_key(stage: str, task: Task) -> str:
     modules = (task.make.func.__module__, *task.modules)
-    return key_of(step, task.settings, modules, task.inputs)
+    return store_key(stage, task.settings, modules, task.inputs)
 
 
-def _make(store: Store, step: str, key: str, task: Task) -> None:
-    if store.has(step, key):  # made meanwhile, or before the job that makes it was started again
+def _make_result(store: Store, stage: str, key: str, task: Task) -> None:
+    if store.has(stage, key):  # made meanwhile, or before the job that makes it was started again
         return
     if not task.resumable:
-        store.put(step, key, partial(measured, task.make))
+        store.put(stage, key, partial(run_timed, task.make))
         return
-    scratch = store.scratch(step, key)
-    before = attempts.begin(scratch)
+    scratch = store.scratch_dir(stage, key)
+    earlier_seconds = resume_time.start_timer(scratch)
     make = partial(task.make, scratch=scratch)
-    store.put(step, key, lambda target: measured(make, target, before))
+    store.put(stage, key, lambda target: run_timed(make, target, earlier_seconds))
 
 
-def measured(make: Callable[[Path], float | None], target: Path, before: float = 0.0) -> Cost:
+def run_timed(
+    make: Callable[[Path], float | None], target: Path, earlier_seconds: float = 0.0
+) -> Cost:
     """What it takes to run `make(target)` in this process; it may return seconds to set aside.
 
     `before` are the seconds of earlier attempts that it goes on from.
     """
     _reset_peak()
     start = time.perf_counter()
-    aside = make(target) or 0.0
-    seconds = time.perf_counter() - start - aside
-    return Cost(round(before + seconds, 4), _peak_mb(), _device(), round(aside, 4))
+    extra_seconds = make(target) or 0.0
+    seconds = time.perf_counter() - start - extra_seconds
+    return Cost(round(earlier_seconds + seconds, 4), _peak_mb(), _device(), round(extra_seconds, 4))
 
 
 def _device() -> str:
     """Where this process has computed: `cuda`, or `cpu`."""
     torch, warp = sys.modules.get("torch"), sys.modules.get("warp")
-    used = bool(torch and torch.cuda.is_initialized())
-    used |= bool(warp and any(gpu.has_context for gpu in warp.get_cuda_devices()))
-    return "cuda" if used else "cpu"
+    is_gpu_used = bool(torch and torch.cuda.is_initialized())
+    is_gpu_used |= bool(warp and any(gpu.has_context for gpu in warp.get_cuda_devices()))
+    return "cuda" if is_gpu_used else "cpu"
 
 
 def _reset_peak() -> None:
@@ -171,18 +175,23 @@ def _peak_mb() -> float:
     return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
 
 
-def _refusal(
-    step: str, out: Path, failures: dict[str, str], succeeded: int, lost: set[str], nothing: bool
+def _failure_error(
+    stage: str,
+    out: Path,
+    failures: dict[str, str],
+    num_succeeded: int,
+    lost: set[str],
+    is_empty: bool,
 ) -> PartsFailed:
-    first = sorted(failures, key=lambda part: part not in lost)[:SHOWN]
-    shown = "".join(f"  {part}: {failures[part]}\n" for part in first)
+    first = sorted(failures, key=lambda part: part not in lost)[:MAX_SHOWN_FAILURES]
+    listing = "".join(f"  {part}: {failures[part]}\n" for part in first)
     if more := len(failures) - len(first):
-        shown += f"  and {more} more: {out / 'failures.json'}\n"
-    what, advice = "parts", "Mend or deselect them (parts.select), or set on_failure: report."
-    if step == "train":
-        what = "nets"
+        listing += f"  and {more} more: {out / 'failures.json'}\n"
+    unit, advice = "parts", "Mend or deselect them (parts.select), or set on_failure: report."
+    if stage == "train":
+        unit = "nets"
         advice = "Mend what is named; with on_failure: report their parts count as failed."
-    if nothing:
+    if is_empty:
         advice = "No later stage can do anything then: mend them, or choose other parts."
     if lost:
         advice = (
@@ -190,6 +199,6 @@ def _refusal(
             "them: mend what is named, and give the same command again."
         )
     return PartsFailed(
-        f"stage {step}: {len(failures)} of {len(failures) + succeeded} {what} failed, the rest are "
-        f"stored. Failed:\n{shown}{advice}"
+        f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the rest are "
+        f"stored. Failed:\n{listing}{advice}"
     )

@@ -16,66 +16,66 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from industnerf import environment, revision
+from industnerf import environment, git
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
-from industnerf.config import flat, read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.tracked import loss_curve, mean_costs, per_part, preview
+from industnerf.mlflow_artifacts import loss_curve, mean_costs, per_part_table, preview_image
 
 EXPERIMENT = "industnerf"
 # Without it the UI opens on a page for language models instead of the table of runs.
 TABLE_OF_RUNS = {"mlflow.experimentKind": "custom_model_development"}
-LABEL = "label.json"  # of a report: the tags of its run, whenever it is logged
+TAGS_FILE = "label.json"  # of a report: the tags of its run, whenever it is logged
 
 
-def home() -> Path:
+def database_dir() -> Path:
     """Where the tracking database lives: an absolute path, or a run elsewhere would start anew."""
-    return Path(environment.text("INDUSTNERF_MLFLOW") or ".").absolute()
+    return Path(environment.get_str("INDUSTNERF_MLFLOW") or ".").absolute()
 
 
-def prepare() -> None:
+def prepare_database() -> None:
     """Create database and experiment if they are not there.
 
     MLflow's first connection corrupts the database if two processes make it at once, so it is
     made under a lock; call this before any fan-out.  Says so if MLflow cannot open it.
     """
     try:
-        _open()
+        _open_database()
     except BadArtifact as error:
         print(error, file=sys.stderr)
 
 
-def _open() -> None:
+def _open_database() -> None:
     """Raises BadArtifact if MLflow cannot open the database."""
-    if not is_on():
+    if not is_enabled():
         return
     try:
         with _locked():
             _client()
     except Exception as error:  # whatever MLflow or SQLite throws
         raise BadArtifact(
-            f"MLflow cannot open {home() / 'mlflow.db'} ({type(error).__name__}: {error}); "
+            f"MLflow cannot open {database_dir() / 'mlflow.db'} ({type(error).__name__}: {error}); "
             "`python -m industnerf.doctor database` says what mends it. Results do not need it."
         ) from None
 
 
-def is_on() -> bool:
+def is_enabled() -> bool:
     """Whether anything is to be logged."""
     return os.environ.get("INDUSTNERF_MLFLOW") != "off"
 
 
-def label(report: Path, **tags: str) -> None:
+def save_tags(report: Path, **tags: str) -> None:
     """Note how the run of the report in `report` is to be tagged, today's commit included.
 
     Of a sweep the tag `point` says what was set, and is its name.
     """
-    write_json(report / LABEL, {**git_state(), **tags})
+    write_json(report / TAGS_FILE, {**git_state(), **tags})
 
 
 def log_report(report: Path, params: Mapping[str, Any]) -> None:
     """Log the report in `report` as one run, unless one with the same results is there."""
-    if not is_on():
+    if not is_enabled():
         return
     try:
         with _locked():
@@ -90,26 +90,25 @@ def log_report(report: Path, params: Mapping[str, Any]) -> None:
 
 
 def _log(report: Path, params: Mapping[str, Any]) -> None:
-    summary, note = (
-        json.loads((report / "summary.json").read_text(encoding="utf-8")),
-        report / LABEL,
-    )
+    summary = json.loads((report / "summary.json").read_text(encoding="utf-8"))
+    tags_path = report / TAGS_FILE
     tags = (
-        json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
+        json.loads(tags_path.read_text(encoding="utf-8")) if tags_path.exists() else {}
     )  # made at a commit not noted
     mlflow, experiment = _client()
-    results = _digest(summary["results"], tags.get("point", ""))
-    same = mlflow.search_runs(
+    results = _result_id(summary["results"], tags.get("point", ""))
+    existing = mlflow.search_runs(
         [experiment], f"tags.results = '{results}'", max_results=1, output_format="list"
     )
-    if same:
+    if existing:
         return
     # first: what cannot be read leaves no run behind
-    table, methods = per_part(report), _methods(report.parent / "data", params.get("methods"))
+    table = per_part_table(report)
+    methods = _method_logs(report.parent / "data", params.get("methods"))
     mlflow.set_experiment(experiment_id=experiment)
     with mlflow.start_run(run_name=tags.get("point", summary["preset"])) as run:
         mlflow.set_tags(tags)
-        mlflow.log_params(flat(params))
+        mlflow.log_params(flatten(params))
         mlflow.log_metrics(summary["metrics"] | mean_costs(report))
         mlflow.log_table(table, "per_part.json")
         mlflow.log_artifacts(str(report), "report")
@@ -117,49 +116,51 @@ def _log(report: Path, params: Mapping[str, Any]) -> None:
         mlflow.set_tag("results", results)  # last: what is half logged is logged anew
 
 
-def _digest(results: str, point: str) -> str:
+def _result_id(results: str, point: str) -> str:
     """What is searched for: results and point; a hash, where quotes would end the search early."""
-    both = results + point
-    return hashlib.sha256(both.encode()).hexdigest() if "'" in point else both
+    combined = results + point
+    return hashlib.sha256(combined.encode()).hexdigest() if "'" in point else combined
 
 
 @dataclass(frozen=True)
-class _Method:
+class _MethodLog:
     """What there is to see of a method beside its scores."""
 
     name: str
     curves: dict[str, dict[int, float]]  # name -> step -> loss
-    picture: Any
+    preview: Any
 
 
-def _methods(data: Path, names: Sequence[str] | None) -> list[_Method]:
+def _method_logs(data: Path, names: Sequence[str] | None) -> list[_MethodLog]:
     """Those of `names`, or all of which there are clouds: DVC leaves those of methods dropped."""
     folders = sorted((data / "clouds").glob("*/"))
-    return [_method(data, one) for one in folders if names is None or one.name in names]
+    return [
+        _method_log(data, folder) for folder in folders if names is None or folder.name in names
+    ]
 
 
-def _method(data: Path, clouds: Path) -> _Method:
+def _method_log(data: Path, clouds: Path) -> _MethodLog:
     states = data / "states" / clouds.name
     curves = {
         "loss": loss_curve(clouds),
         "fit.loss": loss_curve(states),
         "fit.validation": loss_curve(states, "*/validation"),
     }
-    return _Method(clouds.name, curves, preview(clouds, data / "views"))
+    return _MethodLog(clouds.name, curves, preview_image(clouds, data / "views"))
 
 
-def _log_methods(mlflow: Any, run_id: str, methods: Sequence[_Method]) -> None:
+def _log_methods(mlflow: Any, run_id: str, methods: Sequence[_MethodLog]) -> None:
     """The loss curves and the picture of every method that has them, by its name."""
-    now, client = int(1000 * time.time()), mlflow.MlflowClient()
+    timestamp_ms, client = int(1000 * time.time()), mlflow.MlflowClient()
     for method in methods:
         metrics = [
-            mlflow.entities.Metric(f"{method.name}.{name}", loss, now, step)
+            mlflow.entities.Metric(f"{method.name}.{name}", loss, timestamp_ms, step)
             for name, curve in method.curves.items()
             for step, loss in curve.items()
         ]
         client.log_batch(run_id, metrics)  # one by one they would take seconds
-        if method.picture is not None:
-            mlflow.log_image(method.picture, artifact_file=f"previews/{method.name}.png")
+        if method.preview is not None:
+            mlflow.log_image(method.preview, artifact_file=f"previews/{method.name}.png")
 
 
 def _client() -> tuple[Any, str]:
@@ -169,18 +170,18 @@ def _client() -> tuple[Any, str]:
 
     for name in ("alembic", "mlflow"):
         logging.getLogger(name).setLevel(logging.WARNING)  # after the import, which sets its own
-    mlflow.set_tracking_uri(f"sqlite:///{home() / 'mlflow.db'}")
-    found = mlflow.get_experiment_by_name(EXPERIMENT)
-    if found:
-        return mlflow, found.experiment_id
-    artifacts = (home() / "mlruns").as_uri()
+    mlflow.set_tracking_uri(f"sqlite:///{database_dir() / 'mlflow.db'}")
+    experiment = mlflow.get_experiment_by_name(EXPERIMENT)
+    if experiment:
+        return mlflow, experiment.experiment_id
+    artifacts = (database_dir() / "mlruns").as_uri()
     return mlflow, mlflow.create_experiment(EXPERIMENT, artifacts, tags=TABLE_OF_RUNS)
 
 
 @contextmanager
 def _locked() -> Iterator[None]:
-    home().mkdir(parents=True, exist_ok=True)
-    with (home() / "mlflow.db.lock").open("w") as lock:
+    database_dir().mkdir(parents=True, exist_ok=True)
+    with (database_dir() / "mlflow.db.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
 
@@ -189,8 +190,8 @@ def git_state() -> dict[str, str]:
     """Commit, and whether the tree differs from it; empty outside a repository."""
     try:
         return {
-            "git.commit": revision.commit(),
-            "git.dirty": str(bool(revision.changed())).lower(),
+            "git.commit": git.head_commit(),
+            "git.dirty": str(bool(git.changed_paths())).lower(),
         }
     except BadArtifact:
         return {}
@@ -201,7 +202,7 @@ def backfill(root: Path) -> None:
 
     Raises BadArtifact if MLflow cannot open its database.
     """
-    _open()
+    _open_database()
     for summary in sorted([*root.glob("reports/summary.json"), *root.glob("runs/**/summary.json")]):
         params = summary.parent.parent / "params.yaml"
         try:
@@ -214,10 +215,10 @@ def backfill(root: Path) -> None:
 
 def main() -> None:
     """`python -m industnerf.tracking`: bring MLflow up to date, print where its database is."""
-    if not is_on():
+    if not is_enabled():
         raise BadParams("INDUSTNERF_MLFLOW is off: there is nothing to look at")
     backfill(Path.cwd())
-    print(f"sqlite:///{home() / 'mlflow.db'}")
+    print(f"sqlite:///{database_dir() / 'mlflow.db'}")
 
 
 if __name__ == "__main__":

@@ -17,18 +17,18 @@ BOTH = pytest.mark.parametrize("kept", [CANDIDATES, HISTORY])
 
 
 @BOTH
-def test_it_survives_its_file(tmp_path, kept):
-    kept.save(tmp_path)
-    read = type(kept).load(tmp_path)
-    for name, value in vars(kept).items():
+def test_it_survives_its_file(tmp_path, artifact):
+    artifact.save(tmp_path)
+    read = type(artifact).load(tmp_path)
+    for name, value in vars(artifact).items():
         np.testing.assert_array_equal(getattr(read, name), value)
 
 
 @BOTH
-def test_equal_content_is_equal_bytes(tmp_path, kept):
+def test_equal_content_is_equal_bytes(tmp_path, artifact):
     contents = set()
     for _ in range(2):
-        kept.save(tmp_path)
+        artifact.save(tmp_path)
         (path,) = tmp_path.iterdir()
         contents.add(path.read_bytes())
         path.unlink()
@@ -41,27 +41,27 @@ def test_a_history_without_levels_or_steps_is_one(tmp_path):
 
 
 @BOTH
-def test_a_method_that_keeps_none_has_none(tmp_path, kept):
-    assert type(kept).load(tmp_path) is None
+def test_a_method_that_keeps_none_has_none(tmp_path, artifact):
+    assert type(artifact).load(tmp_path) is None
 
 
 @BOTH
-def test_a_torn_file_is_named_with_the_stage_that_mends_it(tmp_path, kept):
-    kept.save(tmp_path)
+def test_a_torn_file_is_named_with_the_stage_that_mends_it(tmp_path, artifact):
+    artifact.save(tmp_path)
     (path,) = tmp_path.iterdir()
     path.write_bytes(path.read_bytes()[:50])
     with pytest.raises(BadArtifact, match=rf"{path.name}.*dvc repro -f -s reconstruct"):
-        type(kept).load(tmp_path)
+        type(artifact).load(tmp_path)
 
 
 @BOTH
-def test_another_schema_or_shape_is_refused(tmp_path, kept):
-    kept.save(tmp_path)
+def test_another_schema_or_shape_is_refused(tmp_path, artifact):
+    artifact.save(tmp_path)
     (path,) = tmp_path.iterdir()
     with np.load(path) as arrays:
         written = dict(arrays)
-    first = {"Candidates": "confidence", "History": "loss"}[type(kept).__name__]
-    for spoilt in ({"schema": 99}, {first: written[first][:1]}):
-        np.savez_compressed(path, **(written | spoilt))
+    first = {"Candidates": "confidence", "History": "loss"}[type(artifact).__name__]
+    for corrupted in ({"schema": 99}, {first: written[first][:1]}):
+        np.savez_compressed(path, **(written | corrupted))
         with pytest.raises(BadArtifact, match=path.name):
-            type(kept).load(tmp_path)
+            type(artifact).load(tmp_path)

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from industnerf.artifacts import whole
+from industnerf.artifacts import atomic_write
 from industnerf.artifacts.files import write_text
 from industnerf.errors import BadArtifact
 
@@ -55,7 +55,7 @@ def test_a_text_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
 
     path = tmp_path / "a.txt"
     path.write_text("old")
-    monkeypatch.setattr(whole.os, "fsync", full)
+    monkeypatch.setattr(atomic_write.os, "fsync", full)
     with pytest.raises(BadArtifact, match=r"a.txt: cannot be written: No space left"):
         write_text(path, "new")
     assert path.read_text() == "old"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.finish import UNSTATED, Finish
 from industnerf.artifacts.part import (
     Mesh,
     load_mesh,
@@ -19,12 +19,12 @@ from industnerf.artifacts.truth import Truth
 from industnerf.errors import BadArtifact, MetricError
 from tests.samples import unit_part
 
-BRASS = Finish("brass", (0.7, 0.5, 0.2), 1.0, 0.3)
+BRASS = Appearance("brass", (0.7, 0.5, 0.2), 1.0, 0.3)
 PART = unit_part(
     extents_mm=(3.0, 4.0, 0.0),
     volume_mm3=None,
     strata=("thin", "holes"),
-    finishes=(UNSTATED, BRASS),
+    finishes=(UNSPECIFIED, BRASS),
     defects=("a", "b"),
 )
 MESH = Mesh(
@@ -65,10 +65,10 @@ def test_a_cloud_survives_its_files(tmp_path):
     read = Cloud.load(tmp_path)
     for name, value in vars(CLOUD).items():
         np.testing.assert_array_equal(getattr(read, name), value)
-    assert Cloud.training(tmp_path) == (7, 8)
+    assert Cloud.load_training_stats(tmp_path) == (7, 8)
     other = trimesh.load(tmp_path / "cloud.ply")
     np.testing.assert_array_equal(other.vertices, CLOUD.points_mm)
-    np.testing.assert_array_equal(other.colors[:, :3], CLOUD.colours)
+    np.testing.assert_array_equal(other.colors[:, :3], CLOUD.colors)
     columns = other.metadata["_ply_raw"]["vertex"]["data"]
     for name in ("confidence", "view"):
         np.testing.assert_array_equal(columns[name], getattr(CLOUD, name))

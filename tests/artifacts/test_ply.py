@@ -7,7 +7,7 @@ import trimesh
 from industnerf.artifacts.ply import write_ply
 
 POINTS = np.array([[1.5, -2.0, 3.25], [0.0, 4.0, -1.0], [7.0, 0.5, 0.125]])  # exact in float32
-COLOURS = np.array([[255, 0, 7], [1, 2, 3], [9, 8, 250]], np.uint8)
+COLORS = np.array([[255, 0, 7], [1, 2, 3], [9, 8, 250]], np.uint8)
 
 
 def header(path) -> list[str]:
@@ -15,23 +15,23 @@ def header(path) -> list[str]:
 
 
 def test_a_cloud_is_read_back(tmp_path):
-    write_ply(tmp_path / "a.ply", POINTS, colours=COLOURS)
+    write_ply(tmp_path / "a.ply", POINTS, colors=COLORS)
     read = trimesh.load(tmp_path / "a.ply")
     np.testing.assert_array_equal(read.vertices, POINTS)
-    np.testing.assert_array_equal(read.colors[:, :3], COLOURS)
+    np.testing.assert_array_equal(read.colors[:, :3], COLORS)
 
 
 def test_a_mesh_is_read_back(tmp_path):
     faces = np.array([[0, 1, 2], [2, 1, 0]], np.int32)
-    write_ply(tmp_path / "a.ply", POINTS, faces=faces, face_colours=COLOURS[:2])
+    write_ply(tmp_path / "a.ply", POINTS, faces=faces, face_colors=COLORS[:2])
     read = trimesh.load(tmp_path / "a.ply", process=False)
     np.testing.assert_array_equal(read.faces, faces)
-    np.testing.assert_array_equal(read.visual.face_colors[:, :3], COLOURS[:2])
+    np.testing.assert_array_equal(read.visual.face_colors[:, :3], COLORS[:2])
 
 
 def test_confidence_and_view_are_columns_and_meshlab_has_its_name(tmp_path):
-    sure, view = np.array([0.0, 0.5, 1.0]), np.array([4, -1, 300], np.int16)
-    write_ply(tmp_path / "a.ply", POINTS, confidence=sure, view=view)
+    confidence, view = np.array([0.0, 0.5, 1.0]), np.array([4, -1, 300], np.int16)
+    write_ply(tmp_path / "a.ply", POINTS, confidence=confidence, view=view)
     body = (tmp_path / "a.ply").read_bytes().partition(b"end_header\n")[2]
     rows = np.frombuffer(body, "<f4,<f4,<f4,<f4,<f4,<i2")
     assert rows["f3"].tolist() == rows["f4"].tolist() == [0, 0.5, 1]
@@ -44,9 +44,9 @@ def test_confidence_and_view_are_columns_and_meshlab_has_its_name(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"), [({}, "mm"), ({"unit": "the cameras' unit"}, "the cameras' unit")]
+    ("arguments", "unit_text"), [({}, "mm"), ({"unit": "the cameras' unit"}, "the cameras' unit")]
 )
-def test_the_header_says_the_unit(tmp_path, given, said):
-    write_ply(tmp_path / "a.ply", POINTS, **given)
-    assert f"comment lengths in {said}" in header(tmp_path / "a.ply")
+def test_the_header_says_the_unit(tmp_path, arguments, unit_text):
+    write_ply(tmp_path / "a.ply", POINTS, **arguments)
+    assert f"comment lengths in {unit_text}" in header(tmp_path / "a.ply")
     np.testing.assert_array_equal(trimesh.load(tmp_path / "a.ply").vertices, POINTS)

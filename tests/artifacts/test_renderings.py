@@ -63,12 +63,12 @@ def test_half_opaque_is_foreground():
     opacity = np.array([0.0, 0.49, 0.4999, 0.5, 0.51, 1.0])
     levels = np.rint(255 * opacity).astype(np.uint8)
     blank = np.zeros((1, 1, 6), np.float32)
-    seen = Renderings(np.zeros((1, 1, 6, 3), np.uint8), blank, levels[None, None])
-    np.testing.assert_array_equal(seen.foreground[0, 0], opacity >= 0.5)
+    thresholded = Renderings(np.zeros((1, 1, 6, 3), np.uint8), blank, levels[None, None])
+    np.testing.assert_array_equal(thresholded.foreground[0, 0], opacity >= 0.5)
 
 
 def test_images_are_what_their_names_say(saved):
-    """Read by pillow alone: 8-bit colour, 16-bit depth, 8-bit opacity."""
+    """Read by pillow alone: 8-bit color, 16-bit depth, 8-bit opacity."""
     modes = {}
     for kind in ("rgb", "depth", "opacity"):
         with Image.open(saved / "renderings" / kind / "000.png") as image:
@@ -91,13 +91,13 @@ def test_a_method_that_does_not_render_has_none(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["renderings.json", "rgb/000.png", "depth/001.png"])
-@pytest.mark.parametrize("keep", [None, 0, 40])
-def test_a_missing_or_torn_file_is_named(saved, name, keep):
+@pytest.mark.parametrize("num_bytes", [None, 0, 40])
+def test_a_missing_or_torn_file_is_named(saved, name, num_bytes):
     path = saved / "renderings" / name
     content = path.read_bytes()
     path.unlink()
-    if keep is not None:
-        path.write_bytes(content[:keep])
+    if num_bytes is not None:
+        path.write_bytes(content[:num_bytes])
     with pytest.raises(BadArtifact, match=rf"{name}.*dvc repro"):
         Renderings.load(saved)
 

@@ -5,16 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from industnerf.artifacts.finish import UNSTATED, Finish
+from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
 from industnerf.artifacts.part import Mesh
-from industnerf.artifacts.solids import Solid, Solids, names_of
+from industnerf.artifacts.solids import Solid, Solids, solid_names
 from industnerf.errors import BadArtifact
 
-RED = Finish("#ff0000", (1.0, 0.0, 0.0), 0.0, 0.5)
+RED = Appearance("#ff0000", (1.0, 0.0, 0.0), 0.0, 0.5)
 
 
-def mesh(vertices, faces, finish):
-    return Mesh(np.array(vertices, float), np.array(faces, np.int32), np.array(finish, np.uint8))
+def mesh_of(vertices, faces, face_appearance):
+    return Mesh(
+        np.array(vertices, float), np.array(faces, np.int32), np.array(face_appearance, np.uint8)
+    )
 
 
 @pytest.fixture
@@ -24,26 +26,26 @@ def solids():
         "a file.stp",
         "STEP",
         "mm, stated",
-        (UNSTATED, RED),
+        (UNSPECIFIED, RED),
         ("a remark", "øther"),
         (
-            Solid("one", mesh(points, [(0, 1, 2), (1, 2, 3)], [0, 1])),
-            Solid("one", mesh(points[:3], [(2, 1, 0)], [1])),
+            Solid("one", mesh_of(points, [(0, 1, 2), (1, 2, 3)], [0, 1])),
+            Solid("one", mesh_of(points[:3], [(2, 1, 0)], [1])),
         ),
     )
 
 
 def test_what_is_saved_is_read(solids, tmp_path):
     solids.save(tmp_path)
-    found = Solids.load(tmp_path)
+    loaded = Solids.load(tmp_path)
     for name in ("file", "format", "unit", "finishes", "remarks"):
-        assert getattr(found, name) == getattr(solids, name)
-    for ours, theirs in zip(found.solids, solids.solids, strict=True):
-        assert ours.name == theirs.name
-        for name, array in vars(theirs.mesh).items():
-            np.testing.assert_array_equal(getattr(ours.mesh, name), array)
-            assert getattr(ours.mesh, name).dtype == array.dtype
-    assert names_of(tmp_path) == ("one", "one")
+        assert getattr(loaded, name) == getattr(solids, name)
+    for saved_solid, loaded_solid in zip(loaded.solids, solids.solids, strict=True):
+        assert saved_solid.name == loaded_solid.name
+        for name, array in vars(loaded_solid.mesh).items():
+            np.testing.assert_array_equal(getattr(saved_solid.mesh, name), array)
+            assert getattr(saved_solid.mesh, name).dtype == array.dtype
+    assert solid_names(tmp_path) == ("one", "one")
 
 
 def test_equal_content_is_equal_bytes(solids, tmp_path):
@@ -54,14 +56,14 @@ def test_equal_content_is_equal_bytes(solids, tmp_path):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
 
 
-def change(folder, **arrays):
+def rewrite_arrays(folder, **arrays):
     with np.load(folder / "solids.npz") as stored:
-        kept = dict(stored)
-    np.savez(folder / "solids.npz", **(kept | arrays))
+        arrays_kept = dict(stored)
+    np.savez(folder / "solids.npz", **(arrays_kept | arrays))
 
 
 @pytest.mark.parametrize(
-    ("arrays", "said"),
+    ("arrays", "message"),
     [
         ({"faces_0": np.array([(0, 1, 9), (0, 1, 2)], np.int32)}, "one that names no vertex"),
         ({"faces_0": np.array([(0, 1, -1), (0, 1, 2)], np.int32)}, "one that names no vertex"),
@@ -70,10 +72,10 @@ def change(folder, **arrays):
         ({"finish_0": np.array([0], np.uint8)}, r"has shapes \(4, 3\), \(2, 3\) and \(1,\)"),
     ],
 )
-def test_a_mesh_that_does_not_hang_together_is_refused(solids, tmp_path, arrays, said):
+def test_a_mesh_that_does_not_hang_together_is_refused(solids, tmp_path, arrays, message):
     solids.save(tmp_path)
-    change(tmp_path, **arrays)
-    with pytest.raises(BadArtifact, match=said):
+    rewrite_arrays(tmp_path, **arrays)
+    with pytest.raises(BadArtifact, match=message):
         Solids.load(tmp_path)
 
 
@@ -85,7 +87,7 @@ def test_what_is_missing_torn_or_of_another_schema_is_named(solids, tmp_path):
     (tmp_path / "solids.npz").write_bytes(data[: len(data) // 2])
     with pytest.raises(BadArtifact, match=r"solids\.npz cannot be read"):
         Solids.load(tmp_path)
-    facts = json.loads((tmp_path / "solids.json").read_text())
-    (tmp_path / "solids.json").write_text(json.dumps(facts | {"schema": 0}))
+    metadata = json.loads((tmp_path / "solids.json").read_text())
+    (tmp_path / "solids.json").write_text(json.dumps(metadata | {"schema": 0}))
     with pytest.raises(BadArtifact, match="has schema 0, this code reads 1"):
-        names_of(tmp_path)
+        solid_names(tmp_path)

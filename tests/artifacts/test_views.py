@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.views import Frame, Views, load_true_cameras, load_views, save_views
+from industnerf.artifacts.views import RgbdImage, Views, load_true_cameras, load_views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras, look_at, pinhole, project
 from industnerf.geometry.sphere import fibonacci_sphere
@@ -17,46 +17,49 @@ STEP = 0.01  # mm of depth
 
 
 @pytest.fixture
-def frames() -> list[Frame]:
+def images() -> list[RgbdImage]:
     rng = np.random.default_rng(0)
     masks = rng.random((COUNT, SIDE, SIDE)) < 0.5
     depths = np.where(masks, rng.uniform(50, 600, masks.shape), 0).astype(np.float32)
-    colours = rng.integers(0, 256, (COUNT, SIDE, SIDE, 3), np.uint8)
-    return [Frame(*each) for each in zip(colours, masks, depths, strict=True)]
+    colors = rng.integers(0, 256, (COUNT, SIDE, SIDE, 3), np.uint8)
+    return [RgbdImage(*channels) for channels in zip(colors, masks, depths, strict=True)]
 
 
 @pytest.fixture
-def views(tmp_path, frames) -> Views:
-    eyes = 300 * fibonacci_sphere(COUNT)
+def views(tmp_path, images) -> Views:
+    camera_centers = 300 * fibonacci_sphere(COUNT)
     cameras = Cameras(
-        np.tile(pinhole(35.0, SIDE), (COUNT, 1, 1)), look_at(eyes, np.zeros(3)), SIDE, SIDE
+        np.tile(pinhole(35.0, SIDE), (COUNT, 1, 1)),
+        look_at(camera_centers, np.zeros(3)),
+        SIDE,
+        SIDE,
     )
     held_out = np.arange(COUNT) >= 3
     background = np.linspace(0, 1, 3 * COUNT).reshape(COUNT, 3)
     written = Views(tmp_path / "p", "p", cameras, held_out, background, STEP, 0.75)
-    save_views(written, frames)
+    save_views(written, images)
     return written
 
 
-def test_views_survive_their_files(views, frames):
+def test_views_survive_their_files(views, images):
     read = load_views(views.folder)
-    assert (read.part_id, read.depth_scale_mm, read.seen_by_training) == ("p", STEP, 0.75)
+    assert (read.part_id, read.depth_scale_mm, read.train_visible_share) == ("p", STEP, 0.75)
     assert (read.cameras.width, read.cameras.height) == (SIDE, SIDE)
     for name in ("held_out", "background"):
         np.testing.assert_array_equal(getattr(read, name), getattr(views, name))
     np.testing.assert_array_equal(read.cameras.K, views.cameras.K)  # JSON keeps every digit
     np.testing.assert_array_equal(read.cameras.c2w, views.cameras.c2w)
-    which = np.array([4, 1])
-    np.testing.assert_array_equal(read.rgb(which), [frames[i].rgb for i in which])
-    np.testing.assert_array_equal(read.mask(which), [frames[i].mask for i in which])
+    indices = np.array([4, 1])
+    np.testing.assert_array_equal(read.rgb(indices), [images[i].rgb for i in indices])
+    np.testing.assert_array_equal(read.mask(indices), [images[i].mask for i in indices])
     # half a step, and the rounding of 600 mm in float32
-    depth = [frames[i].depth_mm for i in which]
-    np.testing.assert_allclose(read.depth_mm(which), depth, rtol=0, atol=STEP / 2 + 1e-4)
-    np.testing.assert_array_equal(read.depth_mm(which) > 0, read.mask(which))
+    depth = [images[i].depth_mm for i in indices]
+    np.testing.assert_allclose(read.depth_mm(indices), depth, rtol=0, atol=STEP / 2 + 1e-4)
+    np.testing.assert_array_equal(read.depth_mm(indices) > 0, read.mask(indices))
 
 
 def test_images_are_what_their_names_say(views):
-    """Read by pillow alone: 8-bit colour, 1-bit mask, 16-bit depth."""
+    """Read by pillow alone: 8-bit color, 1-bit mask, 16-bit depth."""
     modes = {}
     for kind in ("rgb", "mask", "depth"):
         with Image.open(views.folder / kind / "000.png") as image:
@@ -86,21 +89,21 @@ def test_the_angle_that_older_nerf_tools_read_gives_the_same_focal_length(views)
     assert focal == pytest.approx(views.cameras.K[0, 0, 0], rel=1e-12)
 
 
-def test_cameras_of_different_lenses_have_one_each_for_nerf_tools(views, frames, tmp_path):
+def test_cameras_of_different_lenses_have_one_each_for_nerf_tools(views, images, tmp_path):
     """And none for all, which tools would take instead."""
     cameras = views.cameras
     K = cameras.K * np.linspace(1, 1.2, COUNT)[:, None, None]
     K[:, 2, 2] = 1
     cameras = Cameras(K, cameras.c2w, SIDE, SIDE)
-    save_views(replace(views, folder=tmp_path / "lenses", cameras=cameras), frames)
+    save_views(replace(views, folder=tmp_path / "lenses", cameras=cameras), images)
     content = json.loads((tmp_path / "lenses" / "transforms.json").read_text())
     assert not {"fl_x", "fl_y", "cx", "cy", "camera_angle_x"} & set(content)
     assert (content["w"], content["h"]) == (SIDE, SIDE)
-    for frame, lens in zip(content["frames"], K, strict=True):
-        assert [frame["fl_x"], frame["fl_y"]] == [lens[0, 0], lens[1, 1]]
-        assert [frame["cx"], frame["cy"]] == [lens[0, 2], lens[1, 2]]
+    for frame, own_K in zip(content["frames"], K, strict=True):
+        assert [frame["fl_x"], frame["fl_y"]] == [own_K[0, 0], own_K[1, 1]]
+        assert [frame["cx"], frame["cy"]] == [own_K[0, 2], own_K[1, 2]]
         half = np.tan(frame["camera_angle_x"] / 2)
-        assert SIDE / 2 / half == pytest.approx(lens[0, 0], rel=1e-12)
+        assert SIDE / 2 / half == pytest.approx(own_K[0, 0], rel=1e-12)
 
 
 def test_exact_cameras_are_their_own_truth(views):
@@ -109,16 +112,16 @@ def test_exact_cameras_are_their_own_truth(views):
     np.testing.assert_array_equal(load_true_cameras(views.folder).c2w, views.cameras.c2w)
 
 
-def test_the_truth_about_wrong_cameras_stands_apart(views, frames, tmp_path):
-    truth = Cameras(2 * views.cameras.K, views.cameras.c2w + 1.0, SIDE, SIDE)
-    save_views(replace(views, folder=tmp_path / "wrong"), frames, truth)
+def test_the_truth_about_wrong_cameras_stands_apart(views, images, tmp_path):
+    true_cameras = Cameras(2 * views.cameras.K, views.cameras.c2w + 1.0, SIDE, SIDE)
+    save_views(replace(views, folder=tmp_path / "wrong"), images, true_cameras)
     assert json.loads((tmp_path / "wrong" / "cameras.json").read_text())["exact"] is False
     recorded = load_views(tmp_path / "wrong").cameras
     np.testing.assert_array_equal(recorded.c2w, views.cameras.c2w)
-    found = load_true_cameras(tmp_path / "wrong")
-    np.testing.assert_array_equal(found.K, truth.K)
-    np.testing.assert_array_equal(found.c2w, truth.c2w)
-    assert (found.width, found.height) == (SIDE, SIDE)
+    loaded = load_true_cameras(tmp_path / "wrong")
+    np.testing.assert_array_equal(loaded.K, true_cameras.K)
+    np.testing.assert_array_equal(loaded.c2w, true_cameras.c2w)
+    assert (loaded.width, loaded.height) == (SIDE, SIDE)
     for name in ("rgb/000.png", "mask/001.png", "transforms.json"):
         one, other = (folder / name for folder in (views.folder, tmp_path / "wrong"))
         assert one.read_bytes() == other.read_bytes()
@@ -134,26 +137,26 @@ def test_files_that_nerf_tools_are_told_of_exist(views):
 
 
 @pytest.mark.parametrize("kind", ["rgb", "mask", "depth"])
-@pytest.mark.parametrize("keep", [0, 7, 40, 100])
-def test_a_torn_image_is_named(views, kind, keep):
+@pytest.mark.parametrize("num_bytes", [0, 7, 40, 100])
+def test_a_torn_image_is_named(views, kind, num_bytes):
     path = views.folder / kind / "001.png"
-    path.write_bytes(path.read_bytes()[:keep])
+    path.write_bytes(path.read_bytes()[:num_bytes])
     with pytest.raises(BadArtifact, match=rf"{kind}/001\.png.*doctor.*dvc repro -f -s views"):
         getattr(load_views(views.folder), {"depth": "depth_mm"}.get(kind, kind))(np.array([0, 1]))
 
 
-def test_a_damaged_image_is_named_or_read(views, frames):
+def test_a_damaged_image_is_named_or_read(views, images):
     """Wherever a byte is wrong: the picture or our own exception, never pillow's."""
     path, read = views.folder / "rgb" / "001.png", load_views(views.folder)
-    whole = path.read_bytes()
+    original = path.read_bytes()
     refused = 0
-    for at in range(len(whole)):
-        path.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+    for at in range(len(original)):
+        path.write_bytes(original[:at] + bytes([original[at] ^ 1]) + original[at + 1 :])
         try:
-            np.testing.assert_array_equal(read.rgb(np.array([1]))[0], frames[1].rgb)
+            np.testing.assert_array_equal(read.rgb(np.array([1]))[0], images[1].rgb)
         except BadArtifact:
             refused += 1
-    assert refused > 0.9 * len(whole)
+    assert refused > 0.9 * len(original)
 
 
 def test_a_missing_image_is_named(views):

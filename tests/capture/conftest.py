@@ -29,7 +29,7 @@ def settings(shipped: ViewsParams) -> ViewsParams:
 @pytest.fixture
 def as_mesh() -> Callable[[trimesh.Trimesh], Mesh]:
     """Turns trimesh's solids into ours."""
-    return lambda solid: Mesh.plain(
+    return lambda solid: Mesh.with_one_appearance(
         np.array(solid.vertices, float), np.array(solid.faces, np.int32)
     )
 

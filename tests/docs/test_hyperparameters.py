@@ -3,11 +3,13 @@
 from pathlib import Path
 
 from industnerf.config import load_stages, read_yaml
-from industnerf.report.hyperparameters.document import document
+from industnerf.report.docs.hyperparameters.document import render_document
 
 
 def test_the_document_is_up_to_date(root: Path):
-    """If not: python -m industnerf.report.hyperparameters"""
+    """If not: python -m industnerf.report.docs.hyperparameters"""
     params = root / "params.yaml"
-    wanted = document(params.read_text(), read_yaml(params), load_stages(root / "dvc.yaml"))
-    assert (root / "docs/hyperparameters.md").read_text() == wanted
+    expected = render_document(
+        params.read_text(), read_yaml(params), load_stages(root / "dvc.yaml")
+    )
+    assert (root / "docs/hyperparameters.md").read_text() == expected

@@ -16,23 +16,23 @@ def test_every_module_and_function_that_is_named_exists(document: str, least: in
     names = re.findall(r"`(industnerf\.[\w.]+)`", (DOCS / document).read_text(encoding="utf-8"))
     assert len(names) >= least
     for name in names:
-        assert looked_up(name), name
+        assert resolve(name), name
 
 
-def looked_up(name: str):
+def resolve(name: str):
     """The module, or what a module holds, of a dotted name; None if there is no such thing."""
     parts = name.split(".")
     for end in range(len(parts), 0, -1):
         try:
-            thing = importlib.import_module(".".join(parts[:end]))
+            resolved = importlib.import_module(".".join(parts[:end]))
         except ModuleNotFoundError:
             continue
         for attribute in parts[end:]:
-            thing = getattr(thing, attribute, None)
-        return thing
+            resolved = getattr(resolved, attribute, None)
+        return resolved
     return None
 
 
 def test_a_name_that_is_not_there_is_found_out():
-    assert looked_up("industnerf.metrics.emd.emd")
-    assert looked_up("industnerf.metrics.emd.emdd") is None
+    assert resolve("industnerf.metrics.emd.emd")
+    assert resolve("industnerf.metrics.emd.emdd") is None

@@ -9,9 +9,9 @@ from typing import get_args, get_type_hints
 import pytest
 
 from industnerf.config import load_params
-from industnerf.report.blocks import block
-from industnerf.report.measuring import CHOICES, measuring_block
-from industnerf.schema.readings import NUMBERS, Readings
+from industnerf.report.docs.markdown_blocks import read_block
+from industnerf.report.docs.protocol_readings import PROTOCOL_VARIANTS, protocol_block
+from industnerf.schema.readings import READING_IDS, Readings
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
@@ -23,29 +23,29 @@ FUNCTION = r"(?:^Key `\w+`, function|; its twin is)\s`(industnerf\.[\w.]+)`"
 DEFAULT = r"^\| `(\w+)` \(\*\*default\*\*\) \|"
 
 
-def found(pattern: str, text: str) -> list[str]:
+def find_all(pattern: str, text: str) -> list[str]:
     return re.findall(pattern, text, re.MULTILINE)
 
 
 def test_there_are_sixteen_sections_and_a_number_for_every_field():
     assert [name for name in SECTIONS if name.startswith("R")] == [f"R{i}" for i in range(1, 17)]
-    assert list(NUMBERS) == [field.name for field in fields(Readings)]
+    assert list(READING_IDS) == [field.name for field in fields(Readings)]
 
 
 @pytest.mark.parametrize("field", LITERALS)
 def test_a_section_names_its_key_its_readings_and_the_default(field: str):
-    section = SECTIONS[NUMBERS[field]]
+    section = SECTIONS[READING_IDS[field]]
     settings = load_params(ROOT / "params.yaml").method.industnerf.readings
     assert f"Key `{field}`, " in section
-    rows = found(ROW, section)
+    rows = find_all(ROW, section)
     assert sorted(rows) == sorted(LITERALS[field])
-    assert found(DEFAULT, section) == [getattr(settings, field)]
+    assert find_all(DEFAULT, section) == [getattr(settings, field)]
 
 
 @pytest.mark.parametrize("field", LITERALS)
 def test_the_function_that_a_section_names_takes_the_reading(field: str):
     """Of R7 it is the twin of what is compiled."""
-    (name,) = found(FUNCTION, SECTIONS[NUMBERS[field]])
+    (name,) = find_all(FUNCTION, SECTIONS[READING_IDS[field]])
     assert HINTS[field] in get_type_hints(resolve_name(name)).values()
 
 
@@ -56,30 +56,32 @@ def test_methods_and_rendering_compare_in_so_many_words_no_reading_but_r4():
     """
     folders = [ROOT / "src/industnerf" / name for name in ("methods", "rendering", "reconstruct")]
     texts = [path.read_text() for folder in folders for path in folder.rglob("*.py")]
-    asked = [name for text in texts for name in found(r"readings\.(\w+) (?:[!=]=|in)", text)]
-    assert set(asked) == {"activation"}
+    compared = [name for text in texts for name in find_all(r"readings\.(\w+) (?:[!=]=|in)", text)]
+    assert set(compared) == {"activation"}
 
 
 def test_sections_without_a_key_are_those_that_the_metrics_answer():
     keyless = [name for name, text in SECTIONS.items() if "No key. " in text]
     assert keyless == ["R12", "R13"]
-    assert set(NUMBERS.values()).isdisjoint(keyless)
+    assert set(READING_IDS.values()).isdisjoint(keyless)
 
 
 def test_every_reading_has_a_row_for_its_effect():
-    rows = found(r"^\| (R\d+) \| `(\w+)` \|", block(TEXT, "readings"))
-    wanted = {(NUMBERS[field], value) for field, values in LITERALS.items() for value in values}
+    rows = find_all(r"^\| (R\d+) \| `(\w+)` \|", read_block(TEXT, "readings"))
+    expected = {
+        (READING_IDS[field], value) for field, values in LITERALS.items() for value in values
+    }
     assert len(rows) == len(set(rows))
-    assert set(rows) == wanted
+    assert set(rows) == expected
 
 
 def test_what_the_metrics_answer_has_rows_for_its_effect_too(monkeypatch):
     """If not: python -m pipeline.publish readme"""
     monkeypatch.chdir(ROOT)
-    shown = block(TEXT, "measuring")
-    assert shown == measuring_block(Path("results/study"), Path("results/grid"))
-    rows = found(r"^\| (R\d+) \| `([^`]+)` \|", shown)
+    measuring_table = read_block(TEXT, "measuring")
+    assert measuring_table == protocol_block(Path("results/study"), Path("results/grid"))
+    rows = find_all(r"^\| (R\d+) \| `([^`]+)` \|", measuring_table)
     assert {number for number, _ in rows} == {"R12", "R13"}
-    named = set(found(r"`(P1-\w+)`", SECTIONS["R12"]))
+    named = set(find_all(r"`(P1-\w+)`", SECTIONS["R12"]))
     assert {reading for number, reading in rows if number == "R12"} == named
-    assert {reading for number, reading in rows if number == "R13"} == set(CHOICES)
+    assert {reading for number, reading in rows if number == "R13"} == set(PROTOCOL_VARIANTS)

@@ -5,19 +5,24 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.report.sweep_index import ELSEWHERE, index, presets, sweeping
+from industnerf.report.sweeps.preset_table import (
+    RESULT_LINKS,
+    multirun_presets,
+    sweep_presets,
+    sweep_table,
+)
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
 
 
 def test_the_table_is_up_to_date():
-    """If not: python -m pipeline.sweeps"""
+    """If not: python -m pipeline.sweep_docs"""
     (block,) = re.findall(r"<!-- sweeps -->\n(.*)<!-- end sweeps -->", TEXT, re.DOTALL)
-    assert block == index(ROOT)
+    assert block == sweep_table(ROOT)
 
 
-@pytest.mark.parametrize("preset", presets(ROOT), ids=lambda preset: preset.name)
+@pytest.mark.parametrize("preset", sweep_presets(ROOT), ids=lambda preset: preset.name)
 def test_every_sweep_answers_a_limitation_and_states_its_time(preset):
     before, _ = TEXT.split("## What was run")
     assert f"`{preset.name}`" in before or preset.name in before
@@ -29,13 +34,15 @@ def test_every_preset_that_sweeps_has_its_line_and_where_its_result_stands():
     _, after = TEXT.split("## What was run")
     lines = re.findall(r"^    python -m pipeline\.sweep --multirun .*", after, re.MULTILINE)
     named = [re.findall(r"(?:preset|experiment)=([\w-]+)", line)[-1] for line in lines]
-    assert sorted(named) == sorted(sweeping(ROOT))
-    assert set(ELSEWHERE) == sweeping(ROOT) - {preset.name for preset in presets(ROOT)}
-    for link in ELSEWHERE.values():
+    assert sorted(named) == sorted(multirun_presets(ROOT))
+    assert set(RESULT_LINKS) == multirun_presets(ROOT) - {
+        preset.name for preset in sweep_presets(ROOT)
+    }
+    for link in RESULT_LINKS.values():
         (target,) = re.findall(r"\]\((.*)\)", link)
         assert (ROOT / "docs" / target).exists()
 
 
 def test_every_preset_that_is_named_is_there():
     named = set(re.findall(r"`(sweep-[\w-]+|leakage)`", TEXT))
-    assert named == {preset.name for preset in presets(ROOT)}
+    assert named == {preset.name for preset in sweep_presets(ROOT)}

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.doctor import examine
+from industnerf.doctor import run_check
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places
+from industnerf.doctor.project_paths import ProjectPaths
 
 # Its output is linked from the store and, by DVC, to the cache: one file in three places.
 PIPELINE = """
@@ -31,10 +31,10 @@ class WorkingCopy:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.places = Places(folder, folder / "store", folder / "mlflow.db")
+        self.paths = ProjectPaths(folder, folder / "store", folder / "mlflow.db")
 
-    def find(self, check: str) -> list[Finding]:
-        return examine(check, self.places)
+    def check(self, name: str) -> list[Finding]:
+        return run_check(name, self.paths)
 
     def start(self, command: str) -> subprocess.Popen:
         """Start `command` as the leader of a process group of its own."""
@@ -55,17 +55,17 @@ class WorkingCopy:
         output, _ = process.communicate()
         return process.returncode, output
 
-    def mend(self, check: str) -> None:
+    def fix(self, name: str) -> None:
         """Do what the doctor says about `check`; then nothing must be wrong with it."""
-        (command,) = [finding.mend for finding in self.find(check) if finding.mend]
+        (command,) = [finding.fix for finding in self.check(name) if finding.fix]
         code, output = self.run(command)
         assert code == 0, output
-        assert not [finding for finding in self.find(check) if finding.is_wrong]
+        assert not [finding for finding in self.check(name) if finding.is_error]
 
 
 def doctor(folder: Path, *arguments: str, **variables: str) -> tuple[int, str]:
     """Exit code and output of Python in `folder` with `arguments`, or `-m industnerf.doctor`."""
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, *(arguments or ("-m", "industnerf.doctor"))],
         cwd=folder,
         env={**os.environ, "INDUSTNERF_STORE": "store", **variables},
@@ -73,23 +73,23 @@ def doctor(folder: Path, *arguments: str, **variables: str) -> tuple[int, str]:
         capture_output=True,
         text=True,
     )
-    return done.returncode, done.stdout + done.stderr
+    return process.returncode, process.stdout + process.stderr
 
 
 @pytest.fixture
-def plain(tmp_path: Path) -> WorkingCopy:
+def bare_copy(tmp_path: Path) -> WorkingCopy:
     """A working copy without a DVC project."""
     return WorkingCopy(tmp_path)
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory: pytest.TempPathFactory) -> WorkingCopy:
+def dvc_copy(tmp_path_factory: pytest.TempPathFactory) -> WorkingCopy:
     """A DVC project that has run.  A test that spoils it mends it."""
-    made = WorkingCopy(tmp_path_factory.mktemp("copy"))
-    (made.folder / "dvc.yaml").write_text(PIPELINE)
-    (made.folder / "source").write_text("hello\n")
-    (made.folder / "pause").write_text("0")
+    working_copy = WorkingCopy(tmp_path_factory.mktemp("copy"))
+    (working_copy.folder / "dvc.yaml").write_text(PIPELINE)
+    (working_copy.folder / "source").write_text("hello\n")
+    (working_copy.folder / "pause").write_text("0")
     setting = "dvc config cache.type hardlink,copy && dvc config core.analytics false"
-    code, output = made.run(f"dvc init --no-scm -q && {setting} && dvc repro")
+    code, output = working_copy.run(f"dvc init --no-scm -q && {setting} && dvc repro")
     assert code == 0, output
-    return made
+    return working_copy

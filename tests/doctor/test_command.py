@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.doctor import CHECKS, examine
-from industnerf.doctor.places import Places
+from industnerf.doctor import CHECKS, run_check
+from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams
-from industnerf.tracking import home
+from industnerf.tracking import database_dir
 from tests.doctor.conftest import WorkingCopy, doctor
 
 HEAVY = """
@@ -20,17 +20,17 @@ finally:
 """
 
 
-def test_what_is_right_ends_with_0_and_without_heavy_imports(plain: WorkingCopy):
-    code, output = doctor(plain.folder, "-c", HEAVY)
+def test_what_is_right_ends_with_0_and_without_heavy_imports(bare_copy: WorkingCopy):
+    code, output = doctor(bare_copy.folder, "-c", HEAVY)
     assert code == 0, output
     assert "nothing is wrong" in output
     assert "heavy: []" in output
 
 
-def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(plain: WorkingCopy):
+def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(bare_copy: WorkingCopy):
     entry = f"store/views/{32 * 'a'}"
-    (plain.folder / entry).mkdir(parents=True)
-    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "locks", "stored")
+    (bare_copy.folder / entry).mkdir(parents=True)
+    code, output = doctor(bare_copy.folder, "-m", "industnerf.doctor", "locks", "stored")
     assert code == 1
     assert output == (
         "locks        ok\n"
@@ -39,38 +39,42 @@ def test_what_is_wrong_is_said_with_its_mending_and_ends_with_1(plain: WorkingCo
         f"    mend: rm -rf {entry}\n"
         "1 thing is wrong\n"
     )
-    assert (plain.folder / entry).exists()  # it never mends by itself
+    assert (bare_copy.folder / entry).exists()  # it never mends by itself
 
 
-def test_without_a_name_every_check_is_made(plain: WorkingCopy):
+def test_without_a_name_every_check_is_made(bare_copy: WorkingCopy):
     """The GPU's too: a device that is asked for in vain stops every stage."""
-    _, output = doctor(plain.folder, INDUSTNERF_DEVICE="cuda:99")
-    words = [line.split() for line in output.splitlines()]
-    assert [two[0] for two in words if two[1:] in (["ok"], ["wrong"])] == list(CHECKS)
+    _, output = doctor(bare_copy.folder, INDUSTNERF_DEVICE="cuda:99")
+    verdicts = [line.split() for line in output.splitlines()]
+    assert [two[0] for two in verdicts if two[1:] in (["ok"], ["wrong"])] == list(CHECKS)
     assert "INDUSTNERF_DEVICE is 'cuda:99'" in output
     assert "Warp" not in output  # what it prints of itself is no finding
 
 
-def test_an_unknown_check_is_refused_with_the_known_ones(plain: WorkingCopy):
-    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "cahce")
+def test_an_unknown_check_is_refused_with_the_known_ones(bare_copy: WorkingCopy):
+    code, output = doctor(bare_copy.folder, "-m", "industnerf.doctor", "cahce")
     assert code == 1
     assert "check 'cahce' is unknown, known are cache, lockfile" in output
     with pytest.raises(BadParams):
-        examine("findings", plain.places)  # a module of the package, but no check
+        run_check("findings", bare_copy.paths)  # a module of the package, but no check
 
 
 def test_every_check_says_what_it_asks():
     code, output = doctor(".", "-m", "industnerf.doctor", "--help")
     assert code == 0
-    assert all(about in output for about in CHECKS.values())
+    assert all(description in output for description in CHECKS.values())
 
 
-def test_the_database_is_where_tracking_has_it(plain: WorkingCopy, monkeypatch: pytest.MonkeyPatch):
+def test_the_database_is_where_tracking_has_it(
+    bare_copy: WorkingCopy, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setenv("INDUSTNERF_MLFLOW", "elsewhere")
-    assert type(plain.places).of(plain.folder).database == home() / "mlflow.db"
+    assert (
+        type(bare_copy.paths).from_root(bare_copy.folder).database == database_dir() / "mlflow.db"
+    )
 
 
 def test_outside_the_root_a_check_says_what_it_lacks(tmp_path: Path):
-    (finding,) = examine("environment", Places(tmp_path, tmp_path, tmp_path))
-    assert "environment cannot be checked" in finding.what
-    assert "constraints.txt" in finding.what
+    (finding,) = run_check("environment", ProjectPaths(tmp_path, tmp_path, tmp_path))
+    assert "environment cannot be checked" in finding.message
+    assert "constraints.txt" in finding.message

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.doctor import database
-from industnerf.doctor.database import versions
+from industnerf.doctor.database import known_versions
 from tests.doctor.conftest import WorkingCopy
 
 # The tables as they were before the last migration.
@@ -52,14 +52,14 @@ os.kill(os.getpid(), signal.SIGKILL)
 
 
 def python(script: str, *arguments: str) -> None:
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", script, *arguments], check=False, capture_output=True, text=True
     )
-    assert done.returncode == 0, done.stderr
+    assert process.returncode == 0, process.stderr
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fresh_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A database as MLflow makes it."""
     path = tmp_path_factory.mktemp("made") / "mlflow.db"
     script = "import mlflow, sys; mlflow.set_tracking_uri(sys.argv[1]); mlflow.set_experiment('a')"
@@ -67,28 +67,28 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def tear(path: Path) -> None:
+def truncate(path: Path) -> None:
     """Let a page in the middle be lost."""
     with path.open("r+b") as file:
         file.seek(path.stat().st_size // 2 // 4096 * 4096)
         file.write(b"\xff" * 4096)
 
 
-def cut_off(path: Path) -> Path:
+def interrupt_transaction(path: Path) -> Path:
     """Let a writer of `path` die in mid-transaction; gives the journal that it leaves."""
-    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
-    assert done.returncode == -signal.SIGKILL
+    process = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
+    assert process.returncode == -signal.SIGKILL
     return path.with_name(f"{path.name}-journal")
 
 
 def experiments(path: Path) -> list[str]:
     connection = sqlite3.connect(path)
-    found = connection.execute("SELECT name FROM experiments ORDER BY name").fetchall()
+    names = connection.execute("SELECT name FROM experiments ORDER BY name").fetchall()
     connection.close()
-    return [name for (name,) in found]
+    return [name for (name,) in names]
 
 
-def half(path: Path) -> None:
+def leave_half_migrated(path: Path) -> None:
     """What two first connections at once leave: a table of a migration that never ended."""
     with sqlite3.connect(path) as connection:
         connection.execute("CREATE TABLE _alembic_tmp_metrics (key TEXT)")
@@ -96,164 +96,170 @@ def half(path: Path) -> None:
 
 
 FAULTS = {
-    "a page is lost": (tear, "is damaged"),
+    "a page is lost": (truncate, "is damaged"),
     "half of it is lost": (lambda path: path.write_bytes(path.read_bytes()[:300_000]), "mlflow.db"),
     "no database": (lambda path: path.write_text("no database" * 100), "SQLite cannot read"),
     "empty": (lambda path: path.write_bytes(b""), "was left half made, with 0 tables"),
-    "half made": (half, "was left half made"),
+    "half made": (leave_half_migrated, "was left half made"),
 }
 
 
-def test_a_database_as_mlflow_makes_it_is_right(plain: WorkingCopy, made: Path):
-    shutil.copy(made, plain.places.database)
-    assert plain.find("database") == []
+def test_a_database_as_mlflow_makes_it_is_right(bare_copy: WorkingCopy, fresh_database: Path):
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    assert bare_copy.check("database") == []
 
 
-def test_no_database_is_no_fault(plain: WorkingCopy):
-    assert plain.find("database") == []
+def test_no_database_is_no_fault(bare_copy: WorkingCopy):
+    assert bare_copy.check("database") == []
 
 
-def test_the_version_that_is_wanted_is_that_of_a_fresh_database(made: Path):
-    connection = sqlite3.connect(made)
+def test_the_version_that_is_wanted_is_that_of_a_fresh_database(fresh_database: Path):
+    connection = sqlite3.connect(fresh_database)
     assert connection.execute("SELECT version_num FROM alembic_version").fetchone() == (
-        versions()[1],
+        known_versions()[1],
     )
     connection.close()
 
 
-@pytest.mark.parametrize(("spoil", "said"), FAULTS.values(), ids=FAULTS)
+@pytest.mark.parametrize(("corrupt", "message"), FAULTS.values(), ids=FAULTS)
 def test_a_broken_database_is_found(
-    plain: WorkingCopy, made: Path, spoil: Callable[[Path], None], said: str
+    bare_copy: WorkingCopy, fresh_database: Path, corrupt: Callable[[Path], None], message: str
 ):
-    shutil.copy(made, plain.places.database)
-    spoil(plain.places.database)
-    (finding,) = plain.find("database")
-    assert said in f"{finding.where} {finding.what}"
-    assert finding.is_wrong
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    corrupt(bare_copy.paths.database)
+    (finding,) = bare_copy.check("database")
+    assert message in f"{finding.path} {finding.message}"
+    assert finding.is_error
 
 
-def test_a_broken_database_is_set_aside_and_made_anew(plain: WorkingCopy, made: Path):
-    shutil.copy(made, plain.places.database)
-    tear(plain.places.database)
-    plain.mend("database")
-    assert plain.places.database.with_name("mlflow.db.broken").exists()
+def test_a_broken_database_is_set_aside_and_made_anew(bare_copy: WorkingCopy, fresh_database: Path):
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    truncate(bare_copy.paths.database)
+    bare_copy.fix("database")
+    assert bare_copy.paths.database.with_name("mlflow.db.broken").exists()
 
 
-def test_a_second_broken_database_leaves_the_first_where_it_lies(plain: WorkingCopy, made: Path):
-    first = plain.places.database.with_name("mlflow.db.broken")
+def test_a_second_broken_database_leaves_the_first_where_it_lies(
+    bare_copy: WorkingCopy, fresh_database: Path
+):
+    first = bare_copy.paths.database.with_name("mlflow.db.broken")
     first.write_text("the only copy of some runs")
-    shutil.copy(made, plain.places.database)
-    tear(plain.places.database)
-    plain.mend("database")
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    truncate(bare_copy.paths.database)
+    bare_copy.fix("database")
     assert first.read_text() == "the only copy of some runs"
     assert first.with_name("mlflow.db.broken2").exists()
 
 
-def test_tables_of_a_newer_mlflow_stay_where_they_are(plain: WorkingCopy, made: Path):
+def test_tables_of_a_newer_mlflow_stay_where_they_are(bare_copy: WorkingCopy, fresh_database: Path):
     """It is whole: what is to be changed is the MLflow that is installed."""
-    shutil.copy(made, plain.places.database)
-    connection = sqlite3.connect(plain.places.database)
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    connection = sqlite3.connect(bare_copy.paths.database)
     connection.execute("UPDATE alembic_version SET version_num = 'of_tomorrow'")
     connection.commit()
     connection.close()
-    (finding,) = plain.find("database")
-    assert finding.is_wrong
-    assert finding.mend == ""
-    assert "which is older" in finding.what
+    (finding,) = bare_copy.check("database")
+    assert finding.is_error
+    assert finding.fix == ""
+    assert "which is older" in finding.message
 
 
-def test_what_only_the_old_database_has_is_said_to_be_only_there(plain: WorkingCopy, made: Path):
+def test_what_only_the_old_database_has_is_said_to_be_only_there(
+    bare_copy: WorkingCopy, fresh_database: Path
+):
     """No report on disk tells of the experiment `a`: nothing can log it anew."""
-    path = plain.places.database
-    shutil.copy(made, path)
-    half(path)
-    (finding,) = plain.find("database")
-    assert finding.what.endswith(
+    path = bare_copy.paths.database
+    shutil.copy(fresh_database, path)
+    leave_half_migrated(path)
+    (finding,) = bare_copy.check("database")
+    assert finding.message.endswith(
         "no run is logged. From reports on disk runs are logged anew; those of reports that were "
         "overwritten since stay in mlflow.db.broken alone"
     )
-    plain.mend("database")
+    bare_copy.fix("database")
     assert "a" not in experiments(path)
     assert "a" in experiments(path.with_name("mlflow.db.broken"))
 
 
-def test_a_transaction_that_was_cut_off_is_no_fault(plain: WorkingCopy, made: Path):
+def test_a_transaction_that_was_cut_off_is_no_fault(bare_copy: WorkingCopy, fresh_database: Path):
     """To read it, SQLite must write: it rolls back by the journal.  The doctor leaves both."""
-    path = plain.places.database
-    shutil.copy(made, path)
-    journal = cut_off(path)
+    path = bare_copy.paths.database
+    shutil.copy(fresh_database, path)
+    journal = interrupt_transaction(path)
     before = path.read_bytes(), journal.read_bytes()
-    (finding,) = plain.find("database")
-    assert "a transaction was cut off" in finding.what
-    assert not finding.is_wrong
+    (finding,) = bare_copy.check("database")
+    assert "a transaction was cut off" in finding.message
+    assert not finding.is_error
     assert (path.read_bytes(), journal.read_bytes()) == before
     assert "a" in experiments(path)  # and that rolled it back
-    assert plain.find("database") == []
+    assert bare_copy.check("database") == []
 
 
-def test_a_broken_database_keeps_its_journal_when_it_is_set_aside(plain: WorkingCopy, made: Path):
+def test_a_broken_database_keeps_its_journal_when_it_is_set_aside(
+    bare_copy: WorkingCopy, fresh_database: Path
+):
     """Without it nothing takes back what the dead process wrote: the experiments would be lost."""
-    path = plain.places.database
-    shutil.copy(made, path)
-    half(path)
-    cut_off(path)
-    (finding,) = plain.find("database")
-    assert "was left half made" in finding.what
-    plain.mend("database")
+    path = bare_copy.paths.database
+    shutil.copy(fresh_database, path)
+    leave_half_migrated(path)
+    interrupt_transaction(path)
+    (finding,) = bare_copy.check("database")
+    assert "was left half made" in finding.message
+    bare_copy.fix("database")
     assert "a" in experiments(path.with_name("mlflow.db.broken"))
 
 
-def test_tables_of_an_older_mlflow_are_found_behind_a_journal(plain: WorkingCopy):
-    python(OLDER, f"sqlite:///{plain.places.database}")
-    cut_off(plain.places.database)
-    (finding,) = plain.find("database")
-    assert f"the installed MLflow wants {versions()[1]}" in finding.what
-    upgrade, aside = finding.mend.split(" || ")
+def test_tables_of_an_older_mlflow_are_found_behind_a_journal(bare_copy: WorkingCopy):
+    python(OLDER, f"sqlite:///{bare_copy.paths.database}")
+    interrupt_transaction(bare_copy.paths.database)
+    (finding,) = bare_copy.check("database")
+    assert f"the installed MLflow wants {known_versions()[1]}" in finding.message
+    upgrade, backup = finding.fix.split(" || ")
     assert upgrade == "mlflow db upgrade sqlite:///mlflow.db"
-    assert "mv mlflow.db-journal mlflow.db.broken-journal" in aside
+    assert "mv mlflow.db-journal mlflow.db.broken-journal" in backup
 
 
-def test_what_no_journal_mends_is_found_broken(plain: WorkingCopy, made: Path):
-    shutil.copy(made, plain.places.database)
-    cut_off(plain.places.database)
-    plain.places.database.write_text("no database" * 1000)
-    plain.places.database.with_name("mlflow.db-journal").write_bytes(b"no journal")
-    (finding,) = plain.find("database")
-    assert "SQLite cannot read" in finding.what
-    assert finding.is_wrong
+def test_what_no_journal_mends_is_found_broken(bare_copy: WorkingCopy, fresh_database: Path):
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    interrupt_transaction(bare_copy.paths.database)
+    bare_copy.paths.database.write_text("no database" * 1000)
+    bare_copy.paths.database.with_name("mlflow.db-journal").write_bytes(b"no journal")
+    (finding,) = bare_copy.check("database")
+    assert "SQLite cannot read" in finding.message
+    assert finding.is_error
 
 
-def test_a_database_that_is_in_use_is_left_alone(plain: WorkingCopy, made: Path):
-    shutil.copy(made, plain.places.database)
-    other = sqlite3.connect(plain.places.database)
+def test_a_database_that_is_in_use_is_left_alone(bare_copy: WorkingCopy, fresh_database: Path):
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    other = sqlite3.connect(bare_copy.paths.database)
     other.execute("BEGIN EXCLUSIVE")
-    (finding,) = plain.find("database")
+    (finding,) = bare_copy.check("database")
     other.close()
-    assert "in use by another process" in finding.what
-    assert not finding.is_wrong
-    assert plain.find("database") == []
+    assert "in use by another process" in finding.message
+    assert not finding.is_error
+    assert bare_copy.check("database") == []
 
 
-def test_tables_of_an_older_mlflow_are_brought_up_to_date(plain: WorkingCopy):
-    python(OLDER, f"sqlite:///{plain.places.database}")
-    (finding,) = plain.find("database")
-    assert f"the installed MLflow wants {versions()[1]}" in finding.what
-    plain.mend("database")
+def test_tables_of_an_older_mlflow_are_brought_up_to_date(bare_copy: WorkingCopy):
+    python(OLDER, f"sqlite:///{bare_copy.paths.database}")
+    (finding,) = bare_copy.check("database")
+    assert f"the installed MLflow wants {known_versions()[1]}" in finding.message
+    bare_copy.fix("database")
 
 
-def test_a_migration_that_was_cut_off_is_mended_too(plain: WorkingCopy, made: Path):
+def test_a_migration_that_was_cut_off_is_mended_too(bare_copy: WorkingCopy, fresh_database: Path):
     """Its tables are there and its version is not: to make them once more fails."""
-    shutil.copy(made, plain.places.database)
-    python(BEFORE_WEBHOOKS, f"sqlite:///{plain.places.database}")
-    plain.mend("database")
-    assert plain.places.database.with_name("mlflow.db.broken").exists()
+    shutil.copy(fresh_database, bare_copy.paths.database)
+    python(BEFORE_WEBHOOKS, f"sqlite:///{bare_copy.paths.database}")
+    bare_copy.fix("database")
+    assert bare_copy.paths.database.with_name("mlflow.db.broken").exists()
 
 
 def test_an_mlflow_that_keeps_its_migrations_elsewhere_is_said(
-    plain: WorkingCopy, made: Path, monkeypatch: pytest.MonkeyPatch
+    bare_copy: WorkingCopy, fresh_database: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    shutil.copy(made, plain.places.database)
+    shutil.copy(fresh_database, bare_copy.paths.database)
     monkeypatch.setattr(database, "MIGRATIONS", "elsewhere")
-    (finding,) = plain.find("database")
-    assert "database cannot be checked" in finding.what
-    assert "has no migrations in elsewhere" in finding.what
+    (finding,) = bare_copy.check("database")
+    assert "database cannot be checked" in finding.message
+    assert "has no migrations in elsewhere" in finding.message

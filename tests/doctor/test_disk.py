@@ -14,9 +14,9 @@ from tests.doctor.conftest import WorkingCopy
 
 
 @pytest.fixture
-def study(plain: WorkingCopy, root: Path) -> Path:
+def study(bare_copy: WorkingCopy, root: Path) -> Path:
     """params.yaml of two parts, ten views of 100 x 100 pixels and three methods."""
-    path = plain.folder / "params.yaml"
+    path = bare_copy.folder / "params.yaml"
     values = yaml.safe_load((root / "params.yaml").read_text())
     values["parts"]["select"] = ["a", "b"]
     values["methods"] = ["hull", "box", "oracle"]
@@ -49,7 +49,7 @@ def test_a_single_file_is_one_part(study: Path, tmp_path: Path):
     assert estimate(tmp_path, load_params(study)) == one
 
 
-def test_what_the_study_has_made_need_not_be_written_again(study: Path, plain: WorkingCopy):
+def test_what_the_study_has_made_need_not_be_written_again(study: Path, bare_copy: WorkingCopy):
     """Unless it was made of other parameters or by other code, which no index tells."""
 
     def make(out: Path) -> Cost:
@@ -57,16 +57,16 @@ def test_what_the_study_has_made_need_not_be_written_again(study: Path, plain: W
         return Cost(1.0, 1.0, "cpu")
 
     for key in ("k", "of-another-study"):
-        Store(plain.places.store).put("views", key, make)
-    views = plain.folder / "data" / "views"
+        Store(bare_copy.paths.store).put("views", key, make)
+    views = bare_copy.folder / "data" / "views"
     views.mkdir(parents=True)
     (views / "index.json").write_text('{"schema": 1, "step": "views", "keys": {"a": "k"}}')
-    (plain.folder / "data" / "index.json").write_text('{"sch')
-    findings = plain.find("disk")
-    said = "about 20.1 MB are still needed, or 23.1 MB if parameters or code"
-    assert all(said in finding.what for finding in findings)
-    assert all("since the 3.0 MB in the store were made" in each.what for each in findings)
-    assert not any(finding.is_wrong for finding in findings)
+    (bare_copy.folder / "data" / "index.json").write_text('{"sch')
+    findings = bare_copy.check("disk")
+    summary = "about 20.1 MB are still needed, or 23.1 MB if parameters or code"
+    assert all(summary in finding.message for finding in findings)
+    assert all("since the 3.0 MB in the store were made" in each.message for each in findings)
+    assert not any(finding.is_error for finding in findings)
 
 
 def test_clouds_of_the_whole_study_fit_into_the_estimate():
@@ -74,29 +74,29 @@ def test_clouds_of_the_whole_study_fit_into_the_estimate():
     assert 1.1 * 4957e6 < 117 * 15 * PER_CLOUD < 1.5 * 4957e6
 
 
-def test_too_little_room_is_wrong(study: Path, plain: WorkingCopy):
-    room = shutil.disk_usage(plain.folder).free
+def test_too_little_room_is_wrong(study: Path, bare_copy: WorkingCopy):
+    room = shutil.disk_usage(bare_copy.folder).free
     views = int(2 * room / (100**2 * PER_PIXEL))
     study.write_text(study.read_text().replace("count: 8", f"count: {views}"))
-    findings = plain.find("disk")
-    assert all(finding.is_wrong for finding in findings)
-    assert "INDUSTNERF_STORE" in findings[0].what
+    findings = bare_copy.check("disk")
+    assert all(finding.is_error for finding in findings)
+    assert "INDUSTNERF_STORE" in findings[0].message
 
 
-def test_room_for_the_rest_is_not_called_too_little(study: Path, plain: WorkingCopy):
+def test_room_for_the_rest_is_not_called_too_little(study: Path, bare_copy: WorkingCopy):
     """A finished study on a disk that it filled is nobody's fault: what it holds may stay."""
-    room = shutil.disk_usage(plain.folder).free
+    room = shutil.disk_usage(bare_copy.folder).free
     views = int(2 * room / (2 * 100**2 * PER_PIXEL))
     study.write_text(study.read_text().replace("count: 8", f"count: {views}"))
-    assert all(finding.is_wrong for finding in plain.find("disk"))
-    (plain.places.store / "views" / "k").mkdir(parents=True)
-    with (plain.places.store / "views" / "k" / "pictures").open("wb") as sparse:
+    assert all(finding.is_error for finding in bare_copy.check("disk"))
+    (bare_copy.paths.store / "views" / "k").mkdir(parents=True)
+    with (bare_copy.paths.store / "views" / "k" / "pictures").open("wb") as sparse:
         sparse.truncate(int(1.5 * room))
-    (plain.folder / "data").mkdir()
-    (plain.folder / "data" / "index.json").write_text('{"step": "views", "keys": {"a": "k"}}')
-    findings = plain.find("disk")
-    assert not any(finding.is_wrong for finding in findings)
-    assert all("if parameters or code changed" in finding.what for finding in findings)
+    (bare_copy.folder / "data").mkdir()
+    (bare_copy.folder / "data" / "index.json").write_text('{"step": "views", "keys": {"a": "k"}}')
+    findings = bare_copy.check("disk")
+    assert not any(finding.is_error for finding in findings)
+    assert all("if parameters or code changed" in finding.message for finding in findings)
 
 
 NAMESPACE = "unshare --user --map-root-user --mount sh -c"  # its mounts end with it
@@ -104,53 +104,57 @@ MOUNT = "mount -t tmpfs -o size=1m tmpfs store"
 FILL = "head -c 2M /dev/zero > store/filler; ls -l store"
 
 
-def on_a_full_disk(plain: WorkingCopy, store: str) -> tuple[int, str]:
+def on_a_full_disk(bare_copy: WorkingCopy, store: str) -> tuple[int, str]:
     """What the command says where nothing more can be written to `store`.
 
     Skips the test where not even the root of a namespace may mount.
     """
-    plain.places.store.mkdir(exist_ok=True)
-    if plain.run(f"{NAMESPACE} '{MOUNT}'")[0]:
+    bare_copy.paths.store.mkdir(exist_ok=True)
+    if bare_copy.run(f"{NAMESPACE} '{MOUNT}'")[0]:
         pytest.skip("no disk can be filled here: neither root nor anybody else may mount one")
-    asked = f"INDUSTNERF_STORE={store} {sys.executable} -m industnerf.doctor disk"
-    return plain.run(f"{NAMESPACE} '{MOUNT}; {FILL}; {asked}'")
+    command = f"INDUSTNERF_STORE={store} {sys.executable} -m industnerf.doctor disk"
+    return bare_copy.run(f"{NAMESPACE} '{MOUNT}; {FILL}; {command}'")
 
 
-def test_a_full_disk_is_wrong_and_a_larger_one_mends_it(study: Path, plain: WorkingCopy):
-    code, output = on_a_full_disk(plain, "store")
+def test_a_full_disk_is_wrong_and_a_larger_one_mends_it(study: Path, bare_copy: WorkingCopy):
+    code, output = on_a_full_disk(bare_copy, "store")
     assert "No space left on device" in output
     assert f" {2**20} " in output  # bytes of the two million came down
     assert "  store: 0.0 MB are free, about 23.1 MB are still needed; free some" in output
     assert output.endswith("1 thing is wrong\n")  # for beside the store there is room
     assert code == 1
-    larger = plain.folder / ".store"
+    larger = bare_copy.folder / ".store"
     assert f"    mend: export INDUSTNERF_STORE={larger}\n" in output
-    code, output = on_a_full_disk(plain, str(larger))
+    code, output = on_a_full_disk(bare_copy, str(larger))
     assert output.endswith("nothing is wrong\n")
     assert code == 0
 
 
-def test_on_one_full_disk_dvc_lets_go_of_what_nothing_else_holds(copy: WorkingCopy, root: Path):
+def test_on_one_full_disk_dvc_lets_go_of_what_nothing_else_holds(dvc_copy: WorkingCopy, root: Path):
     """Of the output of today, which is linked, it does not; then there is no command left."""
     values = yaml.safe_load((root / "params.yaml").read_text())
     values["views"]["count"] = 10**9
     values["parts"]["select"] = ["a"]
-    (copy.folder / "params.yaml").write_text(yaml.safe_dump(values))
-    assert [(each.mend, each.is_wrong) for each in copy.find("disk")] == [("", True)] * 2
-    forgotten = "head -c 3M /dev/zero > big && dvc add -q big && rm big big.dvc"
-    assert copy.run(forgotten)[0] == 0
-    found = copy.find("disk")
-    assert all("DVC's cache can give back 3.1 MB at most" in each.what for each in found)
-    assert {each.mend for each in found} == {"(cd . && dvc gc --workspace --force)"}
-    code, output = copy.run(found[0].mend)
+    (dvc_copy.folder / "params.yaml").write_text(yaml.safe_dump(values))
+    assert [(finding.fix, finding.is_error) for finding in dvc_copy.check("disk")] == [
+        ("", True)
+    ] * 2
+    add_and_forget = "head -c 3M /dev/zero > big && dvc add -q big && rm big big.dvc"
+    assert dvc_copy.run(add_and_forget)[0] == 0
+    findings = dvc_copy.check("disk")
+    assert all(
+        "DVC's cache can give back 3.1 MB at most" in finding.message for finding in findings
+    )
+    assert {finding.fix for finding in findings} == {"(cd . && dvc gc --workspace --force)"}
+    code, output = dvc_copy.run(findings[0].fix)
     assert code == 0, output
-    assert [each.mend for each in copy.find("disk")] == [""] * 2
-    assert copy.find("cache") == []
-    assert (copy.folder / "data/out/a").exists()
+    assert [finding.fix for finding in dvc_copy.check("disk")] == [""] * 2
+    assert dvc_copy.check("cache") == []
+    assert (dvc_copy.folder / "data/out/a").exists()
 
 
-def test_parameters_that_are_wrong_are_a_finding(study: Path, plain: WorkingCopy):
+def test_parameters_that_are_wrong_are_a_finding(study: Path, bare_copy: WorkingCopy):
     study.write_text(study.read_text().replace("seed: 0", "sead: 0"))
-    (finding,) = plain.find("disk")
-    assert finding.is_wrong
-    assert "sead is unknown" in finding.what
+    (finding,) = bare_copy.check("disk")
+    assert finding.is_error
+    assert "sead is unknown" in finding.message

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.doctor.environment import pins, plain
+from industnerf.doctor.environment import normalize_name, parse_pins
 
-FIND = """
+CHECK_SCRIPT = """
 import sys
 from pathlib import Path
 from industnerf.doctor.environment import find
-from industnerf.doctor.places import Places
+from industnerf.doctor.project_paths import Places
 for finding in find(Places(Path.cwd(), Path.cwd(), Path.cwd())):
     print(finding.what)
     print(finding.mend)
@@ -63,8 +63,8 @@ class Environment:
             text=True,
         ).stdout
 
-    def find(self) -> list[str]:
-        return self.run(str(self.python), "-c", FIND).splitlines()
+    def check(self) -> list[str]:
+        return self.run(str(self.python), "-c", CHECK_SCRIPT).splitlines()
 
 
 def test_other_versions_and_missing_packages_are_found_and_mended(
@@ -72,10 +72,10 @@ def test_other_versions_and_missing_packages_are_found_and_mended(
 ):
     environment = Environment(tmp_path, wheels, root)
     environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel==1.0")
-    what, mend = environment.find()
-    assert what == "steel is 1.0, not 2.0; iron-ore is missing"
-    environment.run("bash", "-c", mend)
-    assert environment.find() == []
+    message, fix = environment.check()
+    assert message == "steel is 1.0, not 2.0; iron-ore is missing"
+    environment.run("bash", "-c", fix)
+    assert environment.check() == []
 
 
 def test_an_install_that_was_cut_off_is_found_and_mended(tmp_path: Path, wheels: Path, root: Path):
@@ -87,12 +87,12 @@ def test_an_install_that_was_cut_off_is_found_and_mended(tmp_path: Path, wheels:
         (info / "METADATA").unlink()  # never written to: it may be a link to uv's cache
         if left is not None:
             (info / "METADATA").write_bytes(left)
-        torn, mend, other, _ = environment.find()
-        assert torn == "is no whole package with a name and a version: an install was cut off"
-        assert mend.startswith(f"rm -rf {info.relative_to(tmp_path)} && ")
+        truncated, fix, other, _ = environment.check()
+        assert truncated == "is no whole package with a name and a version: an install was cut off"
+        assert fix.startswith(f"rm -rf {info.relative_to(tmp_path)} && ")
         assert other == "iron-ore is missing"
-        environment.run("bash", "-c", mend)
-        assert environment.find()[0] == "iron-ore is missing"
+        environment.run("bash", "-c", fix)
+        assert environment.check()[0] == "iron-ore is missing"
 
 
 def test_what_is_left_of_a_package_that_is_not_pinned_goes(
@@ -102,23 +102,23 @@ def test_what_is_left_of_a_package_that_is_not_pinned_goes(
     environment = Environment(tmp_path, wheels, root)
     environment.run(str(environment.python), "-m", "pip", "install", "-q", "steel", "iron-ore")
     (info,) = tmp_path.glob("env/lib/python*/site-packages/steel-2.0.dist-info")
-    shutil.copytree(info, aside := info.with_name("~teel-1.0.dist-info"))
-    (aside / "METADATA").write_text("Metadata-Version: 2.1\nName: steel\nVersion: 1.0\n")
-    _, mend = environment.find()
-    environment.run("bash", "-c", mend)
-    assert environment.find() == []
+    shutil.copytree(info, set_aside := info.with_name("~teel-1.0.dist-info"))
+    (set_aside / "METADATA").write_text("Metadata-Version: 2.1\nName: steel\nVersion: 1.0\n")
+    _, fix = environment.check()
+    environment.run("bash", "-c", fix)
+    assert environment.check() == []
     assert info.exists()
 
 
 def test_a_pin_may_depend_on_the_python():
     text = "# made by uv\nnumpy==2.4.6 ; python_full_version < '3.12'\nNumPy==2.5.5\nrich==14.0\n"
-    assert pins(text) == {"numpy": ["2.4.6", "2.5.5"], "rich": ["14.0"]}
+    assert parse_pins(text) == {"numpy": ["2.4.6", "2.5.5"], "rich": ["14.0"]}
 
 
 def test_the_constraints_of_the_suite_pin_every_dependency(root: Path):
-    pinned = pins((root / "constraints.txt").read_text())
+    pinned = parse_pins((root / "constraints.txt").read_text())
     assert {"torch", "dvc", "mlflow", "pot"} <= set(pinned)
 
 
 def test_names_are_compared_as_packages_are():
-    assert plain("Py_YAML") == plain("py.yaml") == plain("py-yaml")
+    assert normalize_name("Py_YAML") == normalize_name("py.yaml") == normalize_name("py-yaml")

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from industnerf.doctor.variables import KNOWN, PREFIX
+from industnerf.doctor.variables import KNOWN_VARIABLES, PREFIX
 from tests.doctor.conftest import WorkingCopy, doctor
 
 ROOT = Path(__file__).parents[2]
 FAULTS = {
     "WORKES": ("2", "and does nothing; did you mean INDUSTNERF_WORKERS?"),
-    "COLOUR": ("red", "and does nothing; there are INDUSTNERF_DEBUG, "),
+    "COLOR": ("red", "and does nothing; there are INDUSTNERF_DEBUG, "),
     "WORKERS": ("abc", "is 'abc', must be a number of processes, at least 1"),
     "SLURM_JOBS": ("0", "is '0', must be a number of jobs that may run at a time, at least 1"),
     "SLURM_MINUTES": ("3", "is 3, must be at least 5"),
@@ -32,47 +32,51 @@ def unset(monkeypatch):
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_each_fault_is_said_and_taken_out_of_the_environment(plain: WorkingCopy, name, monkeypatch):
-    value, said = FAULTS[name]
-    (plain.folder / "mine.txt").write_text("dear")
-    monkeypatch.chdir(plain.folder)
+def test_each_fault_is_said_and_taken_out_of_the_environment(
+    bare_copy: WorkingCopy, name, monkeypatch
+):
+    value, message = FAULTS[name]
+    (bare_copy.folder / "mine.txt").write_text("dear")
+    monkeypatch.chdir(bare_copy.folder)
     monkeypatch.setenv(PREFIX + name, value)
-    (finding,) = plain.find("variables")
-    assert said in finding.what
-    assert finding.what.startswith(PREFIX + name)
-    assert finding.mend == f"unset {PREFIX + name}"
+    (finding,) = bare_copy.check("variables")
+    assert message in finding.message
+    assert finding.message.startswith(PREFIX + name)
+    assert finding.fix == f"unset {PREFIX + name}"
     monkeypatch.delenv(PREFIX + name)
-    assert plain.find("variables") == []
+    assert bare_copy.check("variables") == []
 
 
-def test_in_the_local_file_it_is_to_be_mended_there(plain: WorkingCopy):
-    (plain.folder / ".industnerf.env").write_text("INDUSTNERF_WORKES=2\n")
-    code, output = doctor(plain.folder, "-m", "industnerf.doctor", "variables")
+def test_in_the_local_file_it_is_to_be_mended_there(bare_copy: WorkingCopy):
+    (bare_copy.folder / ".industnerf.env").write_text("INDUSTNERF_WORKES=2\n")
+    code, output = doctor(bare_copy.folder, "-m", "industnerf.doctor", "variables")
     assert code == 1
     assert ".industnerf.env: INDUSTNERF_WORKES is no variable" in output
     assert "mend" not in output
 
 
 @pytest.mark.parametrize("line", ["# INDUSTNERF_DEVICE=gpu is gone", "INDUSTNERF_DEVICE=cpu"])
-def test_the_environment_is_blamed_for_what_it_says_itself(plain: WorkingCopy, line, monkeypatch):
+def test_the_environment_is_blamed_for_what_it_says_itself(
+    bare_copy: WorkingCopy, line, monkeypatch
+):
     """It wins over the file, whatever this says of the same name."""
-    (plain.folder / ".industnerf.env").write_text(f"{line}\n")
+    (bare_copy.folder / ".industnerf.env").write_text(f"{line}\n")
     monkeypatch.setenv(f"{PREFIX}DEVICE", "gpu")
-    (finding,) = plain.find("variables")
-    assert finding.mend == f"unset {PREFIX}DEVICE"
+    (finding,) = bare_copy.check("variables")
+    assert finding.fix == f"unset {PREFIX}DEVICE"
 
 
-def test_what_commands_take_is_right(plain: WorkingCopy, monkeypatch):
+def test_what_commands_take_is_right(bare_copy: WorkingCopy, monkeypatch):
     right = {"WORKERS": "2", "DEVICE": "cuda:1", "RUNNER": "serial", "MLFLOW": "off", "STORE": ""}
     for name, value in right.items():
         monkeypatch.setenv(PREFIX + name, value)
-    assert plain.find("variables") == []
+    assert bare_copy.check("variables") == []
 
 
 def test_every_variable_that_the_suite_reads_is_known():
     files = [*ROOT.glob("src/**/*.py"), *ROOT.glob("pipeline/*.py")]
     text = "\n".join(path.read_text() for path in files)
-    said = set(re.findall(r"INDUSTNERF_[A-Z_]*[A-Z]\b(?!_)", text)) - {"INDUSTNERF_SLURM"}
+    mentioned = set(re.findall(r"INDUSTNERF_[A-Z_]*[A-Z]\b(?!_)", text)) - {"INDUSTNERF_SLURM"}
     of_slurm = re.search(r'"""What SLURM is asked for.*?"""', text, re.DOTALL)[0]
     listed = {
         f"INDUSTNERF_SLURM_{name}"
@@ -80,4 +84,4 @@ def test_every_variable_that_the_suite_reads_is_known():
         for name in line.split(", ")
     }
     assert listed >= {"INDUSTNERF_SLURM_GRES", "INDUSTNERF_SLURM_FOLDER"}
-    assert said | listed == set(KNOWN)
+    assert mentioned | listed == set(KNOWN_VARIABLES)

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from industnerf.geometry.cameras import (
     Cameras,
     back_projection,
-    framed_ball,
+    common_view_ball,
     look_at,
     pinhole,
-    pixel_centres,
+    pixel_centers,
     project,
     ray_directions,
     reduced_size,
@@ -45,9 +45,9 @@ def test_unprojecting_then_projecting_returns_pixel_and_depth(seed, u, v, depth)
 
 
 @given(SEEDS, st.tuples(*[st.floats(-100, 100)] * 2), DEPTHS)
-def test_projecting_then_unprojecting_returns_the_point(seed, aside, depth):
+def test_projecting_then_unprojecting_returns_the_point(seed, offset, depth):
     c2w = random_pose(seed)
-    point = c2w[:3, :3] @ np.array([*aside, depth]) + c2w[:3, 3]
+    point = c2w[:3, :3] @ np.array([*offset, depth]) + c2w[:3, 3]
     uv, z = project(point[None], K, c2w)
     # Up to 100 mm aside at 1 mm depth, u is 6e4 px: rounded by 1e-11 px, and back by as much.
     np.testing.assert_allclose(unproject(uv, z, K, c2w)[0], point, rtol=0, atol=1e-8)
@@ -70,9 +70,9 @@ def test_back_projected_directions_count_depth(seed, u, v):
     assert along[2] == pytest.approx(1, abs=1e-14)
 
 
-def test_pixel_centres_go_row_by_row_from_the_top_left_corner():
+def test_pixel_centers_go_row_by_row_from_the_top_left_corner():
     np.testing.assert_array_equal(
-        pixel_centres(3, 2),
+        pixel_centers(3, 2),
         [[0.5, 0.5], [1.5, 0.5], [2.5, 0.5], [0.5, 1.5], [1.5, 1.5], [2.5, 1.5]],
     )
 
@@ -89,14 +89,14 @@ def test_x_is_right_y_is_down_z_is_forward():
 
 
 def test_look_at_gives_rigid_motions_at_the_poles_too():
-    eyes = 7 * np.vstack([fibonacci_sphere(50), [[0, 0, 1], [0, 0, -1]]]) + [1, 2, 3]
-    c2w = look_at(eyes, np.array([1.0, 2, 3]))
+    camera_centers = 7 * np.vstack([fibonacci_sphere(50), [[0, 0, 1], [0, 0, -1]]]) + [1, 2, 3]
+    c2w = look_at(camera_centers, np.array([1.0, 2, 3]))
     rotation = c2w[:, :3, :3]
-    eye = np.broadcast_to(np.eye(3), rotation.shape)
-    np.testing.assert_allclose(rotation @ rotation.transpose(0, 2, 1), eye, rtol=0, atol=1e-14)
+    identity = np.broadcast_to(np.eye(3), rotation.shape)
+    np.testing.assert_allclose(rotation @ rotation.transpose(0, 2, 1), identity, rtol=0, atol=1e-14)
     np.testing.assert_allclose(np.linalg.det(rotation), 1, rtol=0, atol=1e-14)
     np.testing.assert_allclose(
-        eyes + 7 * rotation[:, :, 2], np.tile([1, 2, 3], (52, 1)), atol=1e-13
+        camera_centers + 7 * rotation[:, :, 2], np.tile([1, 2, 3], (52, 1)), atol=1e-13
     )
 
 
@@ -106,23 +106,26 @@ def test_the_image_side_spans_the_field_of_view():
 
 
 def test_the_framed_ball_touches_the_narrowest_frame():
-    eyes = np.array([1.0, -2, 3]) + 50 * fibonacci_sphere(9)
+    camera_centers = np.array([1.0, -2, 3]) + 50 * fibonacci_sphere(9)
     cameras = Cameras(
-        np.tile(pinhole(30.0, 64), (9, 1, 1)), look_at(eyes, np.array([1.0, -2, 3])), 64, 64
+        np.tile(pinhole(30.0, 64), (9, 1, 1)),
+        look_at(camera_centers, np.array([1.0, -2, 3])),
+        64,
+        64,
     )
-    centre, radius = framed_ball(cameras)
-    np.testing.assert_allclose(centre, [1, -2, 3], rtol=0, atol=1e-12)
+    center, radius = common_view_ball(cameras)
+    np.testing.assert_allclose(center, [1, -2, 3], rtol=0, atol=1e-12)
     assert radius == pytest.approx(50 * np.sin(np.radians(15)), rel=1e-12)
     # the plane through eye and image border touches the ball: that is what `in frame` means
     border = ray_directions(np.array([[0.0, 32.0]]), cameras.K[0], cameras.c2w[0])[0]
-    nearest = np.linalg.norm(np.cross(border, centre - cameras.eyes[0]))
+    nearest = np.linalg.norm(np.cross(border, center - cameras.centers[0]))
     assert nearest == pytest.approx(radius, rel=1e-12)
 
 
 def test_cameras_are_cut_like_arrays():
     cameras = Cameras(np.tile(K, (3, 1, 1)), np.stack([random_pose(i) for i in range(3)]), 640, 480)
     assert len(cameras) == 3
-    np.testing.assert_array_equal(cameras[np.array([2, 0])].eyes, cameras.eyes[[2, 0]])
+    np.testing.assert_array_equal(cameras[np.array([2, 0])].centers, cameras.centers[[2, 0]])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from jaxtyping import TypeCheckError
 
-from industnerf.geometry.raycast import Scene
+from industnerf.geometry.raycast import RaycastingScene
 from industnerf.geometry.sphere import fibonacci_sphere
 
 TRIANGLE = np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0]]), np.array([[0, 1, 2]], np.int32)
@@ -33,7 +33,7 @@ def test_it_finds_what_the_textbook_finds():
     origins = 200 * fibonacci_sphere(100) + 50
     aim = np.random.default_rng(2).uniform(0, 100, (100, 3))
     directions = (aim - origins) / np.linalg.norm(aim - origins, axis=1, keepdims=True)
-    hits = Scene(vertices, faces).cast(origins, directions)
+    hits = RaycastingScene(vertices, faces).cast(origins, directions)
     table = np.array(
         [
             [moller_trumbore(triangle, o, d) for triangle in vertices[faces]]
@@ -50,7 +50,7 @@ def test_it_finds_what_the_textbook_finds():
 
 
 def test_uv_weigh_the_second_and_third_corner():
-    hits = Scene(*TRIANGLE).cast(np.array([[1.0, 2, 5]]), np.array([[0.0, 0, -1]]))
+    hits = RaycastingScene(*TRIANGLE).cast(np.array([[1.0, 2, 5]]), np.array([[0.0, 0, -1]]))
     np.testing.assert_allclose(hits.uv, [[0.1, 0.2]], rtol=0, atol=1e-6)
     assert hits.t[0] == pytest.approx(5, abs=1e-5)
 
@@ -58,20 +58,24 @@ def test_uv_weigh_the_second_and_third_corner():
 def test_a_miss_has_no_face_and_infinite_t_whatever_the_size():
     vertices, faces = TRIANGLE
     for size in (1e-3, 1.0, 1e6):  # mm; embree's own `far` times 1e6 would overflow
-        hits = Scene(size * vertices, faces).cast(np.full((1, 3), -size), np.array([[0, 0, 1.0]]))
+        hits = RaycastingScene(size * vertices, faces).cast(
+            np.full((1, 3), -size), np.array([[0, 0, 1.0]])
+        )
         assert hits.face[0] == -1
         assert np.isposinf(hits.t[0])
 
 
 def test_t_counts_in_lengths_of_the_direction():
-    hits = Scene(*TRIANGLE).cast(np.array([[1.0, 1, 6]]), np.array([[0, 0, -1.0], [0, 0, -3]]))
+    hits = RaycastingScene(*TRIANGLE).cast(
+        np.array([[1.0, 1, 6]]), np.array([[0, 0, -1.0], [0, 0, -3]])
+    )
     np.testing.assert_allclose(hits.t, [6, 2], rtol=1e-6)
 
 
 def test_a_part_far_from_the_origin_loses_no_digits():
     vertices, faces = TRIANGLE
     far = np.array([1e6, -2e6, 3e6])  # mm, where float32 counts in quarters of a mm
-    distance = Scene(vertices + far, faces).distance(
+    distance = RaycastingScene(vertices + far, faces).distance(
         far + np.array([[1.0, 1, 5.0625]]), np.array([[0, 0, -1.0]])
     )
     assert distance[0] == pytest.approx(5.0625, abs=1e-5)
@@ -84,19 +88,21 @@ def test_no_ray_slips_between_faces_that_share_an_edge():
     vertices = np.vstack([rim, [[0, 0, 0]]])
     faces = np.array([[i, (i + 1) % 96, 96] for i in range(96)], np.int32)
     targets = (np.linspace(0.01, 0.99, 50)[:, None, None] * rim).reshape(-1, 3)
-    eye = np.array([[0.3, -0.2, 2.0]])
-    assert np.isfinite(Scene(vertices, faces).distance(eye, targets - eye)).all()
+    camera_center = np.array([[0.3, -0.2, 2.0]])
+    assert np.isfinite(
+        RaycastingScene(vertices, faces).distance(camera_center, targets - camera_center)
+    ).all()
 
 
 def test_no_rays_give_no_hits():
-    hits = Scene(*TRIANGLE).cast(np.zeros((1, 3)), np.zeros((0, 3)))
+    hits = RaycastingScene(*TRIANGLE).cast(np.zeros((1, 3)), np.zeros((0, 3)))
     assert hits.t.shape == (0,)
     assert hits.uv.shape == (0, 2)
 
 
 def test_as_many_origins_as_directions_or_one():
     with pytest.raises(TypeCheckError):
-        Scene(*TRIANGLE).cast(np.zeros((2, 3)), np.ones((3, 3)))
+        RaycastingScene(*TRIANGLE).cast(np.zeros((2, 3)), np.ones((3, 3)))
 
 
 def test_embree_is_imported_only_when_a_scene_is_built():
@@ -111,9 +117,9 @@ def test_a_ray_is_blocked_where_it_meets_the_mesh():
     vertices, faces = soup(40)
     origins = 200 * fibonacci_sphere(300) + 50
     aim = np.random.default_rng(2).uniform(0, 100, (300, 3))
-    scene, directions = Scene(vertices, faces), aim - origins
-    met = np.isfinite(scene.distance(origins, directions))
-    assert 60 < met.sum() < 300
-    np.testing.assert_array_equal(scene.blocked(origins, directions), met)
-    away = scene.blocked(origins, -directions)  # what lies behind the start does not count
-    np.testing.assert_array_equal(away, np.isfinite(scene.distance(origins, -directions)))
+    scene, directions = RaycastingScene(vertices, faces), aim - origins
+    is_occluded = np.isfinite(scene.distance(origins, directions))
+    assert 60 < is_occluded.sum() < 300
+    np.testing.assert_array_equal(scene.is_occluded(origins, directions), is_occluded)
+    past = scene.is_occluded(origins, -directions)  # what lies behind the start does not count
+    np.testing.assert_array_equal(past, np.isfinite(scene.distance(origins, -directions)))

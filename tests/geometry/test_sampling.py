@@ -30,11 +30,11 @@ def barycentric(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def test_each_point_lies_within_the_face_it_names(seed):
     vertices, faces = soup(seed)
     points, face = sample_surface(vertices, faces, 200, np.random.default_rng(seed))
-    found = barycentric(points, vertices[faces[face]])
+    result = barycentric(points, vertices[faces[face]])
     assert points.dtype == np.float64
     # positions near 500 mm are rounded by 1e-13 mm; the thinnest triangles magnify that
-    assert (found[:, :3] > -1e-9).all()
-    assert (found[:, 3] < 1e-9).all()
+    assert (result[:, :3] > -1e-9).all()
+    assert (result[:, 3] < 1e-9).all()
 
 
 def test_faces_get_points_by_their_area():

@@ -9,14 +9,14 @@ from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
 
 
 @given(st.integers(1, 300), st.floats(-10, 10))
-def test_all_are_unit_vectors_on_rings_of_equal_area(n, turn):
-    points = fibonacci_sphere(n, turn)
+def test_all_are_unit_vectors_on_rings_of_equal_area(n, rotation):
+    points = fibonacci_sphere(n, rotation)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1, rtol=0, atol=1e-14)
     np.testing.assert_allclose(np.diff(points[:, 2]), -2 / n, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("n", [20, 40, 100, 400])
-def test_neighbours_keep_their_distance(n):
+def test_neighbors_keep_their_distance(n):
     """Each point has 4 pi / n of area; on a hexagonal lattice the spacing is sqrt(2/sqrt 3 a).
 
     That is the best possible; the Fibonacci lattice is known to keep above 80 % of it.
@@ -40,7 +40,7 @@ def test_turning_rotates_about_z():
 
 
 @given(st.integers(1, 300), st.floats(-10, 10))
-def test_the_hemisphere_has_rings_of_equal_area_above_the_horizon(n, turn):
-    points = fibonacci_hemisphere(n, turn)
+def test_the_hemisphere_has_rings_of_equal_area_above_the_horizon(n, rotation):
+    points = fibonacci_hemisphere(n, rotation)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1, rtol=0, atol=1e-14)
     np.testing.assert_allclose(points[:, 2], 1 - (np.arange(n) + 0.5) / n, rtol=0, atol=1e-14)

@@ -1,10 +1,10 @@
-"""Augmentations against what rolls, zooms and colours do to known pictures."""
+"""Augmentations against what rolls, zooms and colors do to known pictures."""
 
 import numpy as np
 import pytest
 import torch
 
-from industnerf.learning.augment import as_tensor, augmented
+from industnerf.learning.augment import augment, images_to_tensor
 from industnerf.schema import AugmentSettings
 
 # A float32 sum of four corners with weights from a float32 grid: 1e-7 each, times the slope
@@ -12,7 +12,7 @@ from industnerf.schema import AugmentSettings
 ROUNDING = {"rtol": 0, "atol": 1e-5}
 
 
-class Always(np.random.Generator):
+class FixedDraws(np.random.Generator):
     """Draws the upper end of every range, or so much of the way there from the lower."""
 
     def __init__(self, share: float = 1.0) -> None:
@@ -23,12 +23,12 @@ class Always(np.random.Generator):
         return np.full(size, low + self.share * (high - low))
 
 
-def pictures(n=2, size=8):
+def random_images(n=2, size=8):
     return torch.from_numpy(np.random.default_rng(0).random((n, 3, size, size), np.float32))
 
 
-def changed(images, roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0, rng=None):
-    return augmented(images, AugmentSettings(roll_deg, zoom, colour, noise), rng or Always())[0]
+def augmentation(images, roll_deg=0.0, zoom=0.0, color=0.0, noise=0.0, rng=None):
+    return augment(images, AugmentSettings(roll_deg, zoom, color, noise), rng or FixedDraws())[0]
 
 
 def ramp(size=16):
@@ -39,17 +39,17 @@ def ramp(size=16):
 
 
 def test_no_augmentation_is_the_identity():
-    images = pictures()
-    found = changed(images, rng=np.random.default_rng(3))
-    np.testing.assert_allclose(found, images, **ROUNDING)
+    images = random_images()
+    result = augmentation(images, rng=np.random.default_rng(3))
+    np.testing.assert_allclose(result, images, **ROUNDING)
 
 
 @pytest.mark.parametrize(("share", "turns"), [(1.0, 1), (0.0, -1)])
 def test_a_roll_of_90_degrees_is_a_quarter_turn(share, turns):
     """Up to +90: the picture turns anticlockwise, as `np.rot90` turns it; up to -90: back."""
-    images = pictures()
-    found = changed(images, roll_deg=90.0, rng=Always(share))
-    np.testing.assert_allclose(found, np.rot90(images, turns, axes=(2, 3)), **ROUNDING)
+    images = random_images()
+    result = augmentation(images, roll_deg=90.0, rng=FixedDraws(share))
+    np.testing.assert_allclose(result, np.rot90(images, turns, axes=(2, 3)), **ROUNDING)
 
 
 @pytest.mark.parametrize("roll", [30.0, -70.0])
@@ -57,44 +57,44 @@ def test_a_point_turns_as_its_picture_does(roll):
     """A spot in the picture of a camera of 90 degrees, whose axes are right, down and forwards."""
     image, size = torch.zeros(1, 3, 65, 65), 65
     image[0, :, 32, 48:51] = 1  # to the right of the middle, 17 px of 32.5
-    rng = Always(1.0 if roll > 0 else 0.0)
-    rolled, (turn,) = augmented(image, AugmentSettings(abs(roll), 0.0, 0.0, 0.0), rng)
+    rng = FixedDraws(1.0 if roll > 0 else 0.0)
+    rolled, (rotation,) = augment(image, AugmentSettings(abs(roll), 0.0, 0.0, 0.0), rng)
     mass, place = rolled[0, 0], torch.arange(size) + 0.5 - size / 2
-    seen = [(mass.sum(dim=axis) * place).sum() / mass.sum() for axis in (0, 1)]
-    expected = np.array([17.0, 0.0, 32.5]) @ turn
-    np.testing.assert_allclose(seen, expected[:2] * 32.5 / expected[2], atol=0.1)
+    position = [(mass.sum(dim=axis) * place).sum() / mass.sum() for axis in (0, 1)]
+    expected = np.array([17.0, 0.0, 32.5]) @ rotation
+    np.testing.assert_allclose(position, expected[:2] * 32.5 / expected[2], atol=0.1)
 
 
-def test_zoom_enlarges_about_the_centre():
+def test_zoom_enlarges_about_the_center():
     image, across = ramp()
-    found = changed(image, zoom=0.5)
+    result = augmentation(image, zoom=0.5)
     # 1.5 times as large: what was at x / 1.5 is now at x, and a ramp is read off exactly
-    expected = np.broadcast_to(0.5 + 0.4 * across / 1.5, found.shape)
-    np.testing.assert_allclose(found, expected, **ROUNDING)
+    expected = np.broadcast_to(0.5 + 0.4 * across / 1.5, result.shape)
+    np.testing.assert_allclose(result, expected, **ROUNDING)
 
 
 def test_beyond_its_border_a_picture_goes_on_as_it_is_there():
     image, across = ramp()
-    found = changed(image, zoom=0.5, rng=Always(0.0))
-    # half as large: the ramp is twice as steep, up to the centres of the last pixels
-    expected = np.broadcast_to(0.5 + 0.4 * np.clip(2 * across, across[0], across[-1]), found.shape)
-    np.testing.assert_allclose(found, expected, **ROUNDING)
+    result = augmentation(image, zoom=0.5, rng=FixedDraws(0.0))
+    # half as large: the ramp is twice as steep, up to the centers of the last pixels
+    expected = np.broadcast_to(0.5 + 0.4 * np.clip(2 * across, across[0], across[-1]), result.shape)
+    np.testing.assert_allclose(result, expected, **ROUNDING)
 
 
 def test_a_white_background_stays_white():
     images = torch.ones(8, 3, 16, 16)
     images[:, :, 5:10, 6:9] = 0.2
-    found = changed(images, roll_deg=180.0, zoom=0.2, rng=np.random.default_rng(0))
-    edge = torch.cat([found[:, :, [0, -1]].flatten(), found[..., [0, -1]].flatten()])
+    result = augmentation(images, roll_deg=180.0, zoom=0.2, rng=np.random.default_rng(0))
+    edge = torch.cat([result[:, :, [0, -1]].flatten(), result[..., [0, -1]].flatten()])
     # the part is within 3.2 px of the middle, times 1.2 and a pixel of blur: 5 px, the edge is at 7
     np.testing.assert_allclose(edge, 1.0, **ROUNDING)
 
 
-def test_colours_are_scaled_shifted_and_cut():
-    images = pictures()
-    brighter = changed(images, colour=0.4)
+def test_colors_are_scaled_shifted_and_cut():
+    images = random_images()
+    brighter = augmentation(images, color=0.4)
     np.testing.assert_allclose(brighter, (1.4 * images + 0.2).clamp(0, 1), **ROUNDING)
-    darker = changed(images, colour=0.4, rng=Always(0.0))
+    darker = augmentation(images, color=0.4, rng=FixedDraws(0.0))
     np.testing.assert_allclose(darker, (0.6 * images - 0.2).clamp(0, 1), **ROUNDING)
     assert brighter.max() == 1
     assert darker.min() == 0
@@ -114,19 +114,19 @@ def test_no_picture_is_ever_mirrored():
     image = torch.zeros(1, 3, 32, 32)
     for channel, (row, column) in enumerate([(10, 10), (10, 20), (22, 10)]):
         image[0, channel, row : row + 3, column : column + 3] = 1
-    found = changed(
+    result = augmentation(
         image.expand(200, -1, -1, -1), roll_deg=180.0, zoom=0.2, rng=np.random.default_rng(0)
     )
-    assert (handedness(found) == handedness(image)).all()
-    assert (handedness(found.flip(3)) != handedness(image)).all()
+    assert (handedness(result) == handedness(image)).all()
+    assert (handedness(result.flip(3)) != handedness(image)).all()
 
 
 @pytest.mark.parametrize(
-    "some", [{"roll_deg": 30.0}, {"zoom": 0.1}, {"colour": 0.2}, {"noise": 0.1}]
+    "some", [{"roll_deg": 30.0}, {"zoom": 0.1}, {"color": 0.2}, {"noise": 0.1}]
 )
 def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them(some):
-    images = pictures(1).expand(3, -1, -1, -1)
-    first, again = (changed(images, **some, rng=np.random.default_rng(5)) for _ in range(2))
+    images = random_images(1).expand(3, -1, -1, -1)
+    first, again = (augmentation(images, **some, rng=np.random.default_rng(5)) for _ in range(2))
     assert torch.equal(first, again)
     assert not torch.allclose(first[0], first[1])
     assert not torch.allclose(first[1], first[2])
@@ -135,7 +135,7 @@ def test_every_picture_has_draws_of_its_own_and_a_seed_repeats_them(some):
 def test_as_tensor_puts_channels_first_and_white_at_1():
     images = np.zeros((1, 2, 3, 3), np.uint8)
     images[0, 1, 2] = [255, 51, 0]
-    tensor = as_tensor(images, torch.device("cpu"))
+    tensor = images_to_tensor(images, torch.device("cpu"))
     assert tensor.shape == (1, 3, 2, 3)
     np.testing.assert_allclose(tensor[0, :, 1, 2], [1.0, 0.2, 0.0], rtol=1e-6)
     assert tensor.sum() == pytest.approx(1.2)
@@ -143,8 +143,8 @@ def test_as_tensor_puts_channels_first_and_white_at_1():
 
 def test_noise_has_its_deviation_and_pictures_stay_in_range():
     images = torch.full((4, 3, 64, 64), 0.5)
-    found = changed(images, noise=0.1, rng=np.random.default_rng(0))
-    assert found.std().item() == pytest.approx(0.1, rel=0.02)  # of 49 152 draws: 0.3 %
-    assert found.mean().item() == pytest.approx(0.5, abs=0.002)
-    white = changed(torch.ones(4, 3, 8, 8), noise=0.1, rng=np.random.default_rng(0))
+    result = augmentation(images, noise=0.1, rng=np.random.default_rng(0))
+    assert result.std().item() == pytest.approx(0.1, rel=0.02)  # of 49 152 draws: 0.3 %
+    assert result.mean().item() == pytest.approx(0.5, abs=0.002)
+    white = augmentation(torch.ones(4, 3, 8, 8), noise=0.1, rng=np.random.default_rng(0))
     assert white.max() == 1

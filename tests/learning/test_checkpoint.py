@@ -15,9 +15,9 @@ STATE = {"step": 3, "losses": [0.5, 0.25], "net": {"w": torch.arange(2000.0)}}
 def test_what_is_loaded_is_what_was_saved(tmp_path):
     path = tmp_path / "of a net" / "net.pt"
     checkpoint.save(path, STATE)
-    found = checkpoint.load(path)
-    assert torch.equal(found["net"].pop("w"), STATE["net"]["w"])
-    assert found == {"step": 3, "losses": [0.5, 0.25], "net": {}}
+    result = checkpoint.load(path)
+    assert torch.equal(result["net"].pop("w"), STATE["net"]["w"])
+    assert result == {"step": 3, "losses": [0.5, 0.25], "net": {}}
     assert list(path.parent.iterdir()) == [path]
 
 
@@ -30,8 +30,8 @@ def test_where_nothing_was_saved_there_is_nothing(tmp_path, capsys):
 def test_a_torn_one_is_nothing_and_is_spoken_of(tmp_path, capsys, kept):
     path = tmp_path / "net.pt"
     checkpoint.save(path, STATE)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(kept * len(whole))])
+    content = path.read_bytes()
+    path.write_bytes(content[: int(kept * len(content))])
     assert checkpoint.load(path) is None
     assert f"{path} cannot be read" in capsys.readouterr().err
 
@@ -51,8 +51,8 @@ def test_what_the_machine_cannot_read_stays(tmp_path, monkeypatch, said):
     if said:
         monkeypatch.setattr(Path, "read_bytes", partial(fail, said))
     else:
-        full = RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried 9 bytes")
-        monkeypatch.setattr(torch, "load", partial(fail, full))
+        memory_error = RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried 9 bytes")
+        monkeypatch.setattr(torch, "load", partial(fail, memory_error))
     with pytest.raises((OSError, MemoryError)):
         checkpoint.load(path)
     assert path.exists()

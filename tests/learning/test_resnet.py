@@ -5,16 +5,16 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-from industnerf.learning.resnet import Block, ResNet18
+from industnerf.learning.resnet import ResidualBlock, ResNet18
 
 
-def numbers(net: nn.Module) -> int:
+def num_parameters(net: nn.Module) -> int:
     return sum(p.numel() for p in net.parameters())
 
 
 def test_it_has_as_many_numbers_as_published():
-    assert numbers(ResNet18(1000)) == 11_689_512
-    assert numbers(ResNet18(1000)) - (512 * 1000 + 1000) == 11_176_512
+    assert num_parameters(ResNet18(1000)) == 11_689_512
+    assert num_parameters(ResNet18(1000)) - (512 * 1000 + 1000) == 11_176_512
 
 
 def test_its_stages_have_the_published_shapes():
@@ -34,25 +34,25 @@ def test_its_stages_have_the_published_shapes():
         (512,),
         (256,),
     ]
-    assert sum(isinstance(layer, Block) for layer in net) == 8
+    assert sum(isinstance(layer, ResidualBlock) for layer in net) == 8
 
 
 @pytest.mark.parametrize("width", [1, 8])
 def test_width_scales_every_stage(width):
-    last = [layer for layer in ResNet18(5, width) if isinstance(layer, Block)][-1]
+    last = [layer for layer in ResNet18(5, width) if isinstance(layer, ResidualBlock)][-1]
     assert last.conv2.weight.shape == (8 * width, 8 * width, 3, 3)
 
 
 def test_a_block_whose_convolutions_are_silent_lets_its_input_through():
     x = torch.randn(2, 4, 6, 6)
-    same, wider = Block(4, 4, 1), Block(4, 8, 2)
+    same, wider = ResidualBlock(4, 4, 1), ResidualBlock(4, 8, 2)
     for block in (same, wider):
         nn.init.zeros_(block.bn2.weight)
     torch.testing.assert_close(same(x), F.relu(x))
     # a new batch norm has weight 1 and bias 0: every second pixel, mixed by a 1x1 convolution
     mixed = torch.einsum("dc,bchw->bdhw", wider.shortcut[0].weight[..., 0, 0], x[..., ::2, ::2])
-    centred = mixed - mixed.mean(dim=(0, 2, 3), keepdim=True)
-    normed = centred / (mixed.var(dim=(0, 2, 3), correction=0, keepdim=True) + 1e-5).sqrt()
+    centered = mixed - mixed.mean(dim=(0, 2, 3), keepdim=True)
+    normed = centered / (mixed.var(dim=(0, 2, 3), correction=0, keepdim=True) + 1e-5).sqrt()
     # float32: 1e-7 of values of about 1, summed over 4 channels, with a reserve of 10
     torch.testing.assert_close(wider(x), F.relu(normed), rtol=0, atol=1e-5)
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.learning.targets import inside, occupancies, shells, surface_points, voxels
+from industnerf.learning.targets import (
+    connected_shells,
+    contains_points,
+    sample_occupancy,
+    surface_points,
+    voxelize,
+)
 
 
 def ball(radius=0.5):
@@ -25,20 +31,20 @@ def in_tube(points, slack=0.0):
 
 def test_inside_of_a_tube_is_its_wall():
     points = np.random.default_rng(0).uniform(-0.55, 0.55, (20000, 3))
-    found = inside(*tube(), points)
+    is_inside = contains_points(*tube(), points)
     # The polygon of 128 sides lies within 0.5 (1 - cos(pi / 128)) = 1.5e-4 of the circles.
-    sure, sure_not = in_tube(points, 2e-4), ~in_tube(points, -2e-4)
-    assert found[sure].all()
-    assert not found[sure_not].any()
+    surely_inside, surely_outside = in_tube(points, 2e-4), ~in_tube(points, -2e-4)
+    assert is_inside[surely_inside].all()
+    assert not is_inside[surely_outside].any()
 
 
 def boxes(*sizes_and_places):
     """Boxes of the given edges (x, y, z) about places on the x axis, as one mesh."""
-    found = [
+    result = [
         trimesh.creation.box(size, trimesh.transformations.translation_matrix((x, 0, 0)))
         for size, x in sizes_and_places
     ]
-    mesh = trimesh.util.concatenate(found)
+    mesh = trimesh.util.concatenate(result)
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
@@ -48,7 +54,7 @@ def test_what_two_bodies_share_is_inside(length):
     mesh = boxes((size, -0.25), (size, 0.25))
     points = np.random.default_rng(1).uniform(-0.6, 0.6, (5000, 3))
     truth = (np.abs(points) < [0.25 + length / 2, 0.2, 0.2]).all(axis=1)
-    assert (inside(*mesh, points) == truth).all()
+    assert (contains_points(*mesh, points) == truth).all()
 
 
 def test_a_cavity_is_outside():
@@ -56,20 +62,20 @@ def test_a_cavity_is_outside():
     faces[12:] = faces[12:, ::-1]  # the inner box looks inwards
     points = np.random.default_rng(1).uniform(-0.5, 0.5, (5000, 3))
     truth = (np.abs(points) > 0.25).any(axis=1)
-    assert (inside(vertices, faces, points) == truth).all()
+    assert (contains_points(vertices, faces, points) == truth).all()
 
 
 def test_a_missing_face_changes_little():
     vertices, faces = ball()
     points = np.random.default_rng(2).uniform(-0.5, 0.5, (5000, 3))
     truth = np.linalg.norm(points, axis=1) < 0.497
-    wrong = inside(vertices, faces[1:], points)[truth]
+    wrong = contains_points(vertices, faces[1:], points)[truth]
     # One of 5120 faces lets few rays through, and two of the three outvote any of them.
     assert wrong.all()
 
 
 def test_voxels_hold_the_volume_and_the_surface():
-    full = voxels(*ball(), 32, np.random.default_rng(0))
+    full = voxelize(*ball(), 32, np.random.default_rng(0))
     volume = full.mean()
     # The surface adds about half a voxel all round: 4 pi r^2 / 64 = 0.05.
     assert np.pi / 6 < volume < np.pi / 6 + 0.07
@@ -79,7 +85,7 @@ def test_voxels_hold_the_volume_and_the_surface():
 
 def test_a_wall_thinner_than_a_voxel_is_kept():
     mesh = trimesh.creation.box((1.0, 1.0, 0.002))
-    full = voxels(np.asarray(mesh.vertices), np.asarray(mesh.faces), 16, np.random.default_rng(0))
+    full = voxelize(np.asarray(mesh.vertices), np.asarray(mesh.faces), 16, np.random.default_rng(0))
     assert full.any(axis=2).all()
     assert full.sum() <= 2 * 16 * 16
 
@@ -91,7 +97,7 @@ def test_surface_points_are_on_the_surface():
 
 
 def test_occupancies_cover_the_padded_cube():
-    points, full = occupancies(*ball(), 20000, 0.1, np.random.default_rng(0))
+    points, full = sample_occupancy(*ball(), 20000, 0.1, np.random.default_rng(0))
     assert np.abs(points).max() == pytest.approx(0.55, abs=1e-3)
     # Share of the ball in the cube of edge 1.1; 4 standard deviations of 20 000 draws are 1.4 %.
     assert full.mean() == pytest.approx(np.pi / 6 / 1.1**3, abs=0.014)
@@ -100,7 +106,7 @@ def test_occupancies_cover_the_padded_cube():
 def test_shells_are_the_pieces_that_hang_together():
     _, faces = boxes(((1, 1, 1), 0), ((1, 1, 1), 2), ((1, 1, 1), 4))
     order = np.random.default_rng(0).permutation(len(faces))
-    assert sorted(sorted(np.unique(shell)) for shell in shells(faces[order])) == [
+    assert sorted(sorted(np.unique(shell)) for shell in connected_shells(faces[order])) == [
         list(range(8)),
         list(range(8, 16)),
         list(range(16, 24)),

@@ -15,22 +15,22 @@ from torch import nn
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning import training
-from industnerf.learning.training import set_apart, settled, train
+from industnerf.learning.training import has_converged, train, train_val_split
 from industnerf.schema import TrainingSettings
 
 SETTINGS = TrainingSettings(
-    steps=10,
-    batch=2,
-    rate=0.25,
-    drops=[],
+    max_steps=10,
+    batch_size=2,
+    lr=0.25,
+    lr_milestones=[],
     weight_decay=0.0,
-    validation=0.5,
-    validate_every=1,
+    val_fraction=0.5,
+    val_interval=1,
     patience=99,
 )
 
 
-class Number(nn.Module):
+class ScalarNet(nn.Module):
     """A net of one number, which starts at 0."""
 
     def __init__(self) -> None:
@@ -38,51 +38,55 @@ class Number(nn.Module):
         self.number = nn.Parameter(torch.zeros(1))
 
 
-def rising(net, validation):
+def rising_loss(net, validation):
     """A loss that drives the net's number up steadily, and says `validation` when asked."""
-    left = iter(np.repeat(validation, 2))  # one part asked four times is two batches of two
-    return lambda which, rng: -net.number.sum() if net.training else torch.tensor(next(left))
+    remaining = iter(np.repeat(validation, 2))  # one part asked four times is two batches of two
+    return lambda part_indices, rng: (
+        -net.number.sum() if net.training else torch.tensor(next(remaining))
+    )
 
 
-def trained(validation, folder, **changes):
+def train_scalar(validation, scratch, **changes):
     """The net and how it went; one part is learned from, and one asked."""
-    net, settings = Number(), replace(SETTINGS, **changes)
-    how = train(net, rising(net, validation), ([0], [1]), settings, 0, folder / "checkpoint")
-    return net.number.item(), how
+    net, settings = ScalarNet(), replace(SETTINGS, **changes)
+    result = train(
+        net, rising_loss(net, validation), ([0], [1]), settings, 0, scratch / "checkpoint"
+    )
+    return net.number.item(), result
 
 
 def test_the_weights_of_the_best_validation_are_kept(tmp_path):
-    number, how = trained([3.0, 2.0, 1.0, 2.0, 3.0], tmp_path, validate_every=2)
+    number, result = train_scalar([3.0, 2.0, 1.0, 2.0, 3.0], tmp_path, validate_every=2)
     assert number == pytest.approx(6 * 0.25)
-    assert how.steps == 10
-    assert how.validation.loss.tolist() == [3.0, 2.0, 1.0, 2.0, 3.0]
-    assert how.validation.steps.tolist() == [1, 3, 5, 7, 9]  # as the training's, from 0
-    assert how.history.steps.tolist() == list(range(10))
-    np.testing.assert_allclose(how.history.loss, -0.25 * np.arange(10), rtol=1e-6)
+    assert result.steps == 10
+    assert result.val_history.loss.tolist() == [3.0, 2.0, 1.0, 2.0, 3.0]
+    assert result.val_history.steps.tolist() == [1, 3, 5, 7, 9]  # as the training's, from 0
+    assert result.train_history.steps.tolist() == list(range(10))
+    np.testing.assert_allclose(result.train_history.loss, -0.25 * np.arange(10), rtol=1e-6)
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):
-    number, how = trained([2.0, 1.0], tmp_path, steps=5, validate_every=3)
-    assert how.validation.steps.tolist() == [2, 4]
+    number, result = train_scalar([2.0, 1.0], tmp_path, steps=5, validate_every=3)
+    assert result.val_history.steps.tolist() == [2, 4]
     assert number == pytest.approx(5 * 0.25)
 
 
 def test_it_stops_when_no_validation_was_better_for_so_long(tmp_path):
-    number, how = trained([3.0, 2.0, 2.5, 2.0, 9.0, 0.0], tmp_path, patience=3)
-    assert how.steps == 5  # the second is the best of five: to equal it is not to be better
+    number, result = train_scalar([3.0, 2.0, 2.5, 2.0, 9.0, 0.0], tmp_path, patience=3)
+    assert result.steps == 5  # the second is the best of five: to equal it is not to be better
     assert number == pytest.approx(2 * 0.25)
 
 
 def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
     down = np.arange(10.0)[::-1].tolist()
-    assert trained([*down[:3], *8 * [9.0]], tmp_path / "early", patience=3)[1].settled
-    assert not trained([*down[:6], 9.0], tmp_path / "steep", patience=1)[1].settled
-    assert not trained(down, tmp_path / "late", patience=1)[1].settled
+    assert train_scalar([*down[:3], *8 * [9.0]], tmp_path / "early", patience=3)[1].has_converged
+    assert not train_scalar([*down[:6], 9.0], tmp_path / "steep", patience=1)[1].has_converged
+    assert not train_scalar(down, tmp_path / "late", patience=1)[1].has_converged
 
 
 def test_the_rate_falls_to_a_tenth_after_each_share_of_the_steps(tmp_path):
     down = np.arange(10.0)[::-1].tolist()
-    number, _ = trained(down, tmp_path, drops=[0.5, 0.8])
+    number, _ = train_scalar(down, tmp_path, drops=[0.5, 0.8])
     assert number == pytest.approx(0.25 * (5 + 3 * 0.1 + 2 * 0.01), rel=1e-6)
 
 
@@ -99,10 +103,10 @@ class Layer(nn.Module):
 def test_matrices_decay_and_what_is_frozen_stays(tmp_path):
     net, settings = Layer(), replace(SETTINGS, weight_decay=0.1)
 
-    def indifferent(which, rng):
+    def indifferent(part_indices, rng):
         return 0 * (net.matrix * net.frozen).sum() + 0 * net.vector.sum()
 
-    train(net, indifferent, ([0], [0]), replace(settings, steps=1), 0, tmp_path / "checkpoint")
+    train(net, indifferent, ([0], [0]), replace(settings, max_steps=1), 0, tmp_path / "checkpoint")
     # decay is all of the gradient, and Adam makes one step of the rate of it
     torch.testing.assert_close(net.matrix.data, torch.tensor([[1.75, -2.75]]))
     assert net.vector.tolist() == [2.0, -3.0]
@@ -110,24 +114,24 @@ def test_matrices_decay_and_what_is_frozen_stays(tmp_path):
 
 
 def test_parts_set_apart_are_asked_alike_and_never_learned_from(tmp_path):
-    net, taught, asked = Number(), [], []
+    net, train_calls, val_calls = ScalarNet(), [], []
 
-    def listen(which, rng):
-        (taught if net.training else asked).append((which.tolist(), rng.random()))
+    def record_loss(part_indices, rng):
+        (train_calls if net.training else val_calls).append((part_indices.tolist(), rng.random()))
         return net.number.sum() if net.training else torch.tensor(1.0)
 
-    settings = replace(SETTINGS, batch=3, validate_every=5)
-    train(net, listen, ([1, 4, 6], [0, 2, 3, 5]), settings, 0, tmp_path / "checkpoint")
-    assert {part for which, _ in taught for part in which} == {1, 4, 6}
-    first, second = asked[: len(asked) // 2], asked[len(asked) // 2 :]
+    settings = replace(SETTINGS, batch_size=3, val_interval=5)
+    train(net, record_loss, ([1, 4, 6], [0, 2, 3, 5]), settings, 0, tmp_path / "checkpoint")
+    assert {part for part_indices, _ in train_calls for part in part_indices} == {1, 4, 6}
+    first, second = val_calls[: len(val_calls) // 2], val_calls[len(val_calls) // 2 :]
     assert first == second  # with the same draws
-    often = np.bincount([part for which, _ in first for part in which], minlength=6)
+    often = np.bincount([part for part_indices, _ in first for part in part_indices], minlength=6)
     assert set(often[[0, 2, 3, 5]]) <= {4, 5}  # 18 places for four parts, four times each
     assert not often[[1, 4]].any()
 
 
-class Cell(nn.Module):
-    """With numbers that no optimiser knows: the running mean of a batch norm."""
+class NoisyNet(nn.Module):
+    """With numbers that no optimizer knows: the running mean of a batch norm."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -138,55 +142,60 @@ class Interrupted(Exception):
     """What ends a training early."""
 
 
-def cell(folder, stop=None):
+def train_noisy(scratch, stop=None):
     """Train a `Cell` with everything drawn anew at every step, or until so many losses."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
-        net = Cell()
-    asked = []
+        net = NoisyNet()
+    calls = []
 
-    def noisy(which, rng):
-        asked.append(None)
-        if len(asked) == stop:
+    def noisy(part_indices, rng):
+        calls.append(None)
+        if len(calls) == stop:
             raise Interrupted
-        x = torch.from_numpy(rng.normal(size=(len(which), 3))).float()
-        return (net.layers(x)[:, 0] - torch.from_numpy(which) / 5).square().mean()
+        x = torch.from_numpy(rng.normal(size=(len(part_indices), 3))).float()
+        return (net.layers(x)[:, 0] - torch.from_numpy(part_indices) / 5).square().mean()
 
-    settings = replace(SETTINGS, steps=12, rate=0.05, drops=[0.5], validate_every=4, patience=2)
-    how = train(net, noisy, ([0, 1, 2], [3, 4]), settings, 7, folder / "checkpoint")
-    return net, how
+    settings = replace(
+        SETTINGS, max_steps=12, lr=0.05, lr_milestones=[0.5], val_interval=4, patience=2
+    )
+    result = train(net, noisy, ([0, 1, 2], [3, 4]), settings, 7, scratch / "checkpoint")
+    return net, result
 
 
 # Losses 5 to 8, 13 to 16 and 21 to 24 are validations: in front of, between and within them.
 @pytest.mark.parametrize("stop", [1, 2, 5, 7, 9, 12, 18])
 def test_it_goes_on_after_an_interruption_as_if_there_had_been_none(tmp_path, monkeypatch, stop):
     monkeypatch.setattr(training, "CHECKPOINT_S", 0.0)  # a checkpoint after every step
-    whole, how = cell(tmp_path / "whole")
+    uninterrupted, result = train_noisy(tmp_path / "whole")
     with pytest.raises(Interrupted):
-        cell(tmp_path / "torn", stop)
+        train_noisy(tmp_path / "torn", stop)
     assert (tmp_path / "torn" / "checkpoint").exists() == (stop > 1)
-    resumed, again = cell(tmp_path / "torn")
-    for name, tensor in whole.state_dict().items():
+    resumed, again = train_noisy(tmp_path / "torn")
+    for name, tensor in uninterrupted.state_dict().items():
         assert tensor.numpy().tobytes() == resumed.state_dict()[name].numpy().tobytes(), name
-    assert (how.steps, how.settled) == (again.steps, again.settled)
-    for one, other in ((how.history, again.history), (how.validation, again.validation)):
+    assert (result.steps, result.has_converged) == (again.steps, again.has_converged)
+    for one, other in (
+        (result.train_history, again.train_history),
+        (result.val_history, again.val_history),
+    ):
         assert one.steps.tobytes() == other.steps.tobytes()
         assert one.loss.tobytes() == other.loss.tobytes()
 
 
 def test_a_finished_training_is_not_trained_again(tmp_path):
     down = np.arange(10.0)[::-1].tolist()
-    number, how = trained(down, tmp_path)
-    again, same = trained([], tmp_path)
-    assert (number, how.steps) == (again, same.steps)
+    number, result = train_scalar(down, tmp_path)
+    again, same = train_scalar([], tmp_path)
+    assert (number, result.steps) == (again, same.steps)
 
 
 @pytest.mark.parametrize("wrong", [float("nan"), float("inf")])
 @pytest.mark.parametrize("when", ["training", "validation"])
 def test_a_loss_that_is_no_number_ends_it_with_a_reason(tmp_path, wrong, when):
-    net = Number()
+    net = ScalarNet()
 
-    def diverging(which, rng):
+    def diverging(part_indices, rng):
         calm = net.training != (when == "training") or net.number.item() < 0.7
         return net.number.sum() * (-1.0 if calm else wrong)
 
@@ -210,41 +219,41 @@ def test_a_loss_that_is_no_number_ends_it_with_a_reason(tmp_path, wrong, when):
 def test_settled_is_who_gained_little_in_the_last_fifth(losses, over):
     # the last fifth of 100 steps holds the last of five losses alone
     steps = (100 - 20 * np.arange(len(losses))[::-1]).tolist()
-    assert settled(steps, losses) == over
+    assert has_converged(steps, losses) == over
 
 
 names = st.lists(st.text("abcdef", min_size=1, max_size=4), min_size=1, max_size=40, unique=True)
 shares = st.floats(0.01, 0.99)
 
 
-def apart(part_ids, share):
+def split_ids(part_ids, share):
     """Names to learn from and to validate on."""
-    return tuple({part_ids[i] for i in some} for some in set_apart(part_ids, share))
+    return tuple({part_ids[i] for i in some} for some in train_val_split(part_ids, share))
 
 
 @given(names, shares)
 def test_parts_set_apart_are_a_share_and_never_none_or_all(part_ids, share):
-    taught, asked = apart(part_ids, share)
-    assert taught
-    assert asked
+    train_ids, val_ids = split_ids(part_ids, share)
+    assert train_ids
+    assert val_ids
     if len(part_ids) > 1:
-        assert taught | asked == set(part_ids)
-        assert not taught & asked
-        assert len(asked) == np.clip(share * len(part_ids), 1, len(part_ids) - 1).round()
+        assert train_ids | val_ids == set(part_ids)
+        assert not train_ids & val_ids
+        assert len(val_ids) == np.clip(share * len(part_ids), 1, len(part_ids) - 1).round()
 
 
 @given(names, shares, st.randoms(use_true_random=False))
 def test_parts_set_apart_do_not_depend_on_the_order(part_ids, share, random):
     mixed = random.sample(part_ids, len(part_ids))
-    assert apart(part_ids, share) == apart(mixed, share)
+    assert split_ids(part_ids, share) == split_ids(mixed, share)
 
 
 @given(names, shares)
 def test_one_more_part_moves_at_most_one_other(part_ids, share):
     if len(part_ids) > 2:  # a single part is on both sides
-        before, after = apart(part_ids[1:], share)[1], apart(part_ids, share)[1]
+        before, after = split_ids(part_ids[1:], share)[1], split_ids(part_ids, share)[1]
         assert len((before ^ after) - {part_ids[0]}) <= 1
 
 
 def test_one_part_alone_is_learned_from_and_validated_on():
-    assert set_apart(["one"], 0.1) == ([0], [0])
+    assert train_val_split(["one"], 0.1) == ([0], [0])

@@ -8,12 +8,12 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import Mesh, save_part
-from industnerf.capture.photograph import photograph
+from industnerf.capture.render import render_part
 from industnerf.config import load_params
 from industnerf.schema import Params
 from tests.samples import unit_part
 
-PLACE = np.array([300.0, -150.0, 90.0])  # mm: far enough off to tell any other frame apart
+OFFSET = np.array([300.0, -150.0, 90.0])  # mm: far enough off to tell any other frame apart
 SIZE = np.array([40.0, 25.0, 60.0])
 
 
@@ -25,7 +25,9 @@ def a_part() -> Mesh:
             trimesh.creation.icosphere(2, 9.0).apply_translation([20, 5, 8]),
         ]
     )
-    return Mesh.plain(np.array(solid.vertices, float) + PLACE, solid.faces.astype(np.int32))
+    return Mesh.with_one_appearance(
+        np.array(solid.vertices, float) + OFFSET, solid.faces.astype(np.int32)
+    )
 
 
 def save_as_part(folder: Path, mesh: Mesh) -> None:
@@ -41,10 +43,10 @@ def params() -> Params:
 
 
 @pytest.fixture(scope="session")
-def photographed(tmp_path_factory: pytest.TempPathFactory, params: Params) -> Path:
+def rendered_part(tmp_path_factory: pytest.TempPathFactory, params: Params) -> Path:
     """A folder with `part` and `views`: 14 photographs of 64 px, 2 of them held out."""
     folder = tmp_path_factory.mktemp("photographed")
     save_as_part(folder / "part", a_part())
     small = replace(params.views, count=12, held_out=2, resolution=64)
-    photograph(folder / "part", folder / "views", small, params.seed)
+    render_part(folder / "part", folder / "views", small, params.seed)
     return folder

@@ -8,59 +8,59 @@ import trimesh
 from scipy.ndimage import maximum_filter, minimum_filter
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.geometry.cameras import framed_ball
-from industnerf.geometry.silhouettes import outlines
+from industnerf.geometry.cameras import common_view_ball
+from industnerf.geometry.silhouettes import silhouette_distances
 from industnerf.methods import load_method
-from industnerf.methods.base import Given, Input, Reconstruction
-from industnerf.methods.carve import depth_in_rest, reconstruct
-from industnerf.photohull.lattice import depth_in_hull, rig_of
-from industnerf.photohull.sweeps import exposed, ranges
+from industnerf.methods.base import Input, MethodInputs, Reconstruction
+from industnerf.methods.carve import depth_in_carved, reconstruct
+from industnerf.photohull.space_carving import color_ranges, surface_voxels
+from industnerf.photohull.voxel_grid import depth_in_hull, unit_frame_cameras
 from industnerf.schema import CarveSettings
 from tests.methods.solids import (
     cameras_around,
     cup,
     hull_of_ball,
     masks_of_ball,
-    painted,
     pixel_mm,
+    render_painted,
 )
 
 REACH = 30.0  # mm, what the cameras frame
 CAMERAS = cameras_around(40, 192, REACH)
-CELL = 2 * framed_ball(CAMERAS)[1] / 64  # 1 mm
+CELL = 2 * common_view_ball(CAMERAS)[1] / 64  # 1 mm
 SETTINGS = CarveSettings(
     grid_res=64,
-    tolerance=0.02,
-    threshold=0.05,
-    footprint=1.0,
-    facing=0.7,
-    outliers=0.1,
-    views=3,
-    sweeps=32,
-    least_filled=0.95,
+    background_tolerance=0.02,
+    color_threshold=0.05,
+    voxel_footprint=1.0,
+    min_view_cosine=0.7,
+    outlier_fraction=0.1,
+    min_views=3,
+    max_sweeps=32,
+    min_silhouette_coverage=0.95,
     points=20_000,
 )
-STRICT = replace(SETTINGS, threshold=0.0, outliers=0.0, footprint=0.3, facing=-0.9, sweeps=200)
+STRICT = replace(SETTINGS, threshold=0.0, outlier_fraction=0.0, voxel_footprint=0.3, min_view_cosine=-0.9, max_sweeps=200)
 CUP = cup(18.0, 13.0, 24.0, 6.0)  # its floor is at -6, its rim at 12
 
 
-def grey(points: np.ndarray) -> np.ndarray:
+def gray(points: np.ndarray) -> np.ndarray:
     return np.full(points.shape, 120)
 
 
 def waves(points: np.ndarray) -> np.ndarray:
-    """Another colour every few mm, and none like white: the pocket's floor is no plain face."""
+    """Another color every few mm, and none like white: the pocket's floor is no plain face."""
     return 110 + 80 * np.sin(points * [0.9, 0.7, 0.8])
 
 
-def answer(mesh, paint, settings=SETTINGS) -> Reconstruction:
-    rgb = painted(mesh, CAMERAS, paint)[1]
-    handed = {Input.RGB: rgb, Input.BACKGROUND: np.ones((len(CAMERAS), 3))}
-    return reconstruct(Given("carve", CAMERAS, CAMERAS, handed), settings, None, 0)
+def carve_reconstruction(mesh, paint, settings=SETTINGS) -> Reconstruction:
+    rgb = render_painted(mesh, CAMERAS, paint)[1]
+    loaded = {Input.RGB: rgb, Input.BACKGROUND: np.ones((len(CAMERAS), 3))}
+    return reconstruct(MethodInputs("carve", CAMERAS, CAMERAS, loaded), settings, None, 0)
 
 
 def points_of(mesh, paint, settings=SETTINGS) -> np.ndarray:
-    return answer(mesh, paint, settings).points_mm
+    return carve_reconstruction(mesh, paint, settings).points_mm
 
 
 def height_in_pocket(points: np.ndarray) -> np.ndarray:
@@ -69,7 +69,7 @@ def height_in_pocket(points: np.ndarray) -> np.ndarray:
 
 
 def test_the_pocket_of_a_painted_cup_is_opened_down_to_its_floor():
-    closed = height_in_pocket(points_of(CUP, waves, replace(SETTINGS, sweeps=0)))
+    closed = height_in_pocket(points_of(CUP, waves, replace(SETTINGS, max_sweeps=0)))
     assert closed.min() > 12.0 - CELL  # the hull is a lid
     opened = height_in_pocket(points_of(CUP, waves))
     # A pixel may mean a cell's width about it: the floor is left a cell high, and stairs on it
@@ -80,8 +80,8 @@ def test_the_pocket_of_a_painted_cup_is_opened_down_to_its_floor():
 
 
 def test_where_the_photographs_say_nothing_the_hull_stays_as_it_is():
-    kept = points_of(CUP, grey)
-    np.testing.assert_array_equal(kept, points_of(CUP, grey, replace(SETTINGS, sweeps=0)))
+    kept = points_of(CUP, gray)
+    np.testing.assert_array_equal(kept, points_of(CUP, gray, replace(SETTINGS, max_sweeps=0)))
 
 
 HALF = np.array([15.0, 10.0, 13.0])
@@ -98,52 +98,54 @@ TURN = trimesh.transformations.euler_matrix(0.4, 0.3, 0.7)
 def test_a_painted_solid_without_pockets_is_not_eaten(solid, outside):
     """Its own surface is consistent, at edges and outlines too."""
     points = points_of(solid.copy().apply_transform(TURN), waves)
-    off = outside(points @ TURN[:3, :3])
-    # at most a cell in a hundred loses its neighbours' support and goes; the rest is the hull,
+    distance = outside(points @ TURN[:3, :3])
+    # at most a cell in a hundred loses its neighbors' support and goes; the rest is the hull,
     # which near an edge stands out by what 40 views leave of it
-    assert np.quantile(off, 0.01) > -CELL
-    assert np.median(np.abs(off)) < 0.5 * CELL
+    assert np.quantile(distance, 0.01) > -CELL
+    assert np.median(np.abs(distance)) < 0.5 * CELL
 
 
 def test_the_first_solid_is_the_hull():
     cameras = cameras_around(30, 160, REACH)
-    rig = rig_of(cameras)
-    depth = depth_in_hull(outlines(masks_of_ball(20.0, cameras)), rig, 64)
-    centres = (np.indices(depth.shape).reshape(3, -1).T + 0.5) / 32 - 1
-    away = np.linalg.norm(centres, axis=1)
-    exact = hull_of_ball(centres / away[:, None], 20.0, cameras) / rig.radius_mm
-    near = np.abs(away - exact) < 1 / 32
-    off = (depth.ravel() - (exact - away) * 32)[near]
+    rig = unit_frame_cameras(cameras)
+    depth = depth_in_hull(silhouette_distances(masks_of_ball(20.0, cameras)), rig, 64)
+    centers = (np.indices(depth.shape).reshape(3, -1).T + 0.5) / 32 - 1
+    distances = np.linalg.norm(centers, axis=1)
+    exact = hull_of_ball(centers / distances[:, None], 20.0, cameras) / rig.radius_mm
+    near = np.abs(distances - exact) < 1 / 32
+    difference = (depth.ravel() - (exact - distances) * 32)[near]
     # outlines lie half a pixel further in, for each pixel counts as touched; twice 0.6 px about
     # that, and where tangent cones meet at an angle the depth is the lesser of two
     px = pixel_mm(cameras, REACH) / rig.radius_mm * 32
-    assert np.abs(off + 0.5 * px).max() < 1.2 * px
-    far = np.abs(away - exact) > 3 / 32
-    assert ((depth.ravel() > 0) == (away < exact))[far].all()
+    assert np.abs(difference + 0.5 * px).max() < 1.2 * px
+    far = np.abs(distances - exact) > 3 / 32
+    assert ((depth.ravel() > 0) == (distances < exact))[far].all()
 
 
 @pytest.mark.parametrize("width", [1, 2, 3, 4])
 def test_the_range_about_a_pixel_is_what_a_filter_says(width):
     rgb = np.random.default_rng(0).integers(0, 256, (2, 9, 7, 3), np.uint8)
     size = (1, width, width, 1)
-    for found, slow in zip(ranges(rgb, width), (minimum_filter, maximum_filter), strict=True):
-        np.testing.assert_array_equal(found, slow(rgb, size=size, mode="nearest"))
+    for result, slow in zip(
+        color_ranges(rgb, width), (minimum_filter, maximum_filter), strict=True
+    ):
+        np.testing.assert_array_equal(result, slow(rgb, size=size, mode="nearest"))
 
 
-def test_exposed_cells_are_those_that_miss_a_neighbour():
+def test_exposed_cells_are_those_that_miss_a_neighbor():
     solid = np.zeros((9, 9, 9), np.uint8)
     solid[2:7, 2:7, 2:7] = 1
-    found = np.stack(np.unravel_index(exposed(solid), solid.shape), axis=1)
-    assert len(found) == 5**3 - 3**3
-    assert (np.abs(found - 4).max(axis=1) == 2).all()
+    result = np.stack(np.unravel_index(surface_voxels(solid), solid.shape), axis=1)
+    assert len(result) == 5**3 - 3**3
+    assert (np.abs(result - 4).max(axis=1) == 2).all()
 
 
 def test_a_carved_half_ends_where_it_ends_and_leaves_no_skin():
     hull = np.zeros((24, 24, 24), bool)
     hull[4:20, 4:20, 4:20] = True
-    left = hull.copy()
-    left[:, :, 12:] = False
-    depth = depth_in_rest(hull, left)
+    solid = hull.copy()
+    solid[:, :, 12:] = False
+    depth = depth_in_carved(hull, solid)
     # the last cell left is 11, the first carved is 12; a consistent cell stands out by 0.3
     expected = 11.5 - 0.3 - np.arange(24)
     # a blur of one cell is a normal distribution's: straight within 6 % of half a cell or so
@@ -159,25 +161,25 @@ def test_photographs_that_contradict_all_of_the_solid_are_not_believed():
     def glitter(at: np.ndarray) -> np.ndarray:
         return noise.integers(0, 250, at.shape)
 
-    found = answer(CUP, glitter, STRICT)
-    np.testing.assert_array_equal(found.points_mm, points_of(CUP, grey))
-    assert found.remarks[0].endswith(
+    result = carve_reconstruction(CUP, glitter, STRICT)
+    np.testing.assert_array_equal(result.points_mm, points_of(CUP, gray))
+    assert result.warnings[0].endswith(
         "so the answer is the visual hull; does the part shine, did a "
         "light move, are cameras inexact?"
     )
     with pytest.raises(ReconstructionFailed, match=r"of \d+ cells 0 are left"):
-        points_of(CUP, glitter, replace(STRICT, least_filled=0.0))
+        points_of(CUP, glitter, replace(STRICT, min_silhouette_coverage=0.0))
 
 
 @pytest.mark.parametrize(("value", "match"), [(255, "no volume: the silhouettes of 40 views")])
 def test_photographs_of_nothing_say_so(value, match):
-    handed = {
+    loaded = {
         Input.RGB: np.full((40, 192, 192, 3), value, np.uint8),
         Input.BACKGROUND: np.ones((40, 3)),
     }
     with pytest.raises(ReconstructionFailed, match=match):
-        reconstruct(Given("carve", CAMERAS, CAMERAS, handed), SETTINGS, None, 0)
+        reconstruct(MethodInputs("carve", CAMERAS, CAMERAS, loaded), SETTINGS, None, 0)
 
 
-def test_it_is_given_colour_and_no_mask():
+def test_it_is_given_color_and_no_mask():
     assert load_method("carve").inputs == {Input.RGB, Input.BACKGROUND}

@@ -8,11 +8,11 @@ import pytest
 from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.renderings import Renderings
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.base import Given, Reconstruction
-from industnerf.methods.checks import checked, checked_renderings
+from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.checks import check_reconstruction, check_renderings
 from tests.methods.solids import cameras_around
 
-GIVEN = Given("any", cameras_around(3, 8, 50.0), cameras_around(2, 8, 50.0), {})
+GIVEN = MethodInputs("any", cameras_around(3, 8, 50.0), cameras_around(2, 8, 50.0), {})
 SQUARE = (2, 8, 8)
 RENDERINGS = Renderings(
     np.zeros((*SQUARE, 3), np.uint8), np.ones(SQUARE, np.float32), np.zeros(SQUARE, np.uint8)
@@ -27,7 +27,7 @@ WHOLE = Reconstruction(
 
 
 def test_a_whole_result_passes_as_it_is():
-    assert checked(WHOLE, GIVEN) is WHOLE
+    assert check_reconstruction(WHOLE, GIVEN) is WHOLE
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_a_whole_result_passes_as_it_is():
 )
 def test_no_point_or_one_that_is_not_finite_is_a_failure(points, reason):
     with pytest.raises(ReconstructionFailed, match=reason):
-        checked(Reconstruction(points), GIVEN)
+        check_reconstruction(Reconstruction(points), GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_no_point_or_one_that_is_not_finite_is_a_failure(points, reason):
 )
 def test_what_comes_with_the_points_must_be_usable_too(spoilt, reason):
     with pytest.raises(ReconstructionFailed, match=reason):
-        checked(replace(WHOLE, **spoilt), GIVEN)
+        check_reconstruction(replace(WHOLE, **spoilt), GIVEN)
 
 
 @pytest.mark.parametrize(
@@ -78,6 +78,6 @@ def test_what_comes_with_the_points_must_be_usable_too(spoilt, reason):
     ],
 )
 def test_pictures_are_of_the_views_asked_for_and_nothing_is_behind_the_camera(spoilt, reason):
-    assert checked_renderings(RENDERINGS, GIVEN) is RENDERINGS
+    assert check_renderings(RENDERINGS, GIVEN) is RENDERINGS
     with pytest.raises(ReconstructionFailed, match=reason):
-        checked_renderings(spoilt, GIVEN)
+        check_renderings(spoilt, GIVEN)

@@ -16,25 +16,25 @@ from omegaconf import OmegaConf
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.part import Mesh
-from industnerf.artifacts.state import State
-from industnerf.code import closure
+from industnerf.artifacts.state import ModelState
+from industnerf.code_hash import import_closure
 from industnerf.config import build
 from industnerf.errors import BadParams, ReconstructionFailed, UndeclaredInput
 from industnerf.methods import MODULES, load_method
-from industnerf.methods.apply import files_of
-from industnerf.methods.base import Example, Given, Input, Scope, hand_over
-from industnerf.methods.checks import checked
+from industnerf.methods.base import Example, Input, MethodInputs, Scope, load_inputs
+from industnerf.methods.checks import check_reconstruction
+from industnerf.methods.run_method import input_files
 from industnerf.schema import Params
-from tests.methods.conftest import PLACE, SIZE, a_part, save_as_part
-from tests.methods.industnerf.scenes import settings as industnerf_settings
+from tests.methods.conftest import OFFSET, SIZE, a_part, save_as_part
+from tests.methods.industnerf.synthetic_scenes import settings as industnerf_settings
 
 # Where each input is found in what a method is given; meshes of others reach `fit` alone.
-READ_AS = {
+INPUT_ATTRIBUTES = {
     Input.RGB: "rgb",
     Input.BACKGROUND: "background",
     Input.MASK: "mask",
     Input.DEPTH: "depth_mm",
-    Input.FRAME: "frame",
+    Input.PART_FRAME: "frame",
     Input.OWN_MESH: "own_mesh",
 }
 # Depth is float32 mm: its last digit decides how marching cubes cut a cell, and one face more
@@ -45,11 +45,11 @@ BY_VIEW = IMAGES | {Input.BACKGROUND}
 every_method = pytest.mark.parametrize("name", MODULES)
 
 
-def given_to(name: str, folder: Path) -> Given:
-    return hand_over(load_method(name), folder / "part", folder / "views")
+def inputs_for(name: str, folder: Path) -> MethodInputs:
+    return load_inputs(load_method(name), folder / "part", folder / "views")
 
 
-def quick(name: str, params: Params) -> Any:
+def quick_settings(name: str, params: Params) -> Any:
     """The settings of params.yaml, of methods that train with few points and steps."""
     if not name.startswith("industnerf") and name != "nerf":
         if load_method(name).scope == Scope.DATASET:
@@ -59,7 +59,7 @@ def quick(name: str, params: Params) -> Any:
             if hasattr(values, "frame"):
                 values = replace(values, frame="part")
             if name == "atlasnet":  # of a third as many steps its sheets still reach past the part
-                values = replace(values, training=replace(values.training, steps=500))
+                values = replace(values, training=replace(values.training, max_steps=500))
             return values
         return getattr(params.method, name)
     level = {"image_px": 48, "steps": 100, "points": 2000}
@@ -78,20 +78,20 @@ def quick(name: str, params: Params) -> Any:
 
 
 @pytest.fixture(scope="module")
-def learned(photographed: Path, params: Params) -> Callable[[str], State | None]:
+def fitted_state(rendered_part: Path, params: Params) -> Callable[[str], ModelState | None]:
     """What a method learns from the photographed part alone."""
 
     @cache
-    def learn(name: str) -> State | None:
+    def fit(name: str) -> ModelState | None:
         method = load_method(name)
         if method.scope == Scope.PART:
             return None
-        part, views = photographed / "part", photographed / "views"
+        part, views = rendered_part / "part", rendered_part / "views"
         example = Example("part", part, views, method.inputs)
         with TemporaryDirectory() as scratch:
-            return method.fit([example], quick(name, params), 1, Path(scratch))
+            return method.fit([example], quick_settings(name, params), 1, Path(scratch))
 
-    return learn
+    return fit
 
 
 def merged(*files: str) -> Params:
@@ -99,51 +99,61 @@ def merged(*files: str) -> Params:
 
 
 @pytest.fixture(scope="module")
-def cloud(learned: Callable[[str], State | None], params: Params) -> Callable[..., np.ndarray]:
+def run_method(
+    fitted_state: Callable[[str], ModelState | None], params: Params
+) -> Callable[..., np.ndarray]:
     """`cloud(name, given, seed)`: what the method makes of `given`, checked."""
 
-    def cloud(name: str, given: Given, seed: int = 1) -> np.ndarray:
-        settings, method = quick(name, params), load_method(name)
-        return checked(method.reconstruct(given, settings, learned(name), seed), given).points_mm
+    def run_method(name: str, inputs: MethodInputs, seed: int = 1) -> np.ndarray:
+        settings, method = quick_settings(name, params), load_method(name)
+        return check_reconstruction(
+            method.reconstruct(inputs, settings, fitted_state(name), seed), inputs
+        ).points_mm
 
-    return cloud
+    return run_method
 
 
 @pytest.fixture(scope="module")
-def usual(photographed: Path, cloud: Callable[..., np.ndarray]) -> Callable[[str], np.ndarray]:
+def default_cloud(
+    rendered_part: Path, run_method: Callable[..., np.ndarray]
+) -> Callable[[str], np.ndarray]:
     """What a method makes of the photographed part with the first seed: made once."""
-    return cache(lambda name: cloud(name, given_to(name, photographed)))
+    return cache(lambda name: run_method(name, inputs_for(name, rendered_part)))
 
 
 @every_method
-def test_same_seed_same_bytes_other_seed_other_cloud(name, photographed, cloud, usual):
-    given = given_to(name, photographed)
-    first, again, other = usual(name), cloud(name, given, 1), cloud(name, given, 2)
+def test_same_seed_same_bytes_other_seed_other_cloud(
+    name, rendered_part, run_method, default_cloud
+):
+    inputs = inputs_for(name, rendered_part)
+    first = default_cloud(name)
+    again = run_method(name, inputs, 1)
+    other = run_method(name, inputs, 2)
     assert first.tobytes() == again.tobytes()
-    assert (first.tobytes() != other.tobytes()) == load_method(name).random
+    assert (first.tobytes() != other.tobytes()) == load_method(name).is_stochastic
 
 
 @every_method
-def test_points_are_where_the_part_is_in_mm(name, usual):
-    points = usual(name)
+def test_points_are_where_the_part_is_in_mm(name, default_cloud):
+    points = default_cloud(name)
     # The part's box is 4 mm longer on one side, and the mean extent is 43 mm.  Even a ball of
     # that diameter covers each side to a factor of 2, in another unit or frame nothing fits.
     # One point in a hundred may be astray: nets of so few steps are at times caught on a swing.
     ends = np.quantile(points, [0.005, 0.995], axis=0)
-    assert (np.abs(ends - PLACE) < SIZE.max()).all()
+    assert (np.abs(ends - OFFSET) < SIZE.max()).all()
     share = np.ptp(ends, axis=0) / SIZE
     assert ((share > 0.5) & (share < 2)).all()
 
 
 @every_method
 def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
-    name, photographed, cloud, usual, tmp_path
+    name, rendered_part, run_method, default_cloud, tmp_path
 ):
     # a power of two: depths in float32 scale without rounding, as the images do
     scale, shift = 4.0, np.array([70.0, -1000.0, 40.0])
-    move(photographed, tmp_path, scale, shift)
-    here = usual(name)
-    there = cloud(name, given_to(name, tmp_path))
+    move(rendered_part, tmp_path, scale, shift)
+    here = default_cloud(name)
+    there = run_method(name, inputs_for(name, tmp_path))
     # The images are the same, so is all that a method computes in a frame of its own; what
     # differs is the last digit of float32 there, 1e-7 of the size, here with a reserve of 100.
     expected = scale * here + shift
@@ -158,7 +168,9 @@ def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
 def move(source: Path, target: Path, scale: float, shift: np.ndarray) -> None:
     """Scale and shift part and cameras together: every photograph stays as it is."""
     mesh = a_part()
-    save_as_part(target / "part", Mesh.plain(scale * mesh.vertices + shift, mesh.faces))
+    save_as_part(
+        target / "part", Mesh.with_one_appearance(scale * mesh.vertices + shift, mesh.faces)
+    )
     shutil.copytree(source / "views", target / "views")
     path = target / "views" / "cameras.json"
     content = json.loads(path.read_text())
@@ -171,14 +183,14 @@ def move(source: Path, target: Path, scale: float, shift: np.ndarray) -> None:
 
 
 @every_method
-def test_an_undeclared_input_cannot_be_reached(name, photographed):
-    given, declared = given_to(name, photographed), load_method(name).inputs
-    for kind, attribute in READ_AS.items():
+def test_an_undeclared_input_cannot_be_reached(name, rendered_part):
+    inputs, declared = inputs_for(name, rendered_part), load_method(name).inputs
+    for kind, attribute in INPUT_ATTRIBUTES.items():
         if kind in declared:
-            getattr(given, attribute)
+            getattr(inputs, attribute)
         else:
             with pytest.raises(UndeclaredInput, match=f"'{name}' reaches for '{kind.value}'"):
-                getattr(given, attribute)
+                getattr(inputs, attribute)
 
 
 def garble(path: Path) -> None:
@@ -187,53 +199,57 @@ def garble(path: Path) -> None:
 
 @pytest.mark.parametrize("spoil", [Path.unlink, garble])
 @every_method
-def test_only_declared_files_are_read(name, spoil, photographed, cloud, usual, tmp_path):
+def test_only_declared_files_are_read(
+    name, spoil, rendered_part, run_method, default_cloud, tmp_path
+):
     """Others may be missing, or hold anything."""
-    shutil.copytree(photographed, tmp_path, dirs_exist_ok=True)
-    declared = files_of(load_method(name), tmp_path / "part", tmp_path / "views")
+    shutil.copytree(rendered_part, tmp_path, dirs_exist_ok=True)
+    declared = input_files(load_method(name), tmp_path / "part", tmp_path / "views")
     for path in sorted(tmp_path.rglob("*.*")):
         if path not in declared and path.parent not in declared:
             spoil(path)
-    alone = cloud(name, given_to(name, tmp_path))
-    assert alone.tobytes() == usual(name).tobytes()
+    alone = run_method(name, inputs_for(name, tmp_path))
+    assert alone.tobytes() == default_cloud(name).tobytes()
 
 
 @every_method
-def test_held_out_views_are_not_handed_over(name, photographed):
-    given = given_to(name, photographed)
-    assert (len(given.cameras), len(given.held_out)) == (12, 2)  # where to render, and no picture
-    assert all(len(given.handed[kind]) == 12 for kind in given.handed if kind in BY_VIEW)
+def test_held_out_views_are_not_handed_over(name, rendered_part):
+    inputs = inputs_for(name, rendered_part)
+    assert (len(inputs.cameras), len(inputs.held_out)) == (12, 2)  # where to render, and no picture
+    assert all(len(inputs.loaded[kind]) == 12 for kind in inputs.loaded if kind in BY_VIEW)
 
 
-def looking_at_nothing(given: Given) -> Given:
+def with_blank_images(inputs: MethodInputs) -> MethodInputs:
     """The same cameras before an empty stage."""
     blank = {
         Input.MASK: lambda images: np.zeros_like(images),
         Input.DEPTH: lambda images: np.zeros_like(images),
         Input.RGB: lambda images: np.full_like(images, 255),
     }
-    keep = {kind: value for kind, value in given.handed.items() if kind not in blank}
-    emptied = {kind: blank[kind](given.handed[kind]) for kind in blank if kind in given.handed}
-    return replace(given, handed=keep | emptied)
+    keep = {kind: value for kind, value in inputs.loaded.items() if kind not in blank}
+    emptied = {kind: blank[kind](inputs.loaded[kind]) for kind in blank if kind in inputs.loaded}
+    return replace(inputs, loaded=keep | emptied)
 
 
-def of_part(name: str) -> bool:
+def is_part_method(name: str) -> bool:
     return load_method(name).scope == Scope.PART and bool(load_method(name).inputs & IMAGES)
 
 
-@pytest.mark.parametrize("name", list(filter(of_part, MODULES)))  # others know parts, and name one
-def test_photographs_of_nothing_fail_with_a_reason(name, photographed, cloud):
+@pytest.mark.parametrize(
+    "name", list(filter(is_part_method, MODULES))
+)  # others know parts, and name one
+def test_photographs_of_nothing_fail_with_a_reason(name, rendered_part, run_method):
     with pytest.raises(ReconstructionFailed, match=r"\w+ \w+ \w+"):
-        cloud(name, looking_at_nothing(given_to(name, photographed)))
+        run_method(name, with_blank_images(inputs_for(name, rendered_part)))
 
 
 @every_method
-def test_all_that_is_declared_is_used(name, photographed, cloud):
-    given = given_to(name, photographed)
-    for kind in given.handed:
-        rest = {other: value for other, value in given.handed.items() if other != kind}
+def test_all_that_is_declared_is_used(name, rendered_part, run_method):
+    inputs = inputs_for(name, rendered_part)
+    for kind in inputs.loaded:
+        rest = {other: value for other, value in inputs.loaded.items() if other != kind}
         with pytest.raises(UndeclaredInput, match=kind.value):
-            cloud(name, replace(given, handed=rest))
+            run_method(name, replace(inputs, loaded=rest))
 
 
 @every_method
@@ -251,5 +267,5 @@ def test_an_unknown_method_is_refused_with_the_known_ones():
 def test_its_functions_can_be_sent_to_another_process(name):
     """Whatever was imported before: a submodule of the same name would hide a function."""
     method = load_method(name)
-    closure(method.module)  # looks for all of its modules, as the store does
+    import_closure(method.module)  # looks for all of its modules, as the store does
     assert pickle.loads(pickle.dumps(method)) == method

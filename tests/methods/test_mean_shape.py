@@ -7,10 +7,10 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import Mesh
-from industnerf.geometry.boxes import Cube
+from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.methods import load_method
-from industnerf.methods.base import Example, Given, Input, Role
-from industnerf.methods.mean_shape import best_level, chamfer, cut
+from industnerf.methods.base import Example, Input, MethodInputs, Role
+from industnerf.methods.mean_shape import best_level, chamfer, level_set_points
 from industnerf.schema import MeanShapeSettings
 from tests.methods.conftest import save_as_part
 from tests.methods.solids import cameras_around
@@ -22,28 +22,32 @@ SIZE = np.array([1.0, 0.6, 0.4])
 def example(folder: Path, scale: float, shift: tuple[float, float, float]) -> Example:
     """A box of `SIZE` times `scale`, shifted."""
     box = trimesh.creation.box(scale * SIZE)
-    mesh = Mesh.plain(np.array(box.vertices, float) + shift, box.faces.astype(np.int32))
+    mesh = Mesh.with_one_appearance(
+        np.array(box.vertices, float) + shift, box.faces.astype(np.int32)
+    )
     save_as_part(folder, mesh)
     return Example(folder.name, folder, folder, MEAN_SHAPE.inputs)
 
 
 def test_the_mean_of_equal_shapes_is_that_shape_at_the_place_of_the_part(tmp_path):
-    places = [(1.0, (0.0, 0.0, 0.0)), (30.0, (7.0, 8.0, 9.0)), (0.2, (-5.0, 0.0, 1.0))]
-    examples = [example(tmp_path / str(i), *place) for i, place in enumerate(places)]
+    offsets = [(1.0, (0.0, 0.0, 0.0)), (30.0, (7.0, 8.0, 9.0)), (0.2, (-5.0, 0.0, 1.0))]
+    examples = [example(tmp_path / str(i), *offset) for i, offset in enumerate(offsets)]
     settings = MeanShapeSettings(grid_res=32, points=4000)
     state = MEAN_SHAPE.fit(examples, settings, 3, tmp_path)
-    cameras, centre, edge = cameras_around(2, 8, 50.0), np.array([50.0, -60.0, 70.0]), 20.0
-    given = Given("mean_shape", cameras, cameras, {Input.FRAME: Cube(centre, edge)})
-    points = MEAN_SHAPE.reconstruct(given, settings, state, 4).points_mm
-    beyond = (np.abs(points - centre) / edge - SIZE / 2).max(axis=1)
+    cameras, center, edge = cameras_around(2, 8, 50.0), np.array([50.0, -60.0, 70.0]), 20.0
+    inputs = MethodInputs(
+        "mean_shape", cameras, cameras, {Input.PART_FRAME: BoundingCube(center, edge)}
+    )
+    points = MEAN_SHAPE.reconstruct(inputs, settings, state, 4).points_mm
+    beyond = (np.abs(points - center) / edge - SIZE / 2).max(axis=1)
     # A voxel is 1/32: those that the surface passes through are full, and the surface that is
-    # found is half a voxel round the centres of the full ones.
+    # found is half a voxel round the centers of the full ones.
     assert np.abs(beyond).max() < 1 / 32
-    assert state.parts == 3
+    assert state.num_parts == 3
 
 
 def ball(radius: float) -> np.ndarray:
-    """Whether each of 48^3 voxels of the unit cube has its centre in a ball."""
+    """Whether each of 48^3 voxels of the unit cube has its center in a ball."""
     axis = (np.arange(48) + 0.5) / 48 - 0.5
     return np.linalg.norm(np.stack(np.meshgrid(axis, axis, axis)), axis=0) < radius
 
@@ -56,11 +60,13 @@ def sphere(radius: float, count: int = 2000) -> np.ndarray:
 
 @pytest.mark.parametrize(("radii", "wanted"), [((0.1, 0.3, 0.45), 0.3), ((0.2, 0.2, 0.4), 0.2)])
 def test_of_balls_the_one_in_the_middle_is_cut(radii, wanted):
-    """To spheres of one centre the sum of |r - r_i| is least at the median of the radii."""
+    """To spheres of one center the sum of |r - r_i| is least at the median of the radii."""
     mean = np.mean([ball(radius) for radius in radii], axis=0)
     rng = np.random.default_rng(0)
-    points = cut(mean, best_level(mean, [sphere(radius) for radius in radii], rng), 2000, rng)
-    # Voxels are 1/48 wide, and the surface lies between two centres.
+    points = level_set_points(
+        mean, best_level(mean, [sphere(radius) for radius in radii], rng), 2000, rng
+    )
+    # Voxels are 1/48 wide, and the surface lies between two centers.
     assert np.linalg.norm(points, axis=1).mean() == pytest.approx(wanted, abs=1 / 48)
 
 
@@ -69,9 +75,9 @@ def test_of_slender_parts_that_lie_otherwise_more_than_what_is_common_is_kept():
     solids = np.zeros((2, 48, 48, 48), bool)
     for axis, solid in enumerate(solids):
         np.moveaxis(solid, axis, 0)[:, 20:28, 20:28] = True
-    centres = [(np.argwhere(solid) + 0.5) / 48 - 0.5 for solid in solids]
+    centers = [(np.argwhere(solid) + 0.5) / 48 - 0.5 for solid in solids]
     mean, rng = solids.mean(axis=0), np.random.default_rng(0)
-    shape = cut(mean, best_level(mean, centres, rng), 500, rng)
+    shape = level_set_points(mean, best_level(mean, centers, rng), 500, rng)
     assert (np.ptp(shape, axis=0)[:2] > 0.9).all()
 
 

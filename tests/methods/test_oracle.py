@@ -5,17 +5,17 @@ import trimesh
 
 from industnerf.artifacts.part import Mesh
 from industnerf.methods import load_method
-from industnerf.methods.base import Given, Input, Role
+from industnerf.methods.base import Input, MethodInputs, Role
 from industnerf.schema import SampleSettings
 from tests.methods.solids import cameras_around
 
 
 def test_every_face_of_the_part_gets_its_share_of_points():
     ball = trimesh.creation.icosphere(2, 20.0)
-    mesh = Mesh.plain(np.array(ball.vertices, float), ball.faces.astype(np.int32))
+    mesh = Mesh.with_one_appearance(np.array(ball.vertices, float), ball.faces.astype(np.int32))
     cameras = cameras_around(2, 8, 50.0)
-    given = Given("oracle", cameras, cameras, {Input.OWN_MESH: mesh})
-    points = load_method("oracle").reconstruct(given, SampleSettings(50_000), None, 3).points_mm
+    inputs = MethodInputs("oracle", cameras, cameras, {Input.OWN_MESH: mesh})
+    points = load_method("oracle").reconstruct(inputs, SampleSettings(50_000), None, 3).points_mm
     # The solid is convex: a point on it lies in the plane that it is farthest out of.
     planes = np.einsum("ij,ij->i", ball.face_normals, ball.triangles[:, 0])
     beyond = points @ ball.face_normals.T - planes

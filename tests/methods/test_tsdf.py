@@ -5,35 +5,35 @@ import pytest
 import trimesh
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.geometry import fusion
-from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
+from industnerf.geometry import tsdf
+from industnerf.geometry.cameras import Cameras, common_view_ball, unit_ball_projections
 from industnerf.methods import load_method
-from industnerf.methods.base import Given, Input, Role
+from industnerf.methods.base import Input, MethodInputs, Role
 from industnerf.methods.tsdf import reconstruct
 from industnerf.schema import TsdfSettings
-from tests.methods.solids import cameras_around, cup, painted
+from tests.methods.solids import cameras_around, cup, render_painted
 
 REACH = 30.0  # mm, what the cameras frame
 SETTINGS = TsdfSettings(grid_res=64, truncation=2.0, points=20_000)
 CAMERAS = cameras_around(40, 192, REACH)
-CELL = 2 * framed_ball(CAMERAS)[1] / SETTINGS.grid_res  # 1 mm
+CELL = 2 * common_view_ball(CAMERAS)[1] / SETTINGS.grid_res  # 1 mm
 
 
 def points_of(depth_mm: np.ndarray, cameras: Cameras = CAMERAS) -> np.ndarray:
-    given = Given("tsdf", cameras, cameras, {Input.DEPTH: depth_mm})
-    return reconstruct(given, SETTINGS, None, 0).points_mm
+    inputs = MethodInputs("tsdf", cameras, cameras, {Input.DEPTH: depth_mm})
+    return reconstruct(inputs, SETTINGS, None, 0).points_mm
 
 
 def depth_of(mesh: trimesh.Trimesh, cameras: Cameras = CAMERAS) -> np.ndarray:
-    return painted(mesh, cameras, np.zeros_like)[0]
+    return render_painted(mesh, cameras, np.zeros_like)[0]
 
 
 def test_a_ball_to_a_fraction_of_a_cell():
-    off = np.linalg.norm(points_of(depth_of(trimesh.creation.icosphere(5, 20.0))), axis=1) - 20.0
+    error = np.linalg.norm(points_of(depth_of(trimesh.creation.icosphere(5, 20.0))), axis=1) - 20.0
     # A pixel's depth stands for points up to half a pixel aside: 0.17 mm times the slope, with
     # either sign and averaged over some 15 views.  The chord of a cell sags 1 / (8 * 20) mm.
-    assert np.abs(off).max() < 0.25 * CELL
-    assert abs(off.mean()) < 0.03 * CELL
+    assert np.abs(error).max() < 0.25 * CELL
+    assert abs(error.mean()) < 0.03 * CELL
 
 
 def test_a_box_keeps_its_faces_and_its_edges():
@@ -62,10 +62,10 @@ def test_a_wall_of_two_cells_keeps_its_thickness():
 
 def test_what_no_image_sees_stays_solid():
     """From one side alone, all that is behind the ball and in its shadow is left."""
-    above = CAMERAS[np.flatnonzero(CAMERAS.eyes[:, 2] > 0.97 * 4.1 * REACH)[:1]]
+    above = CAMERAS[np.flatnonzero(CAMERAS.centers[:, 2] > 0.97 * 4.1 * REACH)[:1]]
     depth = depth_of(trimesh.creation.icosphere(4, 15.0), above)
-    values = fusion.fuse(
-        depth / np.float32(REACH), projections_from_ball(above, np.zeros(3), REACH), 32, 0.125
+    values = tsdf.fuse(
+        depth / np.float32(REACH), unit_ball_projections(above, np.zeros(3), REACH), 32, 0.125
     )
     assert values[16, 16, 2] == np.float32(0.125)  # in the shadow
     assert values[16, 16, 16] == np.float32(0.125)  # inside

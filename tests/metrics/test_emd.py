@@ -18,11 +18,11 @@ from scipy.spatial.distance import cdist
 
 from industnerf.errors import MetricError
 from industnerf.metrics import emd as module
-from industnerf.metrics.cells import weighted
-from industnerf.metrics.emd import DENSE_PAIRS, DENSE_SIDE, emd, proven_emd
-from industnerf.metrics.ground import DISTANCE, SQUARED, Ground
-from industnerf.metrics.plan import Plan
-from industnerf.metrics.proof import Emd
+from industnerf.metrics.cells import normalize_clouds
+from industnerf.metrics.duality_certificate import CertifiedEmd
+from industnerf.metrics.emd import DENSE_PAIRS, DENSE_POINTS, certified_emd, emd
+from industnerf.metrics.ground_cost import EUCLIDEAN, SQUARED_EUCLIDEAN, GroundCost
+from industnerf.metrics.transport_plan import TransportPlan
 
 LARGE = 600
 SEEDS = st.integers(0, 10**6)
@@ -53,19 +53,19 @@ def half_box(seed: int, n: int) -> np.ndarray:
     return points[points[:, 0] < 0][:n]
 
 
-def assert_proven(found: Emd, truth: float, least: float = 0.0) -> None:
+def assert_certified(result: CertifiedEmd, truth: float, min_gap: float = 0.0) -> None:
     """`found` is not less than the truth, not 1e-9 or `least` more, and its interval holds it.
 
     1e-13 for the truth's own rounding, a sum of up to some thousand lengths.
     """
-    allowed = max(1e-9 * truth, least)
-    assert found.value >= truth * (1 - 1e-13)
-    assert found.value <= truth + allowed
-    assert found.value - found.gap <= truth * (1 + 1e-13)
-    assert found.gap <= allowed * (1 + 1e-9)
+    allowed = max(1e-9 * truth, min_gap)
+    assert result.value >= truth * (1 - 1e-13)
+    assert result.value <= truth + allowed
+    assert result.value - result.gap <= truth * (1 + 1e-13)
+    assert result.gap <= allowed * (1 + 1e-9)
 
 
-def assignment(a: np.ndarray, b: np.ndarray, ground: Ground = DISTANCE) -> float:
+def assignment(a: np.ndarray, b: np.ndarray, ground: GroundCost = EUCLIDEAN) -> float:
     """The slow twin: the Hungarian method, each point as often as equal numbers take."""
     common = math.lcm(len(a), len(b))
     sides = np.repeat(a, common // len(a), axis=0), np.repeat(b, common // len(b), axis=0)
@@ -73,7 +73,7 @@ def assignment(a: np.ndarray, b: np.ndarray, ground: Ground = DISTANCE) -> float
     return float(cost[linear_sum_assignment(cost)].mean())
 
 
-PAIRS = {
+CLOUD_PAIRS = {
     "resampled": (box(1, LARGE), box(2, LARGE)),
     "shifted": (box(1, LARGE), moved(box(2, LARGE), 0.1, 0.05, 0)),
     "ball for a box": (ball(1, LARGE), box(2, LARGE)),
@@ -91,30 +91,34 @@ PAIRS = {
 }
 
 
-GROUNDS = pytest.mark.parametrize("ground", [DISTANCE, SQUARED], ids=["distance", "squared"])
+GROUND_COSTS = pytest.mark.parametrize(
+    "ground", [EUCLIDEAN, SQUARED_EUCLIDEAN], ids=["distance", "squared"]
+)
 
 
-@GROUNDS
-@pytest.mark.parametrize("name", PAIRS)
+@GROUND_COSTS
+@pytest.mark.parametrize("name", CLOUD_PAIRS)
 def test_agrees_with_the_hungarian_method(name, ground):
-    a, b = PAIRS[name]
+    a, b = CLOUD_PAIRS[name]
     unit = 2 * np.ptp(np.vstack([a, b]), axis=0).max()  # at most
-    least = 1e-12 * unit**2 if ground.squared else 0.0
-    assert_proven(proven_emd(a, b, ground), assignment(a, b, ground), least)
+    min_gap = 1e-12 * unit**2 if ground.squared else 0.0
+    assert_certified(certified_emd(a, b, ground), assignment(a, b, ground), min_gap)
 
 
-@GROUNDS
-@pytest.mark.parametrize("name", [name for name in PAIRS if name not in ("small", "one and many")])
+@GROUND_COSTS
+@pytest.mark.parametrize(
+    "name", [name for name in CLOUD_PAIRS if name not in ("small", "one and many")]
+)
 def test_the_sparse_way_gets_there_by_itself(name, ground):
     """No silent fall-back: speed would be gone, and only the dense way be tested."""
-    assert proven_emd(*PAIRS[name], ground).rounds > 0
+    assert certified_emd(*CLOUD_PAIRS[name], ground).rounds > 0
 
 
-@GROUNDS
-@pytest.mark.parametrize("name", PAIRS)
+@GROUND_COSTS
+@pytest.mark.parametrize("name", CLOUD_PAIRS)
 def test_the_dense_way_finds_the_same(name, ground):
-    a, b = PAIRS[name]
-    sparse, dense = proven_emd(a, b, ground), proven_emd(a, b, ground, max_rounds=0)
+    a, b = CLOUD_PAIRS[name]
+    sparse, dense = certified_emd(a, b, ground), certified_emd(a, b, ground, max_rounds=0)
     assert dense.rounds == 0
     assert sparse.value == pytest.approx(dense.value, rel=1e-9, abs=sparse.gap)  # from above
 
@@ -147,28 +151,28 @@ def test_on_a_line_points_are_matched_in_order(n, m):
     share = [np.searchsorted(np.sort(z), steps[:-1], side="right") / len(z) for z in (x, y)]
     area = float(np.abs(share[0] - share[1]) @ np.diff(steps))
     direction = np.array([2.0, 3.0, 6.0]) / 7
-    assert_proven(proven_emd(x[:, None] * direction, y[:, None] * direction), area)
+    assert_certified(certified_emd(x[:, None] * direction, y[:, None] * direction), area)
 
 
 def test_concentric_spheres_are_their_radii_apart():
     """|x - y| >= | |x| - |y| |, and each point straight outwards attains it."""
     inner = ball(3, 1500)
-    found = proven_emd(inner, np.random.default_rng(0).permutation(inner) * 1.5)
-    assert found.rounds > 0
-    assert_proven(found, 0.25)
+    result = certified_emd(inner, np.random.default_rng(0).permutation(inner) * 1.5)
+    assert result.rounds > 0
+    assert_certified(result, 0.25)
 
 
 def test_a_cloud_is_where_it_is():
     """Zero, from a plan that moves nothing: also shuffled, and with each point twice."""
     cloud = box(4, 2000)
     for other in (cloud, np.random.default_rng(0).permutation(cloud), np.repeat(cloud, 2, axis=0)):
-        found = proven_emd(cloud, other)
-        assert found.rounds > 0
-        assert (found.value, found.gap) == (0.0, 0.0)
+        result = certified_emd(cloud, other)
+        assert result.rounds > 0
+        assert (result.value, result.gap) == (0.0, 0.0)
 
 
 def test_one_place_is_no_distance():
-    assert proven_emd(np.full((5, 3), 0.1), np.full((900, 3), 0.1)).value == 0.0
+    assert certified_emd(np.full((5, 3), 0.1), np.full((900, 3), 0.1)).value == 0.0
 
 
 def test_two_far_clusters_that_trade_a_point():
@@ -176,12 +180,12 @@ def test_two_far_clusters_that_trade_a_point():
     clumps, far = ball(5, LARGE) * 1e-3, np.array([100.0, 0, 0])
     here = np.arange(LARGE)[:, None]
     a, b = clumps + (here < 300) * far, clumps + (here < 299) * far
-    assert_proven(proven_emd(a, b), 100 / LARGE)
+    assert_certified(certified_emd(a, b), 100 / LARGE)
 
 
 @pytest.mark.parametrize("unit", [2.0**-1000, 2.0**-30, 2.0**40, 2.0**1000])
 def test_any_unit_of_length(unit):
-    a, b = PAIRS["resampled"]
+    a, b = CLOUD_PAIRS["resampled"]
     assert emd(a * unit, b * unit) == emd(a, b) * unit  # a power of two: exact
 
 
@@ -193,8 +197,8 @@ def test_a_length_below_float64s_normal_ones():
 
 def test_far_from_the_origin_nothing_changes():
     """Points on a grid of 2^-20, moved by 2^20: coordinates are exact, so the bytes the same."""
-    a, b = (np.round(cloud * 2**20) / 2**20 for cloud in PAIRS["ball for a box"])
-    assert proven_emd(a + 2.0**20, b + 2.0**20) == proven_emd(a, b)
+    a, b = (np.round(cloud * 2**20) / 2**20 for cloud in CLOUD_PAIRS["ball for a box"])
+    assert certified_emd(a + 2.0**20, b + 2.0**20) == certified_emd(a, b)
 
 
 @given(SEEDS, SIZES)
@@ -208,9 +212,9 @@ def test_translating_a_cloud_costs_the_length_of_the_translation(seed, n):
 @given(SEEDS, SIZES, SIZES, st.floats(1e-3, 1e3))
 def test_scales_with_the_clouds_and_ignores_their_place(seed, n, m, scale):
     a, b = box(seed, n), ball(seed, m)
-    place = np.random.default_rng(seed).normal(size=3) * 100
+    offset = np.random.default_rng(seed).normal(size=3) * 100
     # Moved 100 away coordinates lose 100 eps = 2e-14; each value is within 1e-9 of its truth.
-    assert emd(a * scale + place, b * scale + place) == pytest.approx(
+    assert emd(a * scale + offset, b * scale + offset) == pytest.approx(
         emd(a, b) * scale, rel=2e-9, abs=1e-12
     )
 
@@ -235,11 +239,11 @@ def test_order_of_points_does_not_matter(seed, n, m):
 
 
 def test_same_clouds_same_bytes_and_nothing_is_touched():
-    a, b = (cloud.copy() for cloud in PAIRS["ball for a box"])
-    first = proven_emd(a, b)
-    assert proven_emd(a, b) == first
-    np.testing.assert_array_equal(a, PAIRS["ball for a box"][0])
-    np.testing.assert_array_equal(b, PAIRS["ball for a box"][1])
+    a, b = (cloud.copy() for cloud in CLOUD_PAIRS["ball for a box"])
+    first = certified_emd(a, b)
+    assert certified_emd(a, b) == first
+    np.testing.assert_array_equal(a, CLOUD_PAIRS["ball for a box"][0])
+    np.testing.assert_array_equal(b, CLOUD_PAIRS["ball for a box"][1])
 
 
 def test_float32_loses_no_digits():
@@ -253,54 +257,54 @@ def test_float32_loses_no_digits():
 
 def test_a_graph_without_a_plan_gives_no_number():
     """Two points of `a` may only go to one of `b`.  POT itself returns 0.0 and warns."""
-    a, b, _ = weighted(box(1, 3), box(2, 3))
-    keys = np.array([0, 3, 7, 8])  # (0, 0), (1, 0), (2, 1), (2, 2)
+    a, b, _ = normalize_clouds(box(1, 3), box(2, 3))
+    pair_ids = np.array([0, 3, 7, 8])  # (0, 0), (1, 0), (2, 1), (2, 2)
     with pytest.raises(MetricError, match=r"POT did not solve .* infeasible"):
-        module._solve_pairs(a, b, DISTANCE, keys, (np.zeros(3), np.zeros(3)), 1000)
+        module._solve_sparse(a, b, EUCLIDEAN, pair_ids, (np.zeros(3), np.zeros(3)), 1000)
 
 
 def test_without_usable_candidates_the_dense_problem_is_solved(monkeypatch):
     def starved(*arguments):
-        cells, plan, _ = start(*arguments)
+        cells, plan, _ = initial_solution(*arguments)
         return cells, plan, np.arange(LARGE) * LARGE  # every point of `a` to point 0
 
-    start = module._start
-    monkeypatch.setattr(module, "_start", starved)
-    a, b = PAIRS["resampled"]
-    found = proven_emd(a, b)
-    assert found.rounds == 0
-    assert_proven(found, assignment(a, b))
+    initial_solution = module._initial_solution
+    monkeypatch.setattr(module, "_initial_solution", starved)
+    a, b = CLOUD_PAIRS["resampled"]
+    result = certified_emd(a, b)
+    assert result.rounds == 0
+    assert_certified(result, assignment(a, b))
 
 
 def test_few_candidates_only_cost_rounds(monkeypatch):
     """Starting from the pairs of a rough plan alone, pricing finds every pair that matters."""
 
     def bare(*arguments):
-        cells, plan, _ = start(*arguments)
+        cells, plan, _ = initial_solution(*arguments)
         return cells, plan, np.unique(plan.rows * LARGE + plan.cols)
 
-    start = module._start
-    a, b = PAIRS["resampled"]
-    usual = proven_emd(a, b)
-    monkeypatch.setattr(module, "_start", bare)
-    found = proven_emd(a, b)
-    assert found.rounds > usual.rounds
-    assert_proven(found, assignment(a, b))
+    initial_solution = module._initial_solution
+    a, b = CLOUD_PAIRS["resampled"]
+    usual = certified_emd(a, b)
+    monkeypatch.setattr(module, "_initial_solution", bare)
+    result = certified_emd(a, b)
+    assert result.rounds > usual.rounds
+    assert_certified(result, assignment(a, b))
 
 
 def test_too_few_rounds_fall_back_to_the_dense_problem():
-    a, b = PAIRS["half missing"]
-    assert proven_emd(a, b).rounds > 1
-    found = proven_emd(a, b, max_rounds=1)
-    assert found.rounds == 0
-    assert_proven(found, assignment(a, b))
+    a, b = CLOUD_PAIRS["half missing"]
+    assert certified_emd(a, b).rounds > 1
+    result = certified_emd(a, b, max_rounds=1)
+    assert result.rounds == 0
+    assert_certified(result, assignment(a, b))
 
 
 @pytest.mark.parametrize("n", [100, LARGE])
 @pytest.mark.parametrize("max_rounds", [0, 30])
 def test_a_cut_iteration_budget_is_an_error(n, max_rounds):
     with pytest.raises(MetricError, match="max_pivots=50"):
-        proven_emd(box(1, n), box(2, n), max_pivots=50, max_rounds=max_rounds)
+        certified_emd(box(1, n), box(2, n), max_pivots=50, max_rounds=max_rounds)
 
 
 def test_a_solver_that_errs_is_found_out(monkeypatch):
@@ -311,10 +315,10 @@ def test_a_solver_that_errs_is_found_out(monkeypatch):
         flow[np.arange(len(flow)), np.arange(len(flow))] = a.mass
         return (coo_array(flow) if issparse(cost) else flow), np.zeros(len(b.mass))
 
-    monkeypatch.setattr(module, "_pot", other_problem)
+    monkeypatch.setattr(module, "_network_simplex", other_problem)
     for n in (100, LARGE):
         with pytest.raises(MetricError, match="not proven"):
-            proven_emd(box(1, n), box(2, n))
+            certified_emd(box(1, n), box(2, n))
 
 
 def test_prices_that_fit_the_plan_and_undercut_others_are_found_out(monkeypatch):
@@ -323,13 +327,13 @@ def test_prices_that_fit_the_plan_and_undercut_others_are_found_out(monkeypatch)
     def identity(a, b, *_):
         each = np.arange(len(a.mass))
         lengths = np.linalg.norm(a.points - b.points, axis=1)
-        return Plan(each, each, a.mass, lengths, np.zeros(len(b.mass)))
+        return TransportPlan(each, each, a.mass, lengths, np.zeros(len(b.mass)))
 
-    monkeypatch.setattr(module, "_solve_all", identity)
-    monkeypatch.setattr(module, "_solve_pairs", identity)
+    monkeypatch.setattr(module, "_solve_dense", identity)
+    monkeypatch.setattr(module, "_solve_sparse", identity)
     for n in (100, LARGE):
         with pytest.raises(MetricError, match="not proven"):
-            proven_emd(box(1, n), box(2, n))
+            certified_emd(box(1, n), box(2, n))
 
 
 @pytest.mark.parametrize("bad", [np.empty((0, 3)), np.array([[0.0, np.nan, 0.0]])])
@@ -363,4 +367,4 @@ def test_pot_is_loaded_late_and_without_torch():
 def test_the_large_clouds_are_not_small():
     assert LARGE * 400 > DENSE_PAIRS
     assert DENSE_PAIRS < 370 * 370
-    assert DENSE_SIDE < 370
+    assert DENSE_POINTS < 370

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.cloud import Cloud, save_others
+from industnerf.artifacts.cloud import Cloud, save_extra_clouds
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.scores import load_scores
 from industnerf.artifacts.truth import Truth
@@ -15,18 +15,18 @@ from industnerf.errors import MetricError
 from industnerf.geometry.sampling import sample_surface
 from industnerf.geometry.shapes import ball_surface, box_surface
 from industnerf.metrics.protocol import score_failure, score_part
+from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
 from industnerf.metrics.truth import measure_truth
-from industnerf.metrics.visible import Frame, Rig, scored
 from industnerf.schema import EvaluateParams
 
 SETTINGS = EvaluateParams(
     points=256,
-    dense=4096,
-    cap=4096,
-    rig=40,
-    rig_radius=4.1,
-    hidden=0.01,
-    fscore=0.02,
+    dense_samples=4096,
+    max_points=4096,
+    visibility_views=40,
+    visibility_radius=4.1,
+    occlusion_margin=0.01,
+    fscore_threshold=0.02,
     tolerances_mm=[0.5, 1.0],
 )
 SIDE, CAVITY = 20.0, 10.0  # mm
@@ -36,39 +36,47 @@ def hollow_box() -> Mesh:
     """A cube with a closed cavity that nobody can see."""
     outer, inner = trimesh.creation.box([SIDE] * 3), trimesh.creation.box([CAVITY] * 3)
     faces = np.concatenate([outer.faces, inner.faces[:, ::-1] + len(outer.vertices)])
-    return Mesh.plain(np.concatenate([outer.vertices, inner.vertices]), faces.astype(np.int32))
+    return Mesh.with_one_appearance(
+        np.concatenate([outer.vertices, inner.vertices]), faces.astype(np.int32)
+    )
 
 
-def samples(mesh, count=2000, seed=0):
+def surface_samples(mesh, count=2000, seed=0):
     return sample_surface(mesh.vertices, mesh.faces, count, np.random.default_rng(seed))[0]
 
 
-def is_inner(points):
+def is_on_cavity(points):
     """Points of the cavity lie within half its side, those of the outside do not."""
     return np.abs(points).max(axis=1) < (SIDE + CAVITY) / 4
 
 
 def test_the_rig_sees_the_outside_all_of_it_and_nothing_else():
-    points = samples(hollow_box())
-    sees = Rig(Frame(hollow_box()), SETTINGS).sees(points)
-    np.testing.assert_array_equal(sees, ~is_inner(points))
+    points = surface_samples(hollow_box())
+    is_visible = ReferenceRig(ReferenceSurface(hollow_box()), SETTINGS).is_visible(points)
+    np.testing.assert_array_equal(is_visible, ~is_on_cavity(points))
 
 
 def test_only_deep_points_nearer_to_hidden_truth_are_left_out():
-    mesh, truth = hollow_box(), samples(hollow_box())
-    rig = Rig(Frame(mesh), SETTINGS)
-    on_cavity, just_beneath = truth[is_inner(truth)], np.array([[0.0, 0.0, 0.9 * SIDE / 2]])
-    predicted = np.concatenate([truth[~is_inner(truth)], just_beneath, on_cavity])
-    keep = scored(rig, predicted, truth, ~is_inner(truth), SETTINGS.hidden)
+    mesh, truth = hollow_box(), surface_samples(hollow_box())
+    rig = ReferenceRig(ReferenceSurface(mesh), SETTINGS)
+    on_cavity, just_beneath = truth[is_on_cavity(truth)], np.array([[0.0, 0.0, 0.9 * SIDE / 2]])
+    predicted = np.concatenate([truth[~is_on_cavity(truth)], just_beneath, on_cavity])
+    mask = evaluated_mask(rig, predicted, truth, ~is_on_cavity(truth), SETTINGS.occlusion_margin)
     # 1 mm beneath the surface is deeper than 1 % of the diagonal (0.35 mm), but far from the cavity
-    np.testing.assert_array_equal(keep, np.arange(len(predicted)) < len(predicted) - len(on_cavity))
+    np.testing.assert_array_equal(mask, np.arange(len(predicted)) < len(predicted) - len(on_cavity))
 
 
 def test_nothing_is_left_out_where_nothing_is_hidden():
     mesh = hollow_box()
     deep = np.zeros((3, 3))
-    keep = scored(Rig(Frame(mesh), SETTINGS), deep, samples(mesh), np.ones(2000, bool), 0.01)
-    assert keep.all()
+    mask = evaluated_mask(
+        ReferenceRig(ReferenceSurface(mesh), SETTINGS),
+        deep,
+        surface_samples(mesh),
+        np.ones(2000, bool),
+        0.01,
+    )
+    assert mask.all()
 
 
 @pytest.fixture
@@ -90,8 +98,12 @@ class Case:
 
     def scores(self, points: np.ndarray) -> dict[tuple[str, str], float]:
         n = len(points)
-        grey, sure, view = np.zeros((n, 3), np.uint8), np.ones(n, np.float32), np.zeros(n, np.int16)
-        Cloud("part", points.astype(np.float32), grey, sure, view, 0, 0).save(self.folder / "cloud")
+        gray = np.zeros((n, 3), np.uint8)
+        confidence = np.ones(n, np.float32)
+        view = np.zeros(n, np.int16)
+        Cloud("part", points.astype(np.float32), gray, confidence, view, 0, 0).save(
+            self.folder / "cloud"
+        )
         names = ("truth", "views", "cloud", "scores")
         score_part(self.part, *map(self.folder.joinpath, names), settings=SETTINGS, seed=0)
         return self.read()
@@ -108,8 +120,8 @@ class Case:
 
 def test_a_perfect_cloud_of_the_outside_is_at_the_floor_and_lacks_the_hidden_part(part):
     truth = Truth.load(part.folder / "truth")
-    points = samples(part.mesh, 8000, seed=5)
-    values = part.scores(points[~is_inner(points)])
+    points = surface_samples(part.mesh, 8000, seed=5)
+    values = part.scores(points[~is_on_cavity(points)])
     # both are distances between independent samples of one surface; 256 points agree to 10 %
     assert values["emd", "P1-even"] == pytest.approx(truth.floors["emd P1-even"], rel=0.1)
     # a fifth of the whole surface is the cavity, which this cloud has not: that mass moves 5 mm
@@ -120,8 +132,8 @@ def test_a_perfect_cloud_of_the_outside_is_at_the_floor_and_lacks_the_hidden_par
 
 def test_scores_do_not_depend_on_where_the_part_is_or_how_large(part, tmp_path):
     scale, shift = 1000.0, np.array([5e4, -2e4, 1e4])
-    moved = Mesh.plain(part.mesh.vertices * scale + shift, part.mesh.faces)
-    points = samples(part.mesh, 3000, seed=3) * 1.05
+    moved = Mesh.with_one_appearance(part.mesh.vertices * scale + shift, part.mesh.faces)
+    points = surface_samples(part.mesh, 3000, seed=3) * 1.05
     here, there = part.scores(points), Case(tmp_path / "b", moved).scores(points * scale + shift)
     # clouds are kept in float32: 5e4 mm is rounded by 0.004 mm, 1e-7 diagonals of 3.5e4 mm
     for kind, value in here.items():
@@ -147,22 +159,23 @@ def test_a_failure_scores_the_worse_of_ball_and_box(part):
 
 
 def test_a_cloud_with_no_point_to_score_is_a_failure(part):
-    points = samples(part.mesh)
-    part.scores(points[is_inner(points)])
+    points = surface_samples(part.mesh)
+    part.scores(points[is_on_cavity(points)])
     assert {row.status for row in part.rows} == {"failed"}
 
 
 def test_too_few_visible_samples_name_the_knob(part, tmp_path):
-    wanted = replace(SETTINGS, points=4000)
+    settings = replace(SETTINGS, points=4000)
     with pytest.raises(MetricError, match=r"raise evaluate\.dense"):
-        measure_truth(part.part, tmp_path, settings=wanted, seed=0)
+        measure_truth(part.part, tmp_path, settings=settings, seed=0)
 
 
 def test_of_several_answers_the_mean_counts(part):
-    good, poor = samples(part.mesh, 3000, seed=3), samples(part.mesh, 3000, seed=4) * 1.3
-    alone = [part.scores(points) for points in (good, poor)]
-    save_others(part.folder / "cloud", [poor.astype(np.float32), good.astype(np.float32)])
-    both = part.scores(good)
+    accurate = surface_samples(part.mesh, 3000, seed=3)
+    poor = surface_samples(part.mesh, 3000, seed=4) * 1.3
+    alone = [part.scores(points) for points in (accurate, poor)]
+    save_extra_clouds(part.folder / "cloud", [poor.astype(np.float32), accurate.astype(np.float32)])
+    both = part.scores(accurate)
     dense = ("chamfer", "fscore", "within_0.5mm", "within_1mm", "covered_1mm", "hausdorff95")
     for kind in [("emd", "P1-even"), *((metric, "P1-dense") for metric in dense)]:
         expected = (2 * alone[0][kind] + alone[1][kind]) / 3
@@ -171,9 +184,9 @@ def test_of_several_answers_the_mean_counts(part):
 
 
 def test_an_answer_without_a_point_counts_as_a_failure(part):
-    points, failed = samples(part.mesh, 3000, seed=3), part.failure()
+    points, failed = surface_samples(part.mesh, 3000, seed=3), part.failure()
     alone = part.scores(points)
-    save_others(part.folder / "cloud", [np.zeros((0, 3), np.float32)])
+    save_extra_clouds(part.folder / "cloud", [np.zeros((0, 3), np.float32)])
     both = part.scores(points)
     for kind in (("emd", "P1-even"), ("fscore", "P1-dense")):
         assert both[kind] == pytest.approx((alone[kind] + failed[kind]) / 2, rel=1e-6)

@@ -27,9 +27,9 @@ def test_means_part_from_shapes(seed, n, m):
     """W2^2(X, Y) = |mean X - mean Y|^2 + W2^2 of both round their means."""
     a, b = cloud(n, seed), cloud(m, seed + 1) * [2, 1, 1] + [1, 0, 0]
     apart = float(np.square(a.mean(axis=0) - b.mean(axis=0)).sum())
-    centred = squared_emd(a - a.mean(axis=0), b - b.mean(axis=0))
+    centered = squared_emd(a - a.mean(axis=0), b - b.mean(axis=0))
     # each within 1e-9 of its truth, or 1e-12 of a box of some 10 squared
-    assert squared_emd(a, b) == pytest.approx(apart + centred, rel=2e-9, abs=1e-10)
+    assert squared_emd(a, b) == pytest.approx(apart + centered, rel=2e-9, abs=1e-10)
 
 
 @pytest.mark.parametrize(("n", "m"), [(300, 300), (1000, 700)])

@@ -6,11 +6,22 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.strata import FORMULAS, SAMPLES, Shape, shape_of
-from tests.solids import SOME_TURN, ball, box, cup, moved, prism, together, torus, tube
+from industnerf.parts.strata import NUM_SAMPLES, STRATUM_DEFINITIONS, ShapeProperties, measure_shape
+from tests.solids import (
+    GENERIC_ROTATION,
+    ball,
+    box,
+    combine_meshes,
+    cup,
+    prism,
+    torus,
+    transform_mesh,
+    tube,
+)
 
-HOLLOW = together(
-    ball(10), Mesh.plain(ball(5).vertices, np.ascontiguousarray(ball(5).faces[:, ::-1]))
+HOLLOW = combine_meshes(
+    ball(10),
+    Mesh.with_one_appearance(ball(5).vertices, np.ascontiguousarray(ball(5).faces[:, ::-1])),
 )
 SOLIDS = {
     "ball": (ball(10), ("symmetric",)),
@@ -22,16 +33,25 @@ SOLIDS = {
     "torus": (torus(20, 5), ("holes", "symmetric")),
     "cup": (cup(8, 10, 2, 20), ("pockets", "symmetric")),
     "hollow ball": (HOLLOW, ("pockets", "symmetric")),
-    "two balls": (together(ball(5), moved(ball(5), by=(20, 0, 0))), ("symmetric", "multi-body")),
-    "two odd boxes": (together(box(2, 3, 5), moved(box(3, 2, 6), by=(7, 1, 2))), ("multi-body",)),
-    "open sheet": (Mesh.plain(box(9, 7, 5).vertices, box(9, 7, 5).faces[:2]), ("thin",)),
+    "two balls": (
+        combine_meshes(ball(5), transform_mesh(ball(5), offset=(20, 0, 0))),
+        ("symmetric", "multi-body"),
+    ),
+    "two odd boxes": (
+        combine_meshes(box(2, 3, 5), transform_mesh(box(3, 2, 6), offset=(7, 1, 2))),
+        ("multi-body",),
+    ),
+    "open sheet": (
+        Mesh.with_one_appearance(box(9, 7, 5).vertices, box(9, 7, 5).faces[:2]),
+        ("thin",),
+    ),
 }
 every_solid = pytest.mark.parametrize("name", SOLIDS)
 
 
 @cache
-def shape(name: str) -> Shape:
-    return shape_of(SOLIDS[name][0])
+def shape(name: str) -> ShapeProperties:
+    return measure_shape(SOLIDS[name][0])
 
 
 @every_solid
@@ -43,9 +63,9 @@ def test_strata_of_known_solids(name):
 def test_scale_and_place_do_not_matter(name):
     """Up to rounding: 1e-6 of the size in embree, and 1e-12 in where a sample falls."""
     here = shape(name)
-    there = shape_of(moved(SOLIDS[name][0], scale=25.4, by=(1e3, -2e3, 5e2)))
+    there = measure_shape(transform_mesh(SOLIDS[name][0], scale=25.4, offset=(1e3, -2e3, 5e2)))
     assert there.thickness == pytest.approx(here.thickness, rel=0, abs=1e-5)
-    assert there.hull_hidden_share == pytest.approx(here.hull_hidden_share, abs=2 / SAMPLES)
+    assert there.hull_hidden_share == pytest.approx(here.hull_hidden_share, abs=2 / NUM_SAMPLES)
     assert there.strata == here.strata
 
 
@@ -53,11 +73,11 @@ def test_scale_and_place_do_not_matter(name):
 def test_nor_does_the_pose(name):
     """The box's diagonal turns with the part, and with it the thresholds, by up to sqrt(3)."""
     mesh, expected = SOLIDS[name]
-    assert shape_of(moved(mesh, turn=SOME_TURN)).strata == expected
+    assert measure_shape(transform_mesh(mesh, rotation=GENERIC_ROTATION)).strata == expected
 
 
 def test_equal_meshes_have_equal_strata():
-    assert shape_of(cup(8, 10, 2, 20)) == shape("cup")
+    assert measure_shape(cup(8, 10, 2, 20)) == shape("cup")
 
 
 def test_walls_are_as_thick_as_drawn():
@@ -67,7 +87,7 @@ def test_walls_are_as_thick_as_drawn():
     """
     wall = 2 * np.cos(np.pi / 64)
     diagonal = np.linalg.norm([14, 14, 200])
-    assert shape_of(tube(5, 7, 200)).thickness == pytest.approx(wall / diagonal, rel=1e-4)
+    assert measure_shape(tube(5, 7, 200)).thickness == pytest.approx(wall / diagonal, rel=1e-4)
     # Of a ball of icosahedral facets, from the inscribed to the circumscribed radius.
     assert shape("ball").thickness * np.linalg.norm([20] * 3) == pytest.approx(20, rel=5e-3)
 
@@ -79,21 +99,21 @@ def test_the_hidden_share_of_a_cup_is_its_inside():
     share = inside / whole
     # Five standard errors, to be exceeded once in a million seeds; the seed is fixed.  Sixty-four
     # facets lose 0.2 % of a circle's area, of the inside and the outside alike.
-    error = 5 * np.sqrt(share * (1 - share) / SAMPLES)
-    found = shape("cup").hull_hidden_share
-    assert found == pytest.approx(share, abs=error)
+    error = 5 * np.sqrt(share * (1 - share) / NUM_SAMPLES)
+    hidden_share = shape("cup").hull_hidden_share
+    assert hidden_share == pytest.approx(share, abs=error)
 
 
 def test_every_stratum_is_told_from_its_threshold():
-    least = Shape(0.02, 0, 0.0499, None, 1)
-    most = Shape(0.0199, 1, 0.05, 3, 2)
+    least = ShapeProperties(0.02, 0, 0.0499, None, 1)
+    most = ShapeProperties(0.0199, 1, 0.05, 3, 2)
     assert least.strata == ()
-    assert most.strata == tuple(FORMULAS)
+    assert most.strata == tuple(STRATUM_DEFINITIONS)
 
 
 def test_a_mesh_without_area_is_refused():
-    line = Mesh.plain(
+    line = Mesh.with_one_appearance(
         np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2]], np.int32)
     )
     with pytest.raises(ValueError, match="no area"):
-        shape_of(line)
+        measure_shape(line)

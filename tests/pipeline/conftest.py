@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.preset import lay_out
+from pipeline.preset import create_project
 
 SMALL = (
     "experiment=smoke",
@@ -21,11 +21,19 @@ SMALL = (
     "method.mean_shape={grid_res: 8, points: 2048}",
     "method.oracle.points=2048",
     "evaluate.points=128",
-    "evaluate.dense=2048",
-    "evaluate.cap=2048",
+    "evaluate.dense_samples=2048",
+    "evaluate.max_points=2048",
 )
 # the only files that may differ between two runs
-TIMED = {"cost.csv", "cost.md", "goals.csv", "goals.md", "pareto.png", "report.html", "table1.md"}
+TIMING_FILES = {
+    "cost.csv",
+    "cost.md",
+    "goals.csv",
+    "goals.md",
+    "pareto.png",
+    "report.html",
+    "table1.md",
+}
 
 
 class Project:
@@ -33,7 +41,7 @@ class Project:
 
     def __init__(self, root: Path, folder: Path, *overrides: str) -> None:
         self.folder = folder
-        lay_out(root, folder, [*SMALL, *overrides])
+        create_project(root, folder, [*SMALL, *overrides])
         self.environment = {
             **os.environ,
             "INDUSTNERF_STORE": str(folder / "store"),
@@ -61,16 +69,16 @@ class Project:
         output, _ = process.communicate()
         return process.returncode, output
 
-    def stop_at(self, step: str, how: signal.Signals) -> tuple[int, str]:
+    def stop_at(self, stage: str, signal_number: signal.Signals) -> tuple[int, str]:
         """Start dvc repro, and send `how` to the whole group once `step` is at its first part."""
         process = self.start("dvc", "repro")
         deadline = time.monotonic() + 120
-        before = set(self.folder.glob(f"store/{step}/*"))
-        while set(self.folder.glob(f"store/{step}/*")) <= before:
-            assert time.monotonic() < deadline, f"{step} never began"
+        before = set(self.folder.glob(f"store/{stage}/*"))
+        while set(self.folder.glob(f"store/{stage}/*")) <= before:
+            assert time.monotonic() < deadline, f"{stage} never began"
             assert process.poll() is None, process.communicate()[0]
             time.sleep(0.005)
-        os.killpg(process.pid, how)
+        os.killpg(process.pid, signal_number)
         output, _ = process.communicate()
         return process.returncode, output
 
@@ -88,7 +96,7 @@ class Project:
         return {
             str(path.relative_to(self.folder)): path.read_bytes()
             for path in files
-            if path.is_file() and path.name not in TIMED and "embedded" not in path.parts
+            if path.is_file() and path.name not in TIMING_FILES and "embedded" not in path.parts
         }
 
     def set(self, **changes: object) -> dict[str, object]:
@@ -98,15 +106,15 @@ class Project:
         """
         path = self.folder / "params.yaml"
         params = yaml.safe_load(path.read_text())
-        before = {key: _set(params, key, value) for key, value in changes.items()}
+        before = {key: _set_key(params, key, value) for key, value in changes.items()}
         path.write_text(yaml.safe_dump(params))
         return before
 
 
-def _set(section: dict, key: str, value: object) -> object:
+def _set_key(section: dict, key: str, value: object) -> object:
     before = section.get(key)
     if isinstance(value, dict):
-        return {name: _set(section[key], name, each) for name, each in value.items()}
+        return {name: _set_key(section[key], name, item) for name, item in value.items()}
     if value is None:
         del section[key]
     else:

@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from industnerf import code, config
+from industnerf import code_hash, config
 from industnerf.methods import MODULES
-from industnerf.report.gather import failures_of
+from industnerf.report.study import failures_of
 from industnerf.schema import MethodSettings
 
 # Corridors that move results about and log them: they are no dependency of any result.
-CORRIDORS = {
+CORE_MODULES = {
     f"industnerf.{name}"
     for name in (
         "cli",
@@ -35,37 +35,43 @@ CORRIDORS = {
     )
 }
 STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
-WRITTEN = ("index", "failures")  # files beside the results of a stage, for the stages behind it
+RESULT_FILES = (
+    "index",
+    "failures",
+)  # files beside the results of a stage, for the stages behind it
 
 
 @pytest.mark.parametrize("name", STAGES)
 def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
-    deps = config.stage(name, "hull", root / "dvc.yaml").deps
-    covered = [root / dep for dep in deps]
-    needed = code.closure(f"pipeline.{name}") - CORRIDORS
+    deps = config.load_stage(name, "hull", root / "dvc.yaml").deps
+    dep_paths = [root / dep for dep in deps]
+    needed = code_hash.import_closure(f"pipeline.{name}") - CORE_MODULES
     needed = {module for module in needed if not module.startswith("industnerf.runner.")}
     if name in ("train", "reconstruct"):
-        needed |= set().union(*(code.closure(module) for module in MODULES.values())) - CORRIDORS
+        needed |= (
+            set().union(*(code_hash.import_closure(module) for module in MODULES.values()))
+            - CORE_MODULES
+        )
     for module in sorted(needed):
-        source = code.source_of(module)
-        assert any(source == dep or dep in source.parents for dep in covered), (
+        source = code_hash.source_path(module)
+        assert any(source == dep or dep in source.parents for dep in dep_paths), (
             f"stage {name!r} imports {module}, but lists neither it nor its folder under deps"
         )
 
 
 @pytest.mark.parametrize("name", STAGES)
 def test_what_a_stage_reads_of_those_before_it_is_among_its_deps(name, root):
-    stage = config.stage(name, "hull", root / "dvc.yaml")
+    stage = config.load_stage(name, "hull", root / "dvc.yaml")
     _, *names = inspect.signature(import_module(f"pipeline.{name}").main).parameters
-    given = dict(zip(names, stage.command.split()[3:], strict=True))
+    arguments = dict(zip(names, stage.command.split()[3:], strict=True))
     source = (root / "pipeline" / f"{name}.py").read_text()
     for kind, folder in re.findall(r"read_(index|failures)\(Path\((\w+)\)\)", source):
-        own = given[folder] in stage.outs
-        assert own or f"{given[folder]}/{kind}.json" in stage.deps
+        is_own_output = arguments[folder] in stage.outs
+        assert is_own_output or f"{arguments[folder]}/{kind}.json" in stage.deps
 
 
 def test_the_report_depends_on_the_failures_that_it_lists(root):
-    deps = config.stage("report", "hull", root / "dvc.yaml").deps
+    deps = config.load_stage("report", "hull", root / "dvc.yaml").deps
     for folder in re.findall(r"read_failures\(folders\.(\w+)\)", inspect.getsource(failures_of)):
         assert f"data/{folder}/failures.json" in deps
 
@@ -77,28 +83,28 @@ def test_every_method_has_settings_and_a_module():
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """dvc.yaml and params.yaml as they are, with commands that only touch their outputs."""
-    root, here = Path(__file__).parents[2], tmp_path_factory.mktemp("project")
+    root, project_dir = Path(__file__).parents[2], tmp_path_factory.mktemp("project")
     raw = yaml.safe_load((root / "dvc.yaml").read_text())
     for stage in raw["stages"].values():
         out = stage["outs"][0]
-        files = [out] if out.endswith(".json") else [f"{out}/{name}.json" for name in WRITTEN]
+        files = [out] if out.endswith(".json") else [f"{out}/{name}.json" for name in RESULT_FILES]
         stage["cmd"] = f"mkdir -p $(dirname {files[0]}) && echo same | tee {' '.join(files)}"
         for dep in stage["deps"]:
             if dep.startswith(("src", "pipeline")):
-                file = here / dep if dep.endswith(".py") else here / dep / "module.py"
+                file = project_dir / dep if dep.endswith(".py") else project_dir / dep / "module.py"
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.touch()
-    (here / "dvc.yaml").write_text(yaml.safe_dump(raw))
-    shutil.copy(root / "params.yaml", here)
+    (project_dir / "dvc.yaml").write_text(yaml.safe_dump(raw))
+    shutil.copy(root / "params.yaml", project_dir)
     for folder in ("data/embedded", "results/grid", "results/seeds"):
-        shutil.copytree(root / folder, here / folder)
-    set_params(here, "methods", ["hull", "oracle"])
+        shutil.copytree(root / folder, project_dir / folder)
+    set_param(project_dir, "methods", ["hull", "oracle"])
     for command in (["init", "--no-scm", "-q"], ["repro", "-q"]):
-        subprocess.run(["dvc", *command], cwd=here, check=True)
-    return here
+        subprocess.run(["dvc", *command], cwd=project_dir, check=True)
+    return project_dir
 
 
-def set_params(here, key, value):
+def set_param(here, key, value):
     """Set one dotted key of params.yaml; returns what it was."""
     params = yaml.safe_load((here / "params.yaml").read_text())
     *sections, name = key.split(".")
@@ -110,7 +116,7 @@ def set_params(here, key, value):
     return before
 
 
-def outdated(here):
+def outdated_stages(here):
     status = subprocess.run(
         ["dvc", "status", "--json"], cwd=here, check=True, capture_output=True, text=True
     )
@@ -122,7 +128,7 @@ def outdated(here):
     [
         ("views.count", 8, {"views", "report"}),
         ("views.light.ambient", 0.5, {"views"}),
-        ("parts.clean.orient", False, {"parts"}),
+        ("parts.repair.fix_winding", False, {"parts"}),
         ("parts.split_bodies", True, {"parts"}),
         ("parts.units", "cm", {"solids"}),
         ("parts.pattern", "*.stl", {"solids", "parts"}),
@@ -132,18 +138,18 @@ def outdated(here):
         ("method.hull.cell_px", 1.0, {"train@hull", "reconstruct@hull"}),
         ("method.box.points", 5, set()),
         ("reconstruct.time_limit_s", 5.0, {"reconstruct@hull", "reconstruct@oracle"}),
-        ("evaluate.fscore", 0.02, {"truth", "evaluate@hull", "evaluate@oracle"}),
-        ("report.resamples", 5, {"report"}),
+        ("evaluate.fscore_threshold", 0.02, {"truth", "evaluate@hull", "evaluate@oracle"}),
+        ("report.bootstrap_resamples", 5, {"report"}),
         ("preset", "mine", {"report"}),
     ],
 )
 def test_one_parameter_outdates_just_the_stages_that_read_it(project, key, value, stages):
-    before = set_params(project, key, value)
+    before = set_param(project, key, value)
     try:
-        assert outdated(project) == stages
+        assert outdated_stages(project) == stages
     finally:
-        set_params(project, key, before)
+        set_param(project, key, before)
 
 
 def test_nothing_is_outdated_after_a_run(project):
-    assert outdated(project) == set()
+    assert outdated_stages(project) == set()

@@ -10,11 +10,11 @@ import pytest
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.metrics import gridded
-from industnerf.report.grid import CELL
+from industnerf.metrics import protocol_grid
+from industnerf.report.tables.protocol_grid import CELL_KEYS
 from pipeline import grid
 
-NAMES = ("-c", "user.name=n", "-c", "user.email=e@example.org")
+GIT_IDENTITY = ("-c", "user.name=n", "-c", "user.email=e@example.org")
 
 
 @pytest.fixture
@@ -23,13 +23,13 @@ def study(finished_run, tmp_path, monkeypatch):
     for name in ("data", "params.yaml", "dvc.yaml"):
         os.symlink(finished_run.folder / name, tmp_path / name)
     for command in (["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "first"]):
-        subprocess.run(["git", *NAMES, *command], cwd=tmp_path, check=True)
+        subprocess.run(["git", *GIT_IDENTITY, *command], cwd=tmp_path, check=True)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")  # workers would not hear of these:
-    monkeypatch.setattr(grid, "SUBJECTS", ("oracle", "hull"))
+    monkeypatch.setattr(grid, "METHODS", ("oracle", "hull"))
     monkeypatch.setattr(grid, "check_finished", lambda *_, **__: None)  # there is no DVC here
-    monkeypatch.setattr(gridded, "POINTS", (32, 64))
-    monkeypatch.setattr(gridded, "MANY", 96)
+    monkeypatch.setattr(protocol_grid, "POINT_COUNTS", (32, 64))
+    monkeypatch.setattr(protocol_grid, "LARGE_POINT_COUNT", 96)
     return tmp_path
 
 
@@ -40,15 +40,21 @@ def test_a_study_becomes_a_table_of_protocols(study):
     assert {row["subject"] for row in rows} == {"floor", "oracle", "hull"}
     # 3 numbers of points, 2 reductions, 2 surfaces, 2 costs, 2 scales, 3 subjects
     assert len(rows) == 3 * 2 * 2 * 2 * 2 * 3
-    at = {(*(r[name] for name in r if name in CELL), r["subject"]): r for r in rows}
-    usual = ("64", "even", "visible", "distance", "diagonal")
-    assert float(at[*usual, "hull"]["mean"]) > float(at[*usual, "floor"]["mean"]) > 0
+    row_at = {(*(r[name] for name in r if name in CELL_KEYS), r["subject"]): r for r in rows}
+    default_cell = ("64", "even", "visible", "distance", "diagonal")
+    assert (
+        float(row_at[*default_cell, "hull"]["mean"])
+        > float(row_at[*default_cell, "floor"]["mean"])
+        > 0
+    )
     # what is the truth itself scores as its floor does: both are samples of it
-    ratio = float(at[*usual, "oracle"]["mean"]) / float(at[*usual, "floor"]["mean"])
+    ratio = float(row_at[*default_cell, "oracle"]["mean"]) / float(
+        row_at[*default_cell, "floor"]["mean"]
+    )
     assert ratio == pytest.approx(1, abs=0.2)
     assert (study / "results" / "grid" / "grid.md").read_text().count("\n") == 2 + 48
-    made = json.loads((study / "results" / "grid" / "made.json").read_text())
-    assert made["command"] == "python -m pipeline.grid"
+    provenance = json.loads((study / "results" / "grid" / "made.json").read_text())
+    assert provenance["command"] == "python -m pipeline.grid"
 
 
 def test_what_is_done_is_done_once(study, capsys):
@@ -59,15 +65,17 @@ def test_what_is_done_is_done_once(study, capsys):
 
 
 def test_own_parts_do_not_replace_the_grid_of_the_study(study, monkeypatch):
-    mine = load_params()
-    mine = replace(mine, parts=replace(mine.parts, source="path", path="my-parts"))
-    monkeypatch.setattr(grid, "load_params", lambda: mine)
+    own_params = load_params()
+    own_params = replace(
+        own_params, parts=replace(own_params.parts, source="path", path="my-parts")
+    )
+    monkeypatch.setattr(grid, "load_params", lambda: own_params)
     with pytest.raises(BadParams, match=r"parts\.path is my-parts"):
         grid.main()
     assert not (study / "results").exists()
 
 
 def test_without_clouds_it_says_what_to_run(study, monkeypatch):
-    monkeypatch.setattr(grid, "SUBJECTS", ("oracle", "nobody"))
+    monkeypatch.setattr(grid, "METHODS", ("oracle", "nobody"))
     with pytest.raises(BadArtifact, match=r"no cloud of nobody: `make repro`"):
         grid.main()

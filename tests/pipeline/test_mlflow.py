@@ -16,8 +16,12 @@ from tests.pipeline.conftest import SMALL, Project
 
 NETS = ("atlasnet", "occupancy", "r2n2")
 STEPS = 12  # the net of a fold learns from one part, in so few steps next to nothing
-LESSONS = {"steps": STEPS, "batch": 2, "validate_every": 4}
-SHORT = [f"method.{net}.training.{key}={value}" for net in NETS for key, value in LESSONS.items()]
+TRAINING_OVERRIDES = {"steps": STEPS, "batch": 2, "validate_every": 4}
+OVERRIDES = [
+    f"method.{net}.training.{key}={value}"
+    for net in NETS
+    for key, value in TRAINING_OVERRIDES.items()
+]
 READ = """
 import json, sys, mlflow
 mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
@@ -44,7 +48,7 @@ def logged(tmp_path_factory, finished_run) -> tuple[Path, dict]:
     }
     methods = f"methods=[{','.join(NETS)}]"
     sweep = ("python", "-m", "pipeline.sweep", "--multirun")
-    code, output = project.run(*sweep, *SMALL, methods, *SHORT)
+    code, output = project.run(*sweep, *SMALL, methods, *OVERRIDES)
     assert code == 0, output
     code, output = project.run("python", "-c", READ, mlflow)
     assert code == 0, output
@@ -52,54 +56,62 @@ def logged(tmp_path_factory, finished_run) -> tuple[Path, dict]:
     return data, json.loads(output.splitlines()[-1])
 
 
-def curve(folders: list[Path]) -> list[tuple[int, float]]:
+def mean_curve(folders: list[Path]) -> list[tuple[int, float]]:
     """The mean of the losses that are kept in `folders`, step by step."""
-    kept = [History.load(folder) for folder in folders]
-    assert len(kept) == 2  # a net for each of the two parts, which the other one taught
-    return list(zip(kept[0].steps, np.mean([one.loss for one in kept], axis=0), strict=True))
+    histories = [History.load(folder) for folder in folders]
+    assert len(histories) == 2  # a net for each of the two parts, which the other one taught
+    return list(
+        zip(
+            histories[0].steps,
+            np.mean([history.loss for history in histories], axis=0),
+            strict=True,
+        )
+    )
 
 
 @pytest.mark.parametrize("net", NETS)
 def test_a_nets_curves_are_those_that_its_training_kept(logged, net):
-    data, found = logged
+    data, logged_run = logged
     folds = sorted((data / "states" / net).glob("fold-*"))
-    losses = curve(folds)
+    losses = mean_curve(folds)
     assert [step for step, _ in losses] == list(range(STEPS))
     assert np.isfinite([loss for _, loss in losses]).all()
     # as sums of two floats, in either order, they are exact
-    assert found["curves"][f"{net}.fit.loss"] == [list(one) for one in losses]
-    validated = curve([fold / "validation" for fold in folds])
-    assert len(validated) >= STEPS // LESSONS["validate_every"]
-    assert found["curves"][f"{net}.fit.validation"] == [list(one) for one in validated]
+    assert logged_run["curves"][f"{net}.fit.loss"] == [list(one) for one in losses]
+    validated = mean_curve([fold / "validation" for fold in folds])
+    assert len(validated) >= STEPS // TRAINING_OVERRIDES["validate_every"]
+    assert logged_run["curves"][f"{net}.fit.validation"] == [list(one) for one in validated]
 
 
-def shade(cloud: Path, views: Views, camera: int) -> np.ndarray:
+def point_footprint(cloud: Path, views: Views, camera: int) -> np.ndarray:
     """The pixels of a camera in which a point of the cloud lies, and those beside them.
 
-    The points of these nets are grey: before white none is missed.
+    The points of these nets are gray: before white none is missed.
     """
     points, cameras = Cloud.load(cloud).points_mm, views.cameras
     uv, _ = project(points, cameras.K[camera], cameras.c2w[camera])
     column, row = np.floor(uv).astype(int).T + 1  # of a picture with a margin all round
     height, width = cameras.height + 2, cameras.width + 2
-    near = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    hit = np.zeros((height, width), bool)
-    hit[row[near], column[near]] = True
-    assert hit.any()
-    return binary_dilation(hit, np.ones((3, 3)))[1:-1, 1:-1]
+    is_inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    footprint = np.zeros((height, width), bool)
+    footprint[row[is_inside], column[is_inside]] = True
+    assert footprint.any()
+    return binary_dilation(footprint, np.ones((3, 3)))[1:-1, 1:-1]
 
 
 @pytest.mark.parametrize("net", NETS)
 def test_a_nets_picture_has_a_row_a_part_the_photograph_beside_what_was_made_of_it(logged, net):
-    data, found = logged
-    picture = np.asarray(Image.open(Path(found["pictures"]) / f"{net}.png").convert("RGB"))
+    data, logged_run = logged
+    preview = np.asarray(Image.open(Path(logged_run["pictures"]) / f"{net}.png").convert("RGB"))
     parts = sorted(path.name for path in (data / "clouds" / net).glob("*/"))
-    rows = np.split(picture, len(parts))
+    rows = np.split(preview, len(parts))
     assert len(parts) == 2
     for part, row in zip(parts, rows, strict=True):
         views = load_views(data / "views" / part)
-        photograph, example = np.split(row, 2, axis=1)
+        image, example = np.split(row, 2, axis=1)
         camera = int(np.flatnonzero(views.held_out)[0])
-        np.testing.assert_array_equal(photograph, views.rgb(np.array([camera]))[0])
-        drawn = (example != 255).any(axis=2)
-        np.testing.assert_array_equal(drawn, shade(data / "clouds" / net / part, views, camera))
+        np.testing.assert_array_equal(image, views.rgb(np.array([camera]))[0])
+        is_drawn = (example != 255).any(axis=2)
+        np.testing.assert_array_equal(
+            is_drawn, point_footprint(data / "clouds" / net / part, views, camera)
+        )

@@ -11,11 +11,11 @@ import yaml
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.report.blocks import block
-from industnerf.report.readme import study_block
+from industnerf.report.docs.markdown_blocks import read_block
+from industnerf.report.docs.readme_tables import study_block
 from pipeline import publish
 from tests.pipeline.conftest import Project
-from tests.pipeline.locks import lock_disagreements
+from tests.pipeline.lock_check import lock_mismatches
 
 DOCUMENTS = {
     "README.md": ["study"],
@@ -41,7 +41,7 @@ def project(root, tmp_path):
     return project
 
 
-def bring_results(run, project):
+def copy_run(run, project):
     """What `run` wrote, and DVC's record and copies of it."""
     catalogue = shutil.ignore_patterns("embedded", "organic")  # links, which are there already
     for name in ("data", "reports", ".dvc/cache"):
@@ -59,25 +59,25 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     out = project.folder / "results" / "study"
     assert not out.exists()
 
-    bring_results(finished_run, project)
+    copy_run(finished_run, project)
     for _ in range(2):  # what the first wrote is no change to the second
         code, output = project.run("python", "-m", "pipeline.publish")
         assert code == 0, output
-        made = json.loads((out / "made.json").read_text())
-        assert (made["clean"], made["changed"]) == (True, [])
+        provenance = json.loads((out / "made.json").read_text())
+        assert (provenance["clean"], provenance["changed"]) == (True, [])
     readme = (project.folder / "README.md").read_text()
-    assert block(readme, "study") == study_block(out, project.folder / "params.yaml")
+    assert read_block(readme, "study") == study_block(out, project.folder / "params.yaml")
     assert "2 test parts of 2 families" in readme
     for name in ("table1.csv", "scores.csv"):
         assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
-    assert lock_disagreements(out, "pipeline") == []
+    assert lock_mismatches(out, "pipeline") == []
 
     params = project.folder / "params.yaml"
     params.write_text(params.read_text().replace("sheet_parts: ", "sheet_parts: 1"))
     code, output = project.run("python", "-m", "pipeline.publish", "readme")
     assert code == 0, output
-    assert "has changed" in block((project.folder / "README.md").read_text(), "study")
-    assert lock_disagreements(out, "pipeline") == []
+    assert "has changed" in read_block((project.folder / "README.md").read_text(), "study")
+    assert lock_mismatches(out, "pipeline") == []
 
 
 def test_other_parts_do_not_replace_the_study(root, monkeypatch):
@@ -98,11 +98,11 @@ def locked(finished_run, tmp_path):
 
 
 def test_the_lock_of_a_run_belongs_to_its_params_and_pipeline(locked):
-    assert lock_disagreements(locked) == []
+    assert lock_mismatches(locked) == []
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new", "found"),
+    ("file", "old", "new", "mismatch"),
     [
         ("params.yaml", "seed: 0", "seed: 1", "views: ran with seed 0"),
         ("params.yaml", "count: 6", "count: 7", "report: ran with views.count 6"),
@@ -113,11 +113,11 @@ def test_the_lock_of_a_run_belongs_to_its_params_and_pipeline(locked):
         ("dvc.yaml", "outs: [data/truth]", "outs: [data/t]", "truth: other outs"),
     ],
 )
-def test_a_lock_of_something_else_is_found_out(locked, file, old, new, found):
+def test_a_lock_of_something_else_is_found_out(locked, file, old, new, mismatch):
     text = (locked / file).read_text()
     assert old in text
     (locked / file).write_text(text.replace(old, new))
-    assert any(line.startswith(found) for line in lock_disagreements(locked))
+    assert any(line.startswith(mismatch) for line in lock_mismatches(locked))
 
 
 def test_a_lock_of_two_runs_is_found_out(locked):
@@ -126,7 +126,7 @@ def test_a_lock_of_two_runs_is_found_out(locked):
         if each["path"] == "data/parts/index.json":
             each["md5"] = "of another run"
     (locked / "dvc.lock").write_text(yaml.safe_dump(lock))
-    assert any("another data/parts/index.json" in line for line in lock_disagreements(locked))
+    assert any("another data/parts/index.json" in line for line in lock_mismatches(locked))
 
 
 def test_the_committed_lock_is_that_of_the_committed_study(root):
@@ -135,31 +135,31 @@ def test_the_committed_lock_is_that_of_the_committed_study(root):
     What was run stands beside the results: settings may have changed since, and the README says so.
     """
     study = root / "results" / "study"
-    assert lock_disagreements(study, "pipeline") == []
+    assert lock_mismatches(study, "pipeline") == []
     assert (root / "dvc.lock").read_bytes() == (study / "pipeline.lock").read_bytes()
 
 
 def test_a_sweep_that_the_documents_cannot_show_leaves_what_is_published(monkeypatch, tmp_path):
     (tmp_path / "sweep.csv").write_text("point,split.hold_out,method,split\n0,none,r2n2,test\n")
     monkeypatch.setattr(publish, "LEAKAGE", tmp_path)
-    monkeypatch.setattr(publish, "bring", lambda *_: pytest.fail("it was brought"))
+    monkeypatch.setattr(publish, "publish_run", lambda *_: pytest.fail("it was brought"))
     with pytest.raises(BadArtifact, match="has no r2n2 at split"):
         publish.main()
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("organic", "runs/organic holds no run: `python -m pipeline.preset organic`"),
         ("grid", "runs/grid holds no run; these do: demo, dev"),
         (
             "seeds",
             "runs/seeds holds no run: `python -m pipeline.sweep experiment=seeds`, which "
-            "`python -m pipeline.spread` publishes",
+            "`python -m pipeline.seed_variance` publishes",
         ),
     ],
 )
-def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, said):
+def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, message):
     monkeypatch.chdir(tmp_path)
     for file in ("conf/experiment/organic.yaml", "runs/dev/params.yaml", "runs/demo/params.yaml"):
         Path(file).parent.mkdir(parents=True, exist_ok=True)
@@ -167,9 +167,9 @@ def test_what_has_not_run_is_told_how_if_it_can(tmp_path, monkeypatch, name, sai
     Path("conf/experiment/organic.yaml").write_text("preset: organic")
     Path("conf/experiment/seeds.yaml").write_text("hydra: {mode: MULTIRUN}")
     Path("runs/grid").mkdir()
-    with pytest.raises(BadArtifact) as found:
+    with pytest.raises(BadArtifact) as error:
         publish.main(name)
-    assert str(found.value) == said
+    assert str(error.value) == message
 
 
 def test_without_any_run_there_is_none_to_name(tmp_path, monkeypatch):

@@ -14,7 +14,7 @@ from industnerf.artifacts.views import load_views
 from industnerf.stage import read_failures, read_index
 from tests.pipeline.conftest import Project
 
-REPORT = {
+REPORT_FILES = {
     "comparisons.csv",
     "comparisons.md",
     "contact_sheet.png",
@@ -64,9 +64,11 @@ def rows(path):
 
 def test_a_run_ends_with_the_report(finished_run):
     reports = finished_run.folder / "reports"
-    assert {path.name for path in reports.iterdir()} == REPORT
-    heads = {name: (reports / name).read_text().splitlines()[0] for name in REPORT if "csv" in name}
-    assert heads == {
+    assert {path.name for path in reports.iterdir()} == REPORT_FILES
+    headers = {
+        name: (reports / name).read_text().splitlines()[0] for name in REPORT_FILES if "csv" in name
+    }
+    assert headers == {
         "table1.csv": TABLE1,
         "table2.csv": TABLE2,
         "comparisons.csv": COMPARISONS,
@@ -80,17 +82,17 @@ def test_a_run_ends_with_the_report(finished_run):
     page = (reports / "report.html").read_text()
     assert "http" not in page.replace("http-equiv", "")  # nothing is fetched: it opens offline
     for folder in (finished_run.folder / "data" / "views").glob("*/"):
-        seen = load_views(folder).seen_by_training
-        assert 0.5 < seen < 1  # of a clevis and an enclosure, from six sides
-        assert f"<td>{100 * seen:.0f} %" in page
+        visible_share = load_views(folder).train_visible_share
+        assert 0.5 < visible_share < 1  # of a clevis and an enclosure, from six sides
+        assert f"<td>{100 * visible_share:.0f} %" in page
 
 
 def test_every_part_metric_and_protocol_has_a_score_and_a_cost(finished_run):
     scores = rows(finished_run.folder / "reports" / "scores.csv")
-    kinds = {(row["metric"], row["protocol"]) for row in scores}
+    metrics = {(row["metric"], row["protocol"]) for row in scores}
     # EMD in three protocols; Chamfer, F-score, Hausdorff-95 and twice three tolerances in one
-    assert len(kinds) == 3 + 3 + 2 * 3
-    assert len(scores) == 2 * 3 * len(kinds)  # parts x methods x kinds
+    assert len(metrics) == 3 + 3 + 2 * 3
+    assert len(scores) == 2 * 3 * len(metrics)  # parts x methods x kinds
     assert {row["status"] for row in scores} == {"ok"}
     costs = rows(finished_run.folder / "reports" / "cost.csv")
     # parts, views, truth; reconstruct, evaluate per method; two folds of the one that learns; the
@@ -199,7 +201,7 @@ def test_a_cloud_that_cannot_be_scored_counts_as_failed_and_why_is_listed(finish
     folders = [
         str(folder) for folder in (data / "parts", data / "views", data / "truth", clouds, out)
     ]
-    command = [sys.executable, "-m", "pipeline.evaluate", "hull", *folders]
+    command = [sys.executable, "-m", "pipeline.stages.evaluate", "hull", *folders]
     environment = finished_run.environment | {"INDUSTNERF_STORE": str(tmp_path / "store")}
     subprocess.run(command, cwd=finished_run.folder, env=environment, check=True)
     status = {(row["part_id"], row["status"]) for row in rows(out / "scores.csv")}
@@ -209,7 +211,7 @@ def test_a_cloud_that_cannot_be_scored_counts_as_failed_and_why_is_listed(finish
 
 
 @pytest.fixture(scope="module")
-def spare(finished_run, tmp_path_factory):
+def spare_project(finished_run, tmp_path_factory):
     """A project with the finished run's store, to be spoilt and mended."""
     project = Project(Path(__file__).parents[2], tmp_path_factory.mktemp("spare") / "project")
     project.environment["INDUSTNERF_STORE"] = str(finished_run.folder / "store")
@@ -217,7 +219,7 @@ def spare(finished_run, tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"views": {"count": "many"}}, "views.count is 'many', must be a whole number"),
         ({"views": {"cuont": 3}}, "views.cuont is unknown"),
@@ -225,12 +227,12 @@ def spare(finished_run, tmp_path_factory):
         ({"views": {"radius": 1.5}}, "views.radius"),
     ],
 )
-def test_bad_parameters_end_with_one_message(spare, changes, said):
-    before = spare.set(**changes)
-    code, output = spare.run()
-    spare.set(**before)
+def test_bad_parameters_end_with_one_message(spare_project, changes, message):
+    before = spare_project.set(**changes)
+    code, output = spare_project.run()
+    spare_project.set(**before)
     assert code != 0
-    assert said in output
+    assert message in output
     assert "Traceback" not in output
 
 

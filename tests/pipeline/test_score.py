@@ -10,176 +10,181 @@ import trimesh
 from industnerf.artifacts.ply import write_ply
 from industnerf.config import load_params
 from industnerf.errors import BadParams, MetricError, PartsFailed
-from pipeline import evaluate, score
+from pipeline import score
+from pipeline.stages import evaluate
 from tests.conftest import ROOT
 
 SIDES = np.array([20.0, 30.0, 40.0])
 
 
 @pytest.fixture
-def place(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch):
     """A folder with a block as a CAD file, and a study that is quick to measure."""
     for name in ("dvc.yaml", "params.yaml"):
         (tmp_path / name).symlink_to(ROOT / name)
     trimesh.creation.box(SIDES).export(tmp_path / "block.stl")
     params = load_params(ROOT / "params.yaml")
-    quick = replace(params, evaluate=replace(params.evaluate, points=128, dense=2048, cap=2048))
+    quick_params = replace(
+        params, evaluate=replace(params.evaluate, points=128, dense_samples=2048, max_points=2048)
+    )
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(score, "load_params", lambda: quick)
+    monkeypatch.setattr(score, "load_params", lambda: quick_params)
     monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
     monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
     return tmp_path
 
 
-def emd(place, name: str) -> tuple[float, float, str]:
+def emd(folder, name: str) -> tuple[float, float, str]:
     """EMD (even), floor and status of the block."""
-    with (place / "runs" / "score" / name / "scores" / "scores.csv").open() as file:
+    with (folder / "runs" / "score" / name / "scores" / "scores.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["protocol"] == "P1-even"]
     (row,) = (row for row in rows if row["metric"] == "emd")
     return float(row["value"]), float(row["floor"]), row["status"]
 
 
-def test_the_true_surface_scores_its_floor_and_says_every_metric(place, capsys):
-    trimesh.creation.box(SIDES).export(place / "same.ply")
+def test_the_true_surface_scores_its_floor_and_says_every_metric(folder, capsys):
+    trimesh.creation.box(SIDES).export(folder / "same.ply")
     score.main("same.ply", "block.stl")
-    value, floor, status = emd(place, "same")
+    value, floor, status = emd(folder, "same")
     # another sample of the same 128 points: a fifth is what the oracle's test allows
     assert status == "ok"
     assert value == pytest.approx(floor, rel=0.2)
-    said = capsys.readouterr().out
-    assert "outside the study: 1 parts" in said
-    assert "every metric: runs/score/same/scores/scores.csv" in said
+    output = capsys.readouterr().out
+    assert "outside the study: 1 parts" in output
+    assert "every metric: runs/score/same/scores/scores.csv" in output
 
 
-def test_a_cloud_elsewhere_scores_about_how_far_it_was_moved(place, capsys):
+def test_a_cloud_elsewhere_scores_about_how_far_it_was_moved(folder, capsys):
     points = trimesh.creation.box(SIDES).sample(2048, seed=1) + np.array([30.0, 0, 0])
-    write_ply(place / "moved.ply", points)
+    write_ply(folder / "moved.ply", points)
     score.main("moved.ply", "block.stl")
-    value, floor, _ = emd(place, "moved")
+    value, floor, _ = emd(folder, "moved")
     assert value == pytest.approx(30 / np.linalg.norm(SIDES), abs=floor)
     assert "is it in the cameras' frame?" in capsys.readouterr().out
 
 
-def test_the_unit_of_the_cad_file_is_suspected_too(place, capsys):
-    trimesh.creation.box(SIDES / 1000).export(place / "metres.ply")
-    score.main("metres.ply", "block.stl")
+def test_the_unit_of_the_cad_file_is_suspected_too(folder, capsys):
+    trimesh.creation.box(SIDES / 1000).export(folder / "meters.ply")
+    score.main("meters.ply", "block.stl")
     assert "in mm, and the CAD file too (parts.units" in capsys.readouterr().out
 
 
-def test_a_file_without_points_is_a_failure_and_scores_as_one(place, capsys):
-    (place / "torn.ply").touch()
+def test_a_file_without_points_is_a_failure_and_scores_as_one(folder, capsys):
+    (folder / "torn.ply").touch()
     with pytest.raises(PartsFailed, match="the cloud could not be scored; the reason"):
         score.main("torn.ply", "block.stl")
-    assert emd(place, "torn")[2] == "failed"
-    said = capsys.readouterr().out
-    assert "block failed: torn.ply cannot be read" in said
-    assert "1 failed" in said
+    assert emd(folder, "torn")[2] == "failed"
+    output = capsys.readouterr().out
+    assert "block failed: torn.ply cannot be read" in output
+    assert "1 failed" in output
 
 
-def test_where_one_of_two_clouds_is_read_all_is_well(place, capsys):
-    (place / "two").mkdir()
+def test_where_one_of_two_clouds_is_read_all_is_well(folder, capsys):
+    (folder / "two").mkdir()
     ids = ("nut-square-din557-m12", "gear-spur-m2-z24")
-    trimesh.creation.box(SIDES).export(place / "two" / f"{ids[0]}.ply")
-    (place / "two" / f"{ids[1]}.ply").touch()
+    trimesh.creation.box(SIDES).export(folder / "two" / f"{ids[0]}.ply")
+    (folder / "two" / f"{ids[1]}.ply").touch()
     score.main("two")
     assert f"{ids[1]} failed: " in capsys.readouterr().out
 
 
-def test_where_two_clouds_fail_it_says_of_how_many(place):
-    (place / "two").mkdir()
+def test_where_two_clouds_fail_it_says_of_how_many(folder):
+    (folder / "two").mkdir()
     for part_id in ("nut-square-din557-m12", "gear-spur-m2-z24"):
-        (place / "two" / f"{part_id}.ply").touch()
+        (folder / "two" / f"{part_id}.ply").touch()
     with pytest.raises(PartsFailed, match="none of 2 clouds could be scored; the reasons"):
         score.main("two")
 
 
 def test_what_could_not_be_scored_is_said_at_the_end_and_counts_as_failed(
-    place, capsys, monkeypatch
+    folder, capsys, monkeypatch
 ):
     def torn(*_, **__):
         raise MetricError("no proof that the distance is exact")
 
     torn.__module__ = evaluate.score_part.__module__  # by which its code is looked up
     monkeypatch.setattr(evaluate, "score_part", torn)
-    trimesh.creation.box(SIDES).export(place / "same.ply")
+    trimesh.creation.box(SIDES).export(folder / "same.ply")
     with pytest.raises(PartsFailed, match="the cloud could not be scored; the reason"):
         score.main("same.ply", "block.stl")
-    assert emd(place, "same")[2] == "failed"
+    assert emd(folder, "same")[2] == "failed"
     last = capsys.readouterr().out.split("outside the study")[0]
     assert "block counts as failed, it could not be scored: no proof" in last
 
 
-def test_a_cad_file_that_does_not_exist_is_called_that(place):
-    (place / "a.ply").touch()
+def test_a_cad_file_that_does_not_exist_is_called_that(folder):
+    (folder / "a.ply").touch()
     with pytest.raises(BadParams, match=r"^nosuch\.step does not exist"):
         score.main("a.ply", "nosuch.step")
-    assert not (place / "runs").exists()
+    assert not (folder / "runs").exists()
 
 
-def test_what_was_asked_before_is_made_anew_and_nothing_else_is_removed(place):
-    trimesh.creation.box(SIDES).export(place / "same.ply")
+def test_what_was_asked_before_is_made_anew_and_nothing_else_is_removed(folder):
+    trimesh.creation.box(SIDES).export(folder / "same.ply")
     score.main("same.ply", "block.stl")
-    out = place / "runs/score/same"
+    out = folder / "runs/score/same"
     (out / "notes.txt").write_text("mine")
     (out / "scores/gone.txt").touch()
     score.main("same.ply", "block.stl")
     assert (out / "notes.txt").read_text() == "mine"
     assert not (out / "scores/gone.txt").exists()
-    assert [path.name for path in (place / "runs/score").iterdir()] == ["same"]
+    assert [path.name for path in (folder / "runs/score").iterdir()] == ["same"]
 
 
-def test_another_part_or_another_place_of_one_name_leaves_the_report_that_is_there(place, capsys):
-    trimesh.creation.box(SIDES).export(place / "same.ply")
+def test_another_part_or_another_place_of_one_name_leaves_the_report_that_is_there(folder, capsys):
+    trimesh.creation.box(SIDES).export(folder / "same.ply")
     score.main("same.ply", "block.stl")
-    trimesh.creation.box(SIDES).export(place / "brick.stl")
+    trimesh.creation.box(SIDES).export(folder / "brick.stl")
     score.main("same.ply", "brick.stl")
-    of = {"same": "block", "same-2": "brick"}
-    for name, part in of.items():
-        scores = place / "runs/score" / name / "scores"
+    part_of_report = {"same": "block", "same-2": "brick"}
+    for name, part in part_of_report.items():
+        scores = folder / "runs/score" / name / "scores"
         assert [path.name for path in scores.glob("*/")] == [part]
     assert "every metric: runs/score/same-2/scores/scores.csv" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("lies_there", ["cloud", "part"])
-def test_nothing_is_removed_where_what_is_to_be_scored_lies(place, lies_there):
-    there = place / "runs/score/same"
-    (there / "clouds").mkdir(parents=True)
-    cloud, part = place / "same.ply", place / "block.stl"
+def test_nothing_is_removed_where_what_is_to_be_scored_lies(folder, lies_there):
+    report_dir = folder / "runs/score/same"
+    (report_dir / "clouds").mkdir(parents=True)
+    cloud, part = folder / "same.ply", folder / "block.stl"
     trimesh.creation.box(SIDES).export(cloud)
     moved = {"cloud": cloud, "part": part}[lies_there]
-    moved = moved.rename(there / "clouds" / moved.name)
-    asked = {"cloud": cloud, "part": part} | {lies_there: moved}
+    moved = moved.rename(report_dir / "clouds" / moved.name)
+    arguments = {"cloud": cloud, "part": part} | {lies_there: moved}
     with pytest.raises(BadParams, match="lies in runs/score/same, where its own report would go"):
-        score.main(str(asked["cloud"]), str(asked["part"]))
+        score.main(str(arguments["cloud"]), str(arguments["part"]))
     assert moved.is_file()
 
 
 def test_the_study_is_set_beside_what_was_scored_as_it_was_and_else_it_is_said_why(monkeypatch):
     monkeypatch.chdir(ROOT)
     params = load_params()
-    known, why = score.published(params)
-    assert why == ""
-    assert len(known.values["hull"]) == len(known.splits)
-    known, why = score.published(replace(params, seed=params.seed + 1))
-    assert why == "params.yaml has another seed"
-    assert known.values == {}
-    assert known.splits
-    own = replace(params, parts=replace(params.parts, source="path"))
-    known, why = score.published(own)
-    assert why == "its parts are not your CAD file"  # whatever that is called
-    assert (known.splits, known.values) == ({}, {})
+    study_scores, reason = score.published_scores(params)
+    assert reason == ""
+    assert len(study_scores.values["hull"]) == len(study_scores.splits)
+    study_scores, reason = score.published_scores(replace(params, seed=params.seed + 1))
+    assert reason == "params.yaml has another seed"
+    assert study_scores.values == {}
+    assert study_scores.splits
+    own_params = replace(params, parts=replace(params.parts, source="path"))
+    study_scores, reason = score.published_scores(own_params)
+    assert reason == "its parts are not your CAD file"  # whatever that is called
+    assert (study_scores.splits, study_scores.values) == ({}, {})
 
 
-def test_a_part_of_the_suite_is_brought_in_by_its_name(place):
-    trimesh.creation.box(SIDES).export(place / "nut-square-din557-m12.ply")
-    params, _ = score.asked(score.load_params(), place / "nut-square-din557-m12.ply", "", None)
+def test_a_part_of_the_suite_is_brought_in_by_its_name(folder):
+    trimesh.creation.box(SIDES).export(folder / "nut-square-din557-m12.ply")
+    params, _ = score.resolve_inputs(
+        score.load_params(), folder / "nut-square-din557-m12.ply", "", None
+    )
     assert params.parts.select == ["nut-square-din557-m12"]
     score.main("nut-square-din557-m12.ply")
-    assert (place / "runs/score/nut-square-din557-m12/scores/nut-square-din557-m12").is_dir()
+    assert (folder / "runs/score/nut-square-din557-m12/scores/nut-square-din557-m12").is_dir()
 
 
-def test_a_part_that_is_not_known_is_refused_before_anything_is_done(place):
-    (place / "a.ply").touch()
+def test_a_part_that_is_not_known_is_refused_before_anything_is_done(folder):
+    (folder / "a.ply").touch()
     with pytest.raises(BadParams, match="no part is called 'a'"):
         score.main("a.ply")
-    assert not (place / "runs").exists()
+    assert not (folder / "runs").exists()

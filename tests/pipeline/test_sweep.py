@@ -7,11 +7,11 @@ import pytest
 from tests.pipeline.conftest import SMALL, Project
 
 
-def sweep(project, *overrides):
+def run_sweep(project, *overrides):
     return project.run("python", "-m", "pipeline.sweep", "--multirun", *SMALL, *overrides)
 
 
-def runs_logged(project):
+def logged_runs(project):
     """Of every MLflow run the swept value, and whether its name says it."""
     script = (
         "import mlflow, sys; mlflow.set_tracking_uri(sys.argv[1]);"
@@ -35,9 +35,9 @@ def project(root, tmp_path, finished_run):
 
 def test_a_sweep_reuses_what_dvc_made_logs_its_points_and_ends_with_a_plot(project):
     project.environment["INDUSTNERF_MLFLOW"] = str(project.folder / "mlflow")
-    code, output = sweep(project, "views.count=6,4", "methods=[hull]")
+    code, output = run_sweep(project, "views.count=6,4", "methods=[hull]")
     assert code == 0, output
-    assert runs_logged(project) == "[('4', True), ('6', True)]"
+    assert logged_runs(project) == "[('4', True), ('6', True)]"
     # the first point is the finished run: it makes nothing at all
     assert "views: done, 0 made, 2 reused, 0 failed" in output
     assert "views: done, 2 made, 0 reused, 0 failed" in output
@@ -50,7 +50,7 @@ def test_a_sweep_reuses_what_dvc_made_logs_its_points_and_ends_with_a_plot(proje
 
 
 def test_a_failed_point_is_said_and_the_others_stand(project):
-    code, output = sweep(project, "views.fov_deg=30.0,150.0", "methods=[oracle]")
+    code, output = run_sweep(project, "views.fov_deg=30.0,150.0", "methods=[oracle]")
     assert code != 0
     assert "views.fov_deg is 150.0, must be in (0, 120)" in output
     assert "Traceback" not in output
@@ -59,7 +59,7 @@ def test_a_failed_point_is_said_and_the_others_stand(project):
 
 
 def test_an_unknown_key_ends_at_once(project):
-    code, output = sweep(project, "views.cuont=3,4")
+    code, output = run_sweep(project, "views.cuont=3,4")
     assert code != 0
     assert "views.cuont" in output
     assert "Traceback" not in output
@@ -68,28 +68,28 @@ def test_an_unknown_key_ends_at_once(project):
 @pytest.mark.parametrize("choice", ["reading=frame-wrold", "without=photohull"])
 def test_a_choice_that_has_no_file_is_refused(project, choice):
     """Hydra would go on without it, and the point bear a name that it does not deserve."""
-    code, output = sweep(project, choice, "methods=[ball]")
+    code, output = run_sweep(project, choice, "methods=[ball]")
     assert code != 0
     assert f"{choice} is unknown, known are" in output
     assert not list(project.folder.glob("runs/sweeps/*/0/reports"))
 
 
 def test_a_folder_of_something_else_stays_as_it_is(project):
-    mine = project.folder / "mine"
-    mine.mkdir()
+    folder = project.folder / "mine"
+    folder.mkdir()
     for name in ("table1.csv", "made.json", "sweep.csv"):
-        (mine / name).write_text("dear")
-    code, output = sweep(project, "methods=[ball]", "hydra.sweep.dir=mine")
+        (folder / name).write_text("dear")
+    code, output = run_sweep(project, "methods=[ball]", "hydra.sweep.dir=mine")
     assert (code, "mine holds something else than a sweep" in output) == (1, True)
-    assert [path.read_text() for path in sorted(mine.iterdir())] == ["dear"] * 3
+    assert [path.read_text() for path in sorted(folder.iterdir())] == ["dear"] * 3
 
 
 def test_a_sweep_into_the_folder_of_an_earlier_one_replaces_it_alone(project):
-    line = ("methods=[ball]", "hydra.sweep.dir=mine")
-    assert sweep(project, "seed=1,2", *line)[0] == 0
+    overrides = ("methods=[ball]", "hydra.sweep.dir=mine")
+    assert run_sweep(project, "seed=1,2", *overrides)[0] == 0
     (project.folder / "mine" / "notes.csv").write_text("dear")
     (project.folder / "mine" / "7").mkdir()  # a point that failed before its params.yaml
-    assert sweep(project, "seed=1", *line)[0] == 0
-    there = {path.name for path in (project.folder / "mine").iterdir()}
-    assert {"0", "notes.csv"} <= there
-    assert there.isdisjoint({"1", "7"})
+    assert run_sweep(project, "seed=1", *overrides)[0] == 0
+    names = {path.name for path in (project.folder / "mine").iterdir()}
+    assert {"0", "notes.csv"} <= names
+    assert names.isdisjoint({"1", "7"})

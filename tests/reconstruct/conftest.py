@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from industnerf.reconstruct import __main__ as command
-from industnerf.reconstruct import origin, settings
-from tests.reconstruct import fake_run, scene
+from industnerf.reconstruct import run_fingerprint, settings
+from tests.reconstruct import fake_pipeline, sample_images
 
-METHOD = "industnerf.methods.industnerf.run"
-OURS = ("industnerf.reconstruct.work", "industnerf.reconstruct.watching")
+METHOD_MODULE = "industnerf.methods.industnerf.pipeline"
+RELOADED_MODULES = ("industnerf.reconstruct.run", "industnerf.reconstruct.callbacks")
 PARAMS = """\
 seed: 3
 method:
@@ -44,33 +44,37 @@ class FakeParams:
 def fake(monkeypatch):
     """The stand-in, for as long as the test runs; our modules that import it go with it."""
     torch.set_num_threads(1)
-    monkeypatch.setitem(sys.modules, METHOD, fake_run)
+    monkeypatch.setitem(sys.modules, METHOD_MODULE, fake_pipeline)
     monkeypatch.setattr(settings, "Params", FakeParams)
-    monkeypatch.setattr(origin, "code_digest", lambda module: "code")
-    fake_run.AT.clear()
-    fake_run.SEEN.clear()
-    for name in OURS:
+    monkeypatch.setattr(run_fingerprint, "code_digest", lambda module: "code")
+    fake_pipeline.HOOKS.clear()
+    fake_pipeline.LAST_CALL.clear()
+    for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
     yield fake_run
-    for name in OURS:
+    for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
 
 
-class Desk:
+class Workspace:
     """A folder with photographs and params.yaml, and the command in it."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
         self.folder, self._monkeypatch, self._capsys = folder, monkeypatch, capsys
-        self.transforms = scene.write(folder / "set")
+        self.transforms = sample_images.write_image_set(folder / "set")
         (folder / "params.yaml").write_text(PARAMS)
         self.out = folder / "cloud.ply"
         self.checkpoint = folder / "cloud.ply.checkpoint"
 
     def run(self, *arguments: object) -> tuple[int, str, str]:
         """Exit code, output and errors of the command with `arguments` and the usual ones."""
-        usual = ("--cameras", self.transforms, "--params", self.folder / "params.yaml")
-        line = [*usual, *(() if "--out" in arguments else ("--out", self.out)), *arguments]
-        self._monkeypatch.setattr(sys, "argv", ["reconstruct", *map(str, line)])
+        default_arguments = ("--cameras", self.transforms, "--params", self.folder / "params.yaml")
+        command_line = [
+            *default_arguments,
+            *(() if "--out" in arguments else ("--out", self.out)),
+            *arguments,
+        ]
+        self._monkeypatch.setattr(sys, "argv", ["reconstruct", *map(str, command_line)])
         try:
             code = command.main()
         except SystemExit as end:  # argparse
@@ -83,5 +87,5 @@ class Desk:
 
 
 @pytest.fixture
-def desk(tmp_path, monkeypatch, capsys, fake) -> Desk:
-    return Desk(tmp_path, monkeypatch, capsys)
+def workspace(tmp_path, monkeypatch, capsys, fake) -> Workspace:
+    return Workspace(tmp_path, monkeypatch, capsys)

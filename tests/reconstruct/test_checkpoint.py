@@ -10,17 +10,17 @@ from industnerf.errors import BadArtifact
 from industnerf.reconstruct.checkpoint import MAGIC, is_checkpoint, load, save
 
 STATE = {"step": 7, "level": "coarse", "net": {"w": torch.arange(300.0)}, "seen": [1, 2.5, None]}
-ORIGIN = {"images": "a", "settings": "b"}
+FINGERPRINT = {"images": "a", "settings": "b"}
 
 
 @pytest.fixture
 def path(tmp_path):
-    save(tmp_path / "c", STATE, ORIGIN)
+    save(tmp_path / "c", STATE, FINGERPRINT)
     return tmp_path / "c"
 
 
 def test_a_state_survives_its_file(path):
-    state = load(path, ORIGIN)
+    state = load(path, FINGERPRINT)
     torch.testing.assert_close(state.pop("net"), STATE["net"], rtol=0, atol=0)
     assert state == {key: value for key, value in STATE.items() if key != "net"}
 
@@ -30,14 +30,14 @@ def test_a_torn_file_is_refused_and_still_ours(path, share):
     data = path.read_bytes()
     path.write_bytes(data[: int(share * len(data))])
     with pytest.raises(BadArtifact, match=r"c is torn.* --fresh starts anew"):
-        load(path, ORIGIN)
+        load(path, FINGERPRINT)
     assert is_checkpoint(path)
 
 
 def test_another_version_is_refused(path):
     path.write_bytes(path.read_bytes().replace(b"checkpoint 1", b"checkpoint 9", 1))
     with pytest.raises(BadArtifact, match="torn, or no checkpoint"):
-        load(path, ORIGIN)
+        load(path, FINGERPRINT)
 
 
 def test_a_changed_byte_is_seen(path):
@@ -45,12 +45,12 @@ def test_a_changed_byte_is_seen(path):
     data[-100] ^= 1
     path.write_bytes(data)
     with pytest.raises(BadArtifact, match="torn"):
-        load(path, ORIGIN)
+        load(path, FINGERPRINT)
 
 
 def test_another_runs_checkpoint_is_refused_with_what_differs(path):
     with pytest.raises(BadArtifact, match="another run: settings differ; --fresh"):
-        load(path, ORIGIN | {"settings": "c"})
+        load(path, FINGERPRINT | {"settings": "c"})
     with pytest.raises(BadArtifact, match="another run: images, seed differ"):
         load(path, {"images": "z", "settings": "b", "seed": "0"})
 
@@ -60,7 +60,7 @@ def test_other_files_are_not_ours(tmp_path, content):
     (tmp_path / "photo.png").write_bytes(content)
     assert not is_checkpoint(tmp_path / "photo.png")
     with pytest.raises(BadArtifact, match="torn, or no checkpoint"):
-        load(tmp_path / "photo.png", ORIGIN)
+        load(tmp_path / "photo.png", FINGERPRINT)
 
 
 def test_what_could_not_be_read_back_is_not_written(path):
@@ -68,5 +68,5 @@ def test_what_could_not_be_read_back_is_not_written(path):
     before = path.read_bytes()
     for thing in (np.zeros(3), object()):
         with pytest.raises(pickle.UnpicklingError):
-            save(path, {"thing": thing}, ORIGIN)
+            save(path, {"thing": thing}, FINGERPRINT)
     assert path.read_bytes() == before

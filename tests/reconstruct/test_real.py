@@ -13,8 +13,8 @@ import trimesh
 from PIL import Image
 
 from industnerf.reconstruct import __main__ as command
-from tests.methods.industnerf.scenes import CENTRE, around, ball, photographs
-from tests.reconstruct import scene
+from tests.methods.industnerf.synthetic_scenes import CENTER, ball, orbit_cameras, render_images
+from tests.reconstruct import sample_images
 
 RADIUS = 18.0
 SETTINGS = {
@@ -23,7 +23,7 @@ SETTINGS = {
         'levels=[{"steps": 100, "image_px": 48, "points": 2000}]',
         "rays=512",
         "spacing=0.05",
-        "recolour.steps=20",
+        "recolor.steps=20",
     ),
     "industnerf": (
         "grid_res=12",
@@ -36,71 +36,82 @@ SETTINGS = {
 
 
 @pytest.fixture
-def ball_photographs(tmp_path) -> Path:
+def ball_images(tmp_path) -> Path:
     """transforms.json beside 16 photographs of 48 px."""
     torch.set_num_threads(1)
-    cameras = around(16, 48)
+    cameras = orbit_cameras(16, 48)
     (tmp_path / "rgb").mkdir()
-    for i, pixels in enumerate(photographs(ball(RADIUS), cameras)):
+    for i, pixels in enumerate(render_images(ball(RADIUS), cameras)):
         Image.fromarray(pixels).save(tmp_path / f"rgb/{i:03d}.png")
-    return scene.rewrite(tmp_path / "transforms.json", scene.content(cameras))
+    return sample_images.write_json_file(
+        tmp_path / "transforms.json", sample_images.transforms_content(cameras)
+    )
 
 
 def reconstruct(
     transforms: Path, out: Path, method: str, monkeypatch: pytest.MonkeyPatch, *more: str
 ) -> int:
     values = [f"method.{method}.{setting}" for setting in SETTINGS[method]]
-    line = ["--cameras", transforms, "--out", out, "--method", method, "--preview-every", "0"]
-    monkeypatch.setattr(sys, "argv", ["reconstruct", *map(str, line), *more, "--set", *values])
+    command_line = [
+        "--cameras",
+        transforms,
+        "--out",
+        out,
+        "--method",
+        method,
+        "--preview-every",
+        "0",
+    ]
+    monkeypatch.setattr(
+        sys, "argv", ["reconstruct", *map(str, command_line), *more, "--set", *values]
+    )
     return command.main()
 
 
-def test_cloud_and_mesh_lie_near_the_ball(ball_photographs, tmp_path, monkeypatch, capsys):
+def test_cloud_and_mesh_lie_near_the_ball(ball_images, tmp_path, monkeypatch, capsys):
     out, mesh = tmp_path / "cloud.ply", tmp_path / "mesh.stl"
     more = ("--mesh", str(mesh))
-    assert reconstruct(ball_photographs, out, "industnerf_plus", monkeypatch, *more) == 0
+    assert reconstruct(ball_images, out, "industnerf_plus", monkeypatch, *more) == 0
     cloud, surface = trimesh.load(out), trimesh.load(mesh)
     surface.merge_vertices()
-    off = np.linalg.norm(cloud.vertices - CENTRE, axis=1) - RADIUS
+    error = np.linalg.norm(cloud.vertices - CENTER, axis=1) - RADIUS
     # cells of 3 mm and pixels of 2.7 mm; points all over the ball that is in frame are 8 mm off
-    assert np.abs(off).mean() < 2
+    assert np.abs(error).mean() < 2
     assert surface.is_watertight
     assert surface.volume > 0
-    off = np.linalg.norm(surface.vertices - CENTRE, axis=1) - RADIUS
-    assert np.abs(off).mean() < 2
+    error = np.linalg.norm(surface.vertices - CENTER, axis=1) - RADIUS
+    assert np.abs(error).mean() < 2
     assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
     assert "120 steps" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("method", SETTINGS)
-def test_an_interrupted_run_goes_on(ball_photographs, tmp_path, monkeypatch, capsys, method):
+def test_an_interrupted_run_goes_on(ball_images, tmp_path, monkeypatch, capsys, method):
     """To the same bytes, from where it stopped: at once, or where all views are told by E anew."""
     whole, out = tmp_path / "whole.ply", tmp_path / "cloud.ply"
-    assert reconstruct(ball_photographs, whole, method, monkeypatch) == 0
+    assert reconstruct(ball_images, whole, method, monkeypatch) == 0
     with monkeypatch.context() as patch:
         # looked up here, for tests with a stand-in for the method load this module anew
-        watching = import_module("industnerf.reconstruct.watching").Watching
-        told, taken = watching.step, []
+        callback_class = import_module("industnerf.reconstruct.callbacks").Watching
+        original_step, losses = callback_class.step, []
 
         def stop_after_seven(self: Any, loss: float) -> None:
-            told(self, loss)
-            taken.append(loss)
-            self._stop.asked = len(taken) >= 7
+            original_step(self, loss)
+            losses.append(loss)
+            self._stop.asked = len(losses) >= 7
 
-        patch.setattr(watching, "step", stop_after_seven)
-        assert reconstruct(ball_photographs, out, method, monkeypatch) == 130
+        patch.setattr(callback_class, "step", stop_after_seven)
+        assert reconstruct(ball_images, out, method, monkeypatch) == 130
     assert not out.exists()
-    assert reconstruct(ball_photographs, out, method, monkeypatch) == 0
+    assert reconstruct(ball_images, out, method, monkeypatch) == 0
     assert "going on from" in capsys.readouterr().out
     assert out.read_bytes() == whole.read_bytes()
 
 
-def test_the_state_of_a_run_is_what_the_file_takes(ball_photographs, tmp_path, monkeypatch, capsys):
+def test_the_state_of_a_run_is_what_the_file_takes(ball_images, tmp_path, monkeypatch, capsys):
     """Checkpoints after every step, without a complaint."""
     out = tmp_path / "cloud.ply"
-    code = reconstruct(
-        ball_photographs, out, "industnerf", monkeypatch, "--checkpoint-every", "1e-9"
-    )
+    code = reconstruct(ball_images, out, "industnerf", monkeypatch, "--checkpoint-every", "1e-9")
     assert code == 0
     assert "going on without" not in capsys.readouterr().out
-    assert json.loads(ball_photographs.read_text())["w"] == 48
+    assert json.loads(ball_images.read_text())["w"] == 48

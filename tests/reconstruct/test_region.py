@@ -5,111 +5,125 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.geometry.cameras import Cameras, framed_ball, look_at
-from industnerf.reconstruct.region import region
-from tests.reconstruct import scene
+from industnerf.geometry.cameras import Cameras, common_view_ball, look_at
+from industnerf.reconstruct.region import region_of_interest
+from tests.reconstruct import sample_images
 
-CAMERAS = scene.cameras()
-PHOTOS = [f"{i}.png" for i in range(9)]
+CAMERAS = sample_images.cameras()
+IMAGE_NAMES = [f"{i}.png" for i in range(9)]
 
 
 @pytest.fixture
-def photos(tmp_path):
-    return [tmp_path / name for name in PHOTOS]
+def image_paths(tmp_path):
+    return [tmp_path / name for name in IMAGE_NAMES]
 
 
-def standing(eyes, targets):
+def looking_at(eyes, targets):
     c2w = np.concatenate(
         [look_at(eye[None], target) for eye, target in zip(eyes, targets, strict=True)]
     )
-    return Cameras(np.tile(CAMERAS.K[0], (len(c2w), 1, 1)), c2w, scene.WIDTH, scene.HEIGHT)
+    return Cameras(
+        np.tile(CAMERAS.K[0], (len(c2w), 1, 1)), c2w, sample_images.WIDTH, sample_images.HEIGHT
+    )
 
 
-def ring(count=6):
+def ring_positions(count=6):
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
     return np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
 
 
-def test_cameras_frame_what_they_look_at(photos):
-    centre, radius = region(CAMERAS, photos, None, None)
+def test_cameras_frame_what_they_look_at(image_paths):
+    center, radius = region_of_interest(CAMERAS, image_paths, None, None)
     # axes of unit length and positions near 10 meet to rounding
-    np.testing.assert_allclose(centre, scene.CENTRE, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(center, sample_images.CENTER, rtol=0, atol=1e-12)
     # 7 away, the short side is 32 px at a focal length of 62
     assert radius == pytest.approx(7 * np.sin(np.arctan(16 / 62)), rel=1e-12)
 
 
-def test_the_ball_moves_and_grows_with_the_cameras_frame(photos):
+def test_the_ball_moves_and_grows_with_the_cameras_frame(image_paths):
     """The unit and the frame are the user's: a similarity of the cameras is one of the ball."""
-    turn, scale, shift = Rotation.random(rng=1).as_matrix(), 1e-3, np.array([5.0, 6, 7])
+    rotation, scale, shift = Rotation.random(rng=1).as_matrix(), 1e-3, np.array([5.0, 6, 7])
     c2w = CAMERAS.c2w.copy()
-    c2w[:, :3, :3] = turn @ c2w[:, :3, :3]
-    c2w[:, :3, 3] = scale * c2w[:, :3, 3] @ turn.T + shift
-    moved = Cameras(CAMERAS.K, c2w, scene.WIDTH, scene.HEIGHT)
-    centre, radius = region(moved, photos, None, None)
-    before, size = region(CAMERAS, photos, None, None)
-    np.testing.assert_allclose(centre, scale * turn @ before + shift, rtol=0, atol=1e-12)
-    assert radius == pytest.approx(scale * size, rel=1e-10)
+    c2w[:, :3, :3] = rotation @ c2w[:, :3, :3]
+    c2w[:, :3, 3] = scale * c2w[:, :3, 3] @ rotation.T + shift
+    moved = Cameras(CAMERAS.K, c2w, sample_images.WIDTH, sample_images.HEIGHT)
+    center, radius = region_of_interest(moved, image_paths, None, None)
+    original_center, original_radius = region_of_interest(CAMERAS, image_paths, None, None)
+    np.testing.assert_allclose(
+        center, scale * rotation @ original_center + shift, rtol=0, atol=1e-12
+    )
+    assert radius == pytest.approx(scale * original_radius, rel=1e-10)
 
 
-def test_what_is_given_is_taken(photos):
-    centre, radius = region(CAMERAS, photos, (10.5, -4.0, 3.0), 0.25)
-    assert (centre.tolist(), radius) == ([10.5, -4.0, 3.0], 0.25)
-    centre, radius = region(CAMERAS, photos, None, 0.25)
-    np.testing.assert_array_equal(centre, framed_ball(CAMERAS)[0])
+def test_what_is_given_is_taken(image_paths):
+    center, radius = region_of_interest(CAMERAS, image_paths, (10.5, -4.0, 3.0), 0.25)
+    assert (center.tolist(), radius) == ([10.5, -4.0, 3.0], 0.25)
+    center, radius = region_of_interest(CAMERAS, image_paths, None, 0.25)
+    np.testing.assert_array_equal(center, common_view_ball(CAMERAS)[0])
     assert radius == 0.25
 
 
-def test_a_centre_needs_a_radius(photos):
-    with pytest.raises(BadParams, match="--centre needs --radius"):
-        region(CAMERAS, photos, (0.0, 0.0, 0.0), None)
+def test_a_center_needs_a_radius(image_paths):
+    with pytest.raises(BadParams, match="--center needs --radius"):
+        region_of_interest(CAMERAS, image_paths, (0.0, 0.0, 0.0), None)
 
 
-def test_a_given_centre_must_be_in_frame(photos):
-    with pytest.raises(BadArtifact, match="0 of 5 cameras have the given --centre in frame"):
-        region(CAMERAS, photos, (1e4, 0.0, 0.0), 1.0)
+def test_a_given_center_must_be_in_frame(image_paths):
+    with pytest.raises(BadArtifact, match="0 of 5 cameras have the given --center in frame"):
+        region_of_interest(CAMERAS, image_paths, (1e4, 0.0, 0.0), 1.0)
 
 
 @pytest.mark.parametrize(
     "cameras",
     [
-        standing(ring(), ring() + np.array([0, 1e-9, 3])),  # all upwards: a copy stand
-        standing(np.array([[5.0, 0, 0], [-5.0, 0, 0]]), np.zeros((2, 3))),  # face to face
-        standing(ring(), np.tile([0, 0, 100.0], (6, 1))),  # 0.6 degrees: far away, anywhere
-        standing(100 * ring(), 100 * ring() + np.array([0.01, 0, 1])),  # a little askew
+        looking_at(
+            ring_positions(), ring_positions() + np.array([0, 1e-9, 3])
+        ),  # all upwards: a copy stand
+        looking_at(np.array([[5.0, 0, 0], [-5.0, 0, 0]]), np.zeros((2, 3))),  # face to face
+        looking_at(
+            ring_positions(), np.tile([0, 0, 100.0], (6, 1))
+        ),  # 0.6 degrees: far away, anywhere
+        looking_at(
+            100 * ring_positions(), 100 * ring_positions() + np.array([0.01, 0, 1])
+        ),  # a little askew
     ],
 )
-def test_parallel_cameras_meet_nowhere(photos, cameras):
-    with pytest.raises(BadArtifact, match=r"do not look at a common point: .*--centre X Y Z"):
-        region(cameras, photos, None, None)
+def test_parallel_cameras_meet_nowhere(image_paths, cameras):
+    with pytest.raises(BadArtifact, match=r"do not look at a common point: .*--center X Y Z"):
+        region_of_interest(cameras, image_paths, None, None)
 
 
-def test_two_views_at_an_angle_are_enough(photos):
-    cameras = standing(np.array([[5.0, 0, 0], [5.0, 1, 0]]), np.zeros((2, 3)))
+def test_two_views_at_an_angle_are_enough(image_paths):
+    cameras = looking_at(np.array([[5.0, 0, 0], [5.0, 1, 0]]), np.zeros((2, 3)))
     # 11 degrees apart, so rounding of positions near 5 grows tenfold or so
-    np.testing.assert_allclose(region(cameras, photos, None, None)[0], 0, atol=1e-12)
+    np.testing.assert_allclose(
+        region_of_interest(cameras, image_paths, None, None)[0], 0, atol=1e-12
+    )
 
 
-def test_cameras_that_look_outwards_are_refused(photos):
+def test_cameras_that_look_outwards_are_refused(image_paths):
     with pytest.raises(BadArtifact, match=r"6 of 6, the first that of .*0.png"):
-        region(standing(ring(), 2 * ring()), photos, None, None)
+        region_of_interest(
+            looking_at(ring_positions(), 2 * ring_positions()), image_paths, None, None
+        )
 
 
-def test_a_camera_that_looks_away_is_named(photos):
+def test_a_camera_that_looks_away_is_named(image_paths):
     targets = np.zeros((6, 3))
     targets[4] = [0, -30, 4]
     with pytest.raises(BadArtifact, match=r"1 of 6, the first that of .*4.png"):
-        region(standing(5 * ring(), targets), photos, None, None)
+        region_of_interest(looking_at(5 * ring_positions(), targets), image_paths, None, None)
 
 
-def test_hands_may_shake(photos):
+def test_hands_may_shake(image_paths):
     """Aims that scatter by a tenth of the distance still have a common point in frame."""
     aims = np.random.default_rng(0).normal(0, 0.2, (6, 3))
-    centre, _ = region(standing(5 * ring(), aims), photos, None, None)
-    assert np.linalg.norm(centre) < 0.5  # of a mean of six aims 0.35 off each
+    center, _ = region_of_interest(looking_at(5 * ring_positions(), aims), image_paths, None, None)
+    assert np.linalg.norm(center) < 0.5  # of a mean of six aims 0.35 off each
 
 
-def test_a_region_that_a_camera_is_in_is_refused(photos):
+def test_a_region_that_a_camera_is_in_is_refused(image_paths):
     """Such as one in mm about cameras in m."""
-    cameras = standing(5 * ring(), np.zeros((6, 3)))
-    with pytest.raises(BadArtifact, match="has a radius of 50, and a camera is 5 from its centre"):
-        region(cameras, photos, None, 50.0)
+    cameras = looking_at(5 * ring_positions(), np.zeros((6, 3)))
+    with pytest.raises(BadArtifact, match="has a radius of 50, and a camera is 5 from its center"):
+        region_of_interest(cameras, image_paths, None, 50.0)

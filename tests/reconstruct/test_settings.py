@@ -4,27 +4,29 @@ import pytest
 
 from industnerf.config import load_params
 from industnerf.errors import BadParams
-from industnerf.reconstruct.settings import SHIPPED, choose
+from industnerf.reconstruct.settings import DEFAULT_PARAMS, resolve_config
 from tests.conftest import ROOT
 
 PARAMS = ROOT / "params.yaml"
 
 
 def test_settings_are_those_of_params_yaml():
-    chosen, params = choose("hull", [], PARAMS), load_params(PARAMS)
-    assert (chosen.settings, chosen.seed) == (params.method.hull, params.seed)
+    config, params = resolve_config("hull", [], PARAMS), load_params(PARAMS)
+    assert (config.settings, config.seed) == (params.method.hull, params.seed)
 
 
 def test_the_command_line_goes_first():
-    chosen = choose("hull", ["method.hull.points=77", "method.hull.cell_px=1e-1", "seed=5"], PARAMS)
-    assert (chosen.settings.points, chosen.settings.cell_px, chosen.seed) == (77, 0.1, 5)
+    config = resolve_config(
+        "hull", ["method.hull.points=77", "method.hull.cell_px=1e-1", "seed=5"], PARAMS
+    )
+    assert (config.settings.points, config.settings.cell_px, config.seed) == (77, 0.1, 5)
 
 
 def test_sections_within_a_method_are_reached():
-    chosen = choose("hull_rgb", ["method.hull_rgb.hull.points=9"], PARAMS)
-    assert chosen.settings.hull.points == 9
-    assert "method.hull_rgb.hull.points = 9" in chosen.lines()
-    assert "seed = 0" in chosen.lines()
+    config = resolve_config("hull_rgb", ["method.hull_rgb.hull.points=9"], PARAMS)
+    assert config.settings.hull.points == 9
+    assert "method.hull_rgb.hull.points = 9" in config.format_lines()
+    assert "seed = 0" in config.format_lines()
 
 
 @pytest.mark.parametrize(
@@ -42,14 +44,14 @@ def test_sections_within_a_method_are_reached():
 )
 def test_what_cannot_be_is_refused(override, complaint):
     with pytest.raises(BadParams) as refusal:
-        choose("hull", [override], PARAMS)
+        resolve_config("hull", [override], PARAMS)
     assert complaint in str(refusal.value)
 
 
 @pytest.mark.parametrize("key", ["levels[0].steps", "levels[0]", "levels.0.steps"])
 def test_a_list_is_given_as_a_whole(key):
     with pytest.raises(BadParams) as refusal:
-        choose("industnerf_plus", [f"method.industnerf_plus.{key}=5"], PARAMS)
+        resolve_config("industnerf_plus", [f"method.industnerf_plus.{key}=5"], PARAMS)
     assert (
         "method.industnerf_plus.levels is a list, which is given as a whole, as JSON: --set "
         in (str(refusal.value))
@@ -58,15 +60,15 @@ def test_a_list_is_given_as_a_whole(key):
 
 def test_what_there_is_beside_an_unknown_section_is_listed():
     with pytest.raises(BadParams, match=r"hull.hul.points is unknown; there are cell_px, "):
-        choose("hull", ["method.hull.hul.points=5"], PARAMS)
+        resolve_config("hull", ["method.hull.hul.points=5"], PARAMS)
 
 
 def test_elsewhere_the_shipped_values_hold(tmp_path, monkeypatch):
     """In any folder of photographs; a params.yaml that is there goes first."""
     monkeypatch.chdir(tmp_path)
-    assert choose("hull", []).source == SHIPPED == PARAMS
+    assert resolve_config("hull", []).source == DEFAULT_PARAMS == PARAMS
     (tmp_path / "params.yaml").write_text("seed: 1")
     with pytest.raises(BadParams, match=r"params.yaml: \w+ is missing"):
-        choose("hull", [])
+        resolve_config("hull", [])
     with pytest.raises(BadParams, match=r"--params .*none.yaml is missing$"):
-        choose("hull", [], tmp_path / "none.yaml")
+        resolve_config("hull", [], tmp_path / "none.yaml")

@@ -5,49 +5,52 @@ import json
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.transforms import plain, read_shots
-from tests.reconstruct import scene
+from industnerf.reconstruct.transforms import normalize_path, read_frames
+from tests.reconstruct import sample_images
 
 
 @pytest.fixture
-def said():
-    return scene.content(scene.cameras())
+def transforms():
+    return sample_images.transforms_content(sample_images.cameras())
 
 
-def read(tmp_path, said, **options):
-    return read_shots(scene.rewrite(tmp_path / "t.json", said), **({"every": False} | options))
+def load(tmp_path, transforms, **options):
+    return read_frames(
+        sample_images.write_json_file(tmp_path / "t.json", transforms),
+        **({"every": False} | options),
+    )
 
 
-def test_frames_keep_their_order_and_number(tmp_path, said):
-    said["frames"].reverse()
-    shots, frames = read(tmp_path, said)
-    assert [(shot.number, shot.name) for shot in shots] == [
+def test_frames_keep_their_order_and_number(tmp_path, transforms):
+    transforms["frames"].reverse()
+    used_frames, listed_frames = load(tmp_path, transforms)
+    assert [(frame.index, frame.name) for frame in used_frames] == [
         (i, f"rgb/{4 - i:03d}.png") for i in range(5)
     ]
-    assert frames == shots
-    assert str(shots[1]) == "frame 1 (rgb/003.png)"
+    assert listed_frames == used_frames
+    assert str(used_frames[1]) == "frame 1 (rgb/003.png)"
 
 
-def test_only_training_frames_unless_all_are_asked_for(tmp_path, said):
-    said["train_filenames"] = ["./rgb/003.png", "rgb\\001.png"]
-    shots, frames = read(tmp_path, said)
-    assert [shot.number for shot in shots] == [1, 3]
-    assert [shot.number for shot in frames] == [0, 1, 2, 3, 4]
-    assert read(tmp_path, said, every=True) == (frames, frames)
+def test_only_training_frames_unless_all_are_asked_for(tmp_path, transforms):
+    transforms["train_filenames"] = ["./rgb/003.png", "rgb\\001.png"]
+    used_frames, listed_frames = load(tmp_path, transforms)
+    assert [frame.index for frame in used_frames] == [1, 3]
+    assert [frame.index for frame in listed_frames] == [0, 1, 2, 3, 4]
+    assert load(tmp_path, transforms, every=True) == (listed_frames, listed_frames)
 
 
 @pytest.mark.parametrize(
-    ("written", "meant"),
+    ("written", "expected"),
     [("./a.png", "a.png"), (".\\rgb\\a", "rgb/a"), (".//./a", "a"), ("../a", "../a"), ("a", "a")],
 )
-def test_names_are_written_in_many_ways(written, meant):
-    assert plain(written) == meant
+def test_names_are_written_in_many_ways(written, expected):
+    assert normalize_path(written) == expected
 
 
-def test_a_byte_order_mark_is_no_fault(tmp_path, said):
+def test_a_byte_order_mark_is_no_fault(tmp_path, transforms):
     path = tmp_path / "t.json"
-    path.write_text(json.dumps(said), encoding="utf-8-sig")
-    assert len(read_shots(path, every=False)[0]) == 5
+    path.write_text(json.dumps(transforms), encoding="utf-8-sig")
+    assert len(read_frames(path, all_frames=False)[0]) == 5
 
 
 @pytest.mark.parametrize(
@@ -63,9 +66,9 @@ def test_a_byte_order_mark_is_no_fault(tmp_path, said):
         ({"train_filenames": "rgb/001.png"}, "`train_filenames` must be a list of names"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path, said, change, complaint):
+def test_what_is_wrong_is_said(tmp_path, transforms, change, complaint):
     with pytest.raises(BadArtifact) as refusal:
-        read(tmp_path, said | change)
+        load(tmp_path, transforms | change)
     assert complaint in str(refusal.value)
     assert "t.json" in str(refusal.value)
 
@@ -76,10 +79,10 @@ def test_what_is_wrong_is_said(tmp_path, said, change, complaint):
 def test_other_files_are_refused(tmp_path, text, complaint):
     (tmp_path / "t.json").write_text(text)
     with pytest.raises(BadArtifact, match=complaint):
-        read_shots(tmp_path / "t.json", every=False)
+        read_frames(tmp_path / "t.json", all_frames=False)
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path):
     for path, reason in ((tmp_path / "none.json", "No such file"), (tmp_path, "Is a directory")):
         with pytest.raises(BadArtifact, match=reason):
-            read_shots(path, every=False)
+            read_frames(path, all_frames=False)

@@ -2,29 +2,31 @@
 
 import torch
 
-from industnerf.rendering.points import Points
+from industnerf.rendering.points import PointGrid
 from industnerf.rendering.render import Rays, Renderer
-from tests.rendering.scenes import Scene
+from tests.rendering.scenes import RenderScene
 
 
-def compiled(scene: Scene, device: str = "cpu") -> tuple[Renderer, Rays]:
-    scene, ways = scene.to(torch.float32), scene.settings
-    points = Points(scene.points.to(device), ways["radius"], ways["k"], ways["weights"])
+def compiled_renderer(scene: RenderScene, device: str = "cpu") -> tuple[Renderer, Rays]:
+    scene, settings = scene.to(torch.float32), scene.settings
+    points = PointGrid(
+        scene.points.to(device), settings["radius"], settings["k"], settings["weights"]
+    )
     box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
-    renderer = Renderer(points, *box, ways["step"], ways["stop"])
-    renderer.beta = ways.get("beta", 0.0)
+    renderer = Renderer(points, *box, settings["step"], settings["stop"])
+    renderer.beta = settings.get("beta", 0.0)
     rays = (scene.origins, scene.directions, scene.offsets)
     return renderer, Rays(*(values.to(device) for values in rays))
 
 
-def in_order(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
+def to_renderer_order(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
     """Values of the points as they were given, for the renderer's."""
     order = renderer.points.order
     return values.float().to(order.device)[order]
 
 
-def back(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
+def to_scene_order(renderer: Renderer, values: torch.Tensor) -> torch.Tensor:
     """Values of the renderer's points, for the points as they were given."""
-    given = torch.empty_like(values)
-    given[renderer.points.order] = values
-    return given.double().cpu()
+    original = torch.empty_like(values)
+    original[renderer.points.order] = values
+    return original.double().cpu()

@@ -13,7 +13,7 @@ LO, HI = torch.tensor([-1.0, -0.75, -1.25]), torch.tensor([1.0, 1.0, 0.875])
 
 
 @dataclass(frozen=True)
-class Scene:
+class RenderScene:
     """The arguments of a renderer, under the names that it has for them."""
 
     origins: Tensor
@@ -34,26 +34,26 @@ class Scene:
         return self.origins, self.directions, self.offsets, self.lo, self.hi
 
     @property
-    def inputs(self) -> tuple[Tensor, ...]:
+    def render_inputs(self) -> tuple[Tensor, ...]:
         """Of `render_twin`, in its order."""
         return *self.rays, self.points, self.sigma, self.rgb, self.background
 
     @property
-    def witnesses(self) -> tuple[Tensor, ...]:
+    def confidence_inputs(self) -> tuple[Tensor, ...]:
         """Of `confidence_twin`, in its order."""
         return *self.rays, self.points, self.sigma, self.agreement
 
-    def to(self, dtype: torch.dtype) -> "Scene":
+    def to(self, dtype: torch.dtype) -> "RenderScene":
         """The same in another precision."""
         tensors = {name: x.to(dtype) for name, x in vars(self).items() if torch.is_tensor(x)}
         return replace(self, **tensors)
 
-    def with_settings(self, **changes: Any) -> "Scene":
+    def with_settings(self, **changes: Any) -> "RenderScene":
         """The same seen otherwise."""
         return replace(self, settings=self.settings | changes)
 
 
-def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Scene:
+def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> RenderScene:
     """Points throughout the cube, every fifth of them empty, and rays of all kinds at it.
 
     `settings` may set `density`, the mean of the other sigmas; the rest are a Scene's.
@@ -66,7 +66,7 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Sce
     if "beta" in settings:  # then these are distances
         sigma = sigma.mean() - sigma
     origins, directions = _rays(rays, rng)
-    scene = Scene(
+    scene = RenderScene(
         origins,
         directions,
         torch.rand(rays, generator=rng),
@@ -82,7 +82,7 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Sce
     return scene.to(torch.float64)
 
 
-def lattice_scene(seed: int, spacing: float = 0.25, **settings: Any) -> Scene:
+def grid_scene(seed: int, spacing: float = 0.25, **settings: Any) -> RenderScene:
     """`random_scene` with tents on the points of a lattice, every seventh of which is missing.
 
     Two and a half spacings of the cube are left empty on all sides, so that there are samples
@@ -117,6 +117,6 @@ SCENES = {
     "squared": random_scene(6, 400, weights="inverse_square"),
     "tapered": random_scene(7, 400, weights="tapered"),
     "tent": random_scene(8, 400, weights="tent"),
-    "lattice": lattice_scene(10, 0.125),
+    "lattice": grid_scene(10, 0.125),
     "distance": random_scene(9, 400, weights="tent", density=0.3, beta=0.05, stop=0.01),
 }

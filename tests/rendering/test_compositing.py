@@ -5,11 +5,11 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.rendering.compositing import composite, opacities, stopped, transmittance
+from industnerf.rendering.compositing import composite, opacities, terminated_density, transmittance
 
 SEEDS = st.integers(0, 2**32 - 1)
 STEP = 0.25
-RED, BLUE, GREY = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.5, 0.5]
+RED, BLUE, GRAY = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.5, 0.5]
 
 
 def f64(*x) -> torch.Tensor:
@@ -22,7 +22,7 @@ def densities(*alpha: float) -> torch.Tensor:
 
 
 def random_rays(seed: int, rays: int = 5, samples: int = 12):
-    """Densities (a third of them 0), colours, places and backgrounds."""
+    """Densities (a third of them 0), colors, places and backgrounds."""
     rng = torch.Generator().manual_seed(seed)
     sigma = 20 * torch.rand(rays, samples, generator=rng, dtype=torch.float64) ** 3
     sigma[:, ::3] = 0
@@ -32,9 +32,9 @@ def random_rays(seed: int, rays: int = 5, samples: int = 12):
 
 
 def test_transmittance_by_hand():
-    found = transmittance(f64([1.0, 2.0, 0.0]), 0.5)
+    result = transmittance(f64([1.0, 2.0, 0.0]), 0.5)
     truth = f64([1.0, math.exp(-0.5), math.exp(-1.5), math.exp(-1.5)])
-    torch.testing.assert_close(found, truth, rtol=1e-15, atol=0)
+    torch.testing.assert_close(result, truth, rtol=1e-15, atol=0)
 
 
 @given(SEEDS)
@@ -46,64 +46,64 @@ def test_transmittance_is_the_product_of_what_samples_let_through(seed):
 
 
 def test_thin_samples_keep_their_digits():
-    found = opacities(torch.tensor([[4e-10]], dtype=torch.float32), STEP)
-    torch.testing.assert_close(found, torch.tensor([[1e-10]]), rtol=1e-6, atol=0)
+    result = opacities(torch.tensor([[4e-10]], dtype=torch.float32), STEP)
+    torch.testing.assert_close(result, torch.tensor([[1e-10]]), rtol=1e-6, atol=0)
 
 
 def test_two_samples_by_hand():
-    seen = composite(densities(0.4, 0.8), f64([RED, BLUE]), f64([2.0, 5.0]), f64(GREY), STEP)
+    rendered = composite(densities(0.4, 0.8), f64([RED, BLUE]), f64([2.0, 5.0]), f64(GRAY), STEP)
     over = 0.4, 0.6 * 0.8, 0.6 * 0.2  # first, second, background
     truth = f64([over[0] + 0.5 * over[2], 0.5 * over[2], over[1] + 0.5 * over[2]])
     # log and exp cancel to a few eps, here and below
-    torch.testing.assert_close(seen.rgb, truth, rtol=1e-14, atol=0)
-    torch.testing.assert_close(seen.opacity, f64(1 - over[2]), rtol=1e-14, atol=0)
+    torch.testing.assert_close(rendered.rgb, truth, rtol=1e-14, atol=0)
+    torch.testing.assert_close(rendered.opacity, f64(1 - over[2]), rtol=1e-14, atol=0)
     depth = (2 * over[0] + 5 * over[1]) / (over[0] + over[1])
-    torch.testing.assert_close(seen.depth, f64(depth), rtol=1e-14, atol=0)
+    torch.testing.assert_close(rendered.depth, f64(depth), rtol=1e-14, atol=0)
 
 
 def test_an_opaque_sample_hides_the_rest():
     sigma, rgb = f64([0.0, 1e6, 3.0]), f64([RED, BLUE, RED])
-    seen = composite(sigma, rgb, f64([1.0, 2.0, 3.0]), f64(GREY), STEP)
-    assert seen.rgb.tolist() == [BLUE]
-    assert (seen.opacity.item(), seen.depth.item()) == (1, 2)
+    rendered = composite(sigma, rgb, f64([1.0, 2.0, 3.0]), f64(GRAY), STEP)
+    assert rendered.rgb.tolist() == [BLUE]
+    assert (rendered.opacity.item(), rendered.depth.item()) == (1, 2)
 
 
 @pytest.mark.parametrize("samples", [0, 3])
 def test_nothing_shows_the_background(samples):
     empty = torch.zeros(2, samples), torch.rand(2, samples, 3), torch.ones(2, samples)
     background = torch.rand(2, 3)
-    seen = composite(*empty, background, STEP)
-    torch.testing.assert_close(seen.rgb, background, rtol=0, atol=0)
-    assert seen.opacity.tolist() == seen.depth.tolist() == [0, 0]
+    rendered = composite(*empty, background, STEP)
+    torch.testing.assert_close(rendered.rgb, background, rtol=0, atol=0)
+    assert rendered.opacity.tolist() == rendered.depth.tolist() == [0, 0]
 
 
 @given(SEEDS)
 def test_pixels_are_mixtures(seed):
-    """Colours in [0, 1] stay there, and the depth lies between the first and the last sample."""
+    """Colors in [0, 1] stay there, and the depth lies between the first and the last sample."""
     sigma, rgb, t, background = random_rays(seed)
-    seen = composite(sigma, rgb, t, background, STEP)
-    for share in (seen.rgb, seen.opacity):
+    rendered = composite(sigma, rgb, t, background, STEP)
+    for share in (rendered.rgb, rendered.opacity):
         assert (share >= 0).all()
         assert (share <= 1 + 1e-14).all()  # 12 weights that sum to 1 within a few eps
-    assert (seen.depth >= t[:, 0] - 1e-14).all()
-    assert (seen.depth <= t[:, -1] + 1e-14).all()
+    assert (rendered.depth >= t[:, 0] - 1e-14).all()
+    assert (rendered.depth <= t[:, -1] + 1e-14).all()
 
 
 def test_a_ray_ends_at_the_sample_that_leaves_too_little():
     sigma = densities(0.5, 0.5, 0.0, 0.5)  # leaves 1/2, 1/4, 1/4, 1/8
     last = {0.0: 4, 0.1: 4, 0.2: 4, 0.3: 2, 0.6: 1}
     for stop, kept in last.items():
-        found = stopped(sigma, STEP, stop)
-        torch.testing.assert_close(found[:, :kept], sigma[:, :kept], rtol=0, atol=0)
-        assert found[:, kept:].abs().sum() == 0
+        result = terminated_density(sigma, STEP, stop)
+        torch.testing.assert_close(result[:, :kept], sigma[:, :kept], rtol=0, atol=0)
+        assert result[:, kept:].abs().sum() == 0
 
 
 @given(SEEDS, st.floats(0, 0.3))
 def test_ending_early_costs_at_most_what_was_left(seed, stop):
     sigma, rgb, t, background = random_rays(seed)
     full = composite(sigma, rgb, t, background, STEP)
-    early = composite(stopped(sigma, STEP, stop), rgb, t, background, STEP)
-    # What is dropped and what replaces it both weigh less than `stop`; colours are in [0, 1].
+    early = composite(terminated_density(sigma, STEP, stop), rgb, t, background, STEP)
+    # What is dropped and what replaces it both weigh less than `stop`; colors are in [0, 1].
     assert (early.rgb - full.rgb).abs().max() <= stop + 1e-14
     assert (early.opacity - full.opacity).abs().max() <= stop + 1e-14
 
@@ -113,7 +113,7 @@ def test_gradients(stop):
     sigma, rgb, t, background = (x.requires_grad_() for x in random_rays(3, rays=3, samples=6))
 
     def seen(*inputs):
-        end = stopped(inputs[0], STEP, stop)
+        end = terminated_density(inputs[0], STEP, stop)
         return tuple(vars(composite(end, *inputs[1:], STEP)).values())
 
     # Transmittances stay clear of `stop` by more than gradcheck's nudge of 1e-6.

@@ -5,7 +5,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.rendering.samples import radiance_points, rays_in_cube
+from industnerf.rendering.samples import radiance_points, sample_distances
 
 LO, HI = torch.tensor([-1.0, -1, -1]).double(), torch.tensor([1.0, 2, 3]).double()
 
@@ -16,7 +16,7 @@ def f64(*x) -> torch.Tensor:
 
 def places(origin, direction, offset=0.5, step=0.5) -> list[float]:
     """t of the samples of one ray."""
-    t, inside = rays_in_cube(f64(origin), f64(direction), f64(offset), LO, HI, step)
+    t, inside = sample_distances(f64(origin), f64(direction), f64(offset), LO, HI, step)
     assert (t[~inside] == 0).all()
     return t[inside].tolist()
 
@@ -56,7 +56,7 @@ def test_samples_fill_the_ray_inside_the_cube_and_nothing_else(seed, step):
     directions = torch.randn(20, 3, generator=rng, dtype=torch.float64)
     directions /= directions.norm(dim=1, keepdim=True)
     offsets = torch.rand(20, generator=rng, dtype=torch.float64)
-    t, inside = rays_in_cube(origins, directions, offsets, LO, HI, step)
+    t, inside = sample_distances(origins, directions, offsets, LO, HI, step)
     at = origins[:, None] + t[..., None] * directions[:, None]
     assert ((at >= LO - 1e-12) & (at <= HI + 1e-12)).all(dim=2)[inside].all()  # a few roundings
     for o, d, u, mine in zip(origins, directions, offsets, t, strict=True):
@@ -64,30 +64,30 @@ def test_samples_fill_the_ray_inside_the_cube_and_nothing_else(seed, step):
         line = o + fine[:, None] * d
         chord = int(((line >= LO) & (line < HI)).all(dim=1).sum()) * 1e-3
         # as many q >= 0 as have (q + u) step < chord, which is known to within 2e-3
-        least, most = (max(0, math.ceil((c / step) - u)) for c in (chord - 2e-3, chord + 2e-3))
-        assert least <= (mine > 0).sum() <= most
+        minimum, most = (max(0, math.ceil((c / step) - u)) for c in (chord - 2e-3, chord + 2e-3))
+        assert minimum <= (mine > 0).sum() <= most
 
 
 def test_no_rays_at_all():
     nobody = torch.empty(0, 3).double()
-    t, inside = rays_in_cube(nobody, nobody, torch.empty(0).double(), LO, HI, 0.5)
+    t, inside = sample_distances(nobody, nobody, torch.empty(0).double(), LO, HI, 0.5)
     assert len(t) == len(inside) == 0
 
 
-def test_samples_outside_the_cube_have_no_neighbours():
+def test_samples_outside_the_cube_have_no_neighbors():
     """Not even where the eye is, though t = 0 stands for such a sample."""
     rays = f64([3.0, 0, 0], [-3.0, 0, 0]), f64([1.0, 0, 0], [1.0, 0, 0]), f64(0.5, 0.5)
-    found = radiance_points(
+    result = radiance_points(
         *rays, LO, HI, f64([3.0, 0, 0], [-0.75, 0, 0]), step=0.5, radius=0.5, k=2, weights="inverse"
     )
-    assert (found.ids[0] == -1).all()
-    assert found.ids[1, :2].tolist() == [[1, -1], [-1, -1]]
+    assert (result.ids[0] == -1).all()
+    assert result.ids[1, :2].tolist() == [[1, -1], [-1, -1]]
 
 
 def test_means_are_taken_sample_by_sample():
     points, values = f64([-0.75, 0, 0], [-0.25, 0.25, 0], [-0.25, -0.125, 0]), f64([1], [5], [8])
     rays = f64([-3.0, 0, 0]), f64([1.0, 0, 0]), f64(0.5)
-    found = radiance_points(
+    result = radiance_points(
         *rays, LO, HI, points, step=0.5, radius=0.3, k=8, weights="inverse"
     ).mean(values.double())
-    assert found[0, :3, 0].tolist() == [1, (5 / 0.25 + 8 / 0.125) / (1 / 0.25 + 1 / 0.125), 0]
+    assert result[0, :3, 0].tolist() == [1, (5 / 0.25 + 8 / 0.125) / (1 / 0.25 + 1 / 0.125), 0]

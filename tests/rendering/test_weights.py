@@ -7,13 +7,13 @@ from jaxtyping import TypeCheckError
 from industnerf.rendering.weights import (
     FLOOR,
     inverse_distance_weights,
-    tent_weights,
+    trilinear_weights,
     weighted_mean,
 )
 
 READINGS = ["inverse", "inverse_square", "tapered"]
 RADIUS = 2.0
-REACHED = 3  # neighbours in `padded`
+REACHED = 3  # neighbors in `padded`
 
 
 def f64(*x) -> torch.Tensor:
@@ -21,7 +21,7 @@ def f64(*x) -> torch.Tensor:
 
 
 def padded(seed: int) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Values of 6 points, and 4 rows of 3 neighbours and one that is missing; the last has none."""
+    """Values of 6 points, and 4 rows of 3 neighbors and one that is missing; the last has none."""
     rng = torch.Generator().manual_seed(seed)
     ids = torch.stack([torch.randperm(6, generator=rng)[: REACHED + 1] for _ in range(4)])
     distance = 2 * torch.rand(4, REACHED + 1, generator=rng, dtype=torch.float64)
@@ -39,8 +39,8 @@ def padded(seed: int) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
     ],
 )
 def test_each_reading_is_its_formula(reading, truth):
-    found = inverse_distance_weights(f64(0.5, 1.0, 1.6), RADIUS, reading)
-    torch.testing.assert_close(found, f64(*truth), rtol=1e-14, atol=0)  # a few eps
+    result = inverse_distance_weights(f64(0.5, 1.0, 1.6), RADIUS, reading)
+    torch.testing.assert_close(result, f64(*truth), rtol=1e-14, atol=0)  # a few eps
 
 
 @pytest.mark.parametrize("reading", READINGS)
@@ -59,8 +59,8 @@ def test_from_the_radius_on_nothing_weighs(reading):
     ],
 )
 def test_a_point_on_the_sample_weighs_as_one_at_the_floor(reading, at_zero):
-    found = inverse_distance_weights(f64(0.0), RADIUS, reading)
-    torch.testing.assert_close(found, f64(at_zero), rtol=1e-14, atol=0)
+    result = inverse_distance_weights(f64(0.0), RADIUS, reading)
+    torch.testing.assert_close(result, f64(at_zero), rtol=1e-14, atol=0)
 
 
 def test_only_the_tapered_weight_fades_out():
@@ -93,37 +93,37 @@ def test_a_tent_is_a_product_over_the_axes_and_ends_on_a_cube():
     apart = f64([0, 0, 0], [1.0, -0.5, 0.2], [1.9, -1.9, 1.9], [0, RADIUS, 0], [0.1, 0, -3])
     truth = f64(1, 0.5 * 0.75 * 0.9, 0.05**3, 0, 0)  # 1.9 sqrt(3) is far beyond the radius
     # 1 - 1.9 / 2 is off by an eps, 2e-15 of it, three times
-    torch.testing.assert_close(tent_weights(apart, RADIUS), truth, rtol=1e-14, atol=0)
+    torch.testing.assert_close(trilinear_weights(apart, RADIUS), truth, rtol=1e-14, atol=0)
 
 
 @pytest.mark.parametrize("reading", READINGS)
 @given(st.integers(0, 2**32 - 1))
 def test_weights_are_a_partition_of_unity(reading, seed):
-    """A field that is constant is found constant, wherever there is a neighbour at all."""
+    """A field that is constant is found constant, wherever there is a neighbor at all."""
     _, ids, distance = padded(seed)
     weights = inverse_distance_weights(distance, RADIUS, reading)
-    found = weighted_mean(torch.full((6, 1), 7.0, dtype=torch.float64), ids, weights)
+    result = weighted_mean(torch.full((6, 1), 7.0, dtype=torch.float64), ids, weights)
     truth = f64(7, 7, 7, 0)[:, None]
-    torch.testing.assert_close(found, truth, rtol=1e-14, atol=0)  # three products and a sum
+    torch.testing.assert_close(result, truth, rtol=1e-14, atol=0)  # three products and a sum
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_the_mean_lies_between_the_neighbours(seed):
+def test_the_mean_lies_between_the_neighbors(seed):
     values, ids, distance = padded(seed)
-    found = weighted_mean(values, ids, inverse_distance_weights(distance, RADIUS, "inverse"))
+    result = weighted_mean(values, ids, inverse_distance_weights(distance, RADIUS, "inverse"))
     three = values[ids[:3, :REACHED]]
-    assert (found[:3] >= three.amin(dim=1) - 1e-15).all()  # an eps for the rounded shares
-    assert (found[:3] <= three.amax(dim=1) + 1e-15).all()
+    assert (result[:3] >= three.amin(dim=1) - 1e-15).all()  # an eps for the rounded shares
+    assert (result[:3] <= three.amax(dim=1) + 1e-15).all()
 
 
 def test_the_mean_by_hand():
     values, ids = f64([1.0, 10.0], [2.0, 20.0], [4.0, 40.0]), torch.tensor([[2, 0], [1, -1]])
-    found = weighted_mean(values, ids, f64([3.0, 1.0], [0.5, 0.0]))
+    result = weighted_mean(values, ids, f64([3.0, 1.0], [0.5, 0.0]))
     truth = f64([(3 * 4 + 1) / 4, (3 * 40 + 10) / 4], [2.0, 20.0])
-    torch.testing.assert_close(found, truth, rtol=1e-15, atol=0)
+    torch.testing.assert_close(result, truth, rtol=1e-15, atol=0)
 
 
-def test_the_gradient_is_right_and_finite_without_neighbours():
+def test_the_gradient_is_right_and_finite_without_neighbors():
     values, ids, distance = padded(0)
     weights = inverse_distance_weights(distance, RADIUS, "inverse")
     values.requires_grad_()
@@ -144,9 +144,9 @@ def test_gradients_of_weights_in_distance_are_right(reading):
 
 def test_gradients_of_a_tent_are_right_away_from_its_edges():
     apart = f64([0.3, -1.1, 0.7], [-1.5, 0.4, 2.6]).requires_grad_()
-    assert torch.autograd.gradcheck(lambda x: tent_weights(x, RADIUS), apart)
+    assert torch.autograd.gradcheck(lambda x: trilinear_weights(x, RADIUS), apart)
 
 
 def test_the_mean_over_an_empty_cloud_is_zero():
-    found = weighted_mean(torch.empty(0, 4), torch.full((2, 3), -1), torch.zeros(2, 3))
-    assert found.tolist() == [[0] * 4] * 2
+    result = weighted_mean(torch.empty(0, 4), torch.full((2, 3), -1), torch.zeros(2, 3))
+    assert result.tolist() == [[0] * 4] * 2

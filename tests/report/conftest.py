@@ -3,32 +3,32 @@
 import pytest
 from PIL import Image
 
-from industnerf.report.exhibits import Exhibits
-from industnerf.report.gather import Study
-from industnerf.report.page import page
+from industnerf.report.figures.held_out_renderings import HeldOutRenderings, encode_jpeg
+from industnerf.report.html.page import render_page
+from industnerf.report.html.page_media import PageMedia
+from industnerf.report.html.viewer_clouds import pack_scene
 from industnerf.report.results import Results
-from industnerf.report.scenes import scene
-from industnerf.report.snapshots import Snapshots, jpeg
+from industnerf.report.study import Study
 from industnerf.schema import ReportParams
-from tests.report import gallery
+from tests.report import ball_study
 
-SETTINGS = ReportParams(resamples=50, interval=0.9, sheet_parts=4)
+SETTINGS = ReportParams(bootstrap_resamples=50, confidence_level=0.9, contact_sheet_parts=4)
 
 
 @pytest.fixture(scope="session")
 def study(tmp_path_factory) -> Study:
-    """Two balls; see gallery.py."""
+    """Two balls; see ball_study.py."""
     folder = tmp_path_factory.mktemp("gallery")
-    for name in gallery.PARTS:
-        gallery.lay_out(folder, name)
-    return gallery.study(folder)
+    for name in ball_study.PARTS:
+        ball_study.write_part(folder, name)
+    return ball_study.study(folder)
 
 
 @pytest.fixture(scope="session")
 def report_page(study) -> str:
     """The page of `study`, both of whose parts are in the viewer."""
-    grey = jpeg(Image.new("RGB", (8, 8), "grey"))
-    taken = Snapshots(["hull"], [(study.parts["near-ball"], [[grey, None]])])
-    scenes = [scene(study, part) for part in study.parts.values()]
-    exhibits = Exhibits(grey, scenes, taken, b"", {"near-ball": [("photograph", grey)]})
-    return page(Results.of(study, SETTINGS), exhibits, made="on a day")
+    gray = encode_jpeg(Image.new("RGB", (8, 8), "gray"))
+    renderings = HeldOutRenderings(["hull"], [(study.parts["near-ball"], [[gray, None]])])
+    scenes = [pack_scene(study, part) for part in study.parts.values()]
+    exhibits = PageMedia(gray, scenes, renderings, b"", {"near-ball": [("photograph", gray)]})
+    return render_page(Results.from_study(study, SETTINGS), exhibits, provenance="on a day")

@@ -7,7 +7,7 @@ from industnerf.device import device
 from industnerf.errors import BadParams
 from industnerf.runner.chunk import Chunk
 from industnerf.runner.device import check_device
-from industnerf.runner.notes import Notes
+from industnerf.runner.job_status import JobStatus
 from industnerf.stage import run_stage
 
 
@@ -40,8 +40,8 @@ def test_on_a_node_without_it_a_job_ends_and_notes_no_failure(monkeypatch, tmp_p
     monkeypatch.setattr(torch.cuda, "device_count", lambda: 0)
     monkeypatch.setenv("INDUSTNERF_DEVICE", "cuda")
     with pytest.raises(BadParams, match="torch finds 0"):
-        Chunk(((0, print),), Notes(tmp_path), workers=1, limit_s=1.0, memory_mb=None)()
-    assert Notes(tmp_path).begun() == Notes(tmp_path).ended() == set()
+        Chunk(((0, print),), JobStatus(tmp_path), workers=1, limit_s=1.0, memory_mb=None)()
+    assert JobStatus(tmp_path).started() == JobStatus(tmp_path).finished() == set()
 
 
 @pytest.mark.parametrize("name", ["", "cpu"])

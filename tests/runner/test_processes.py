@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from industnerf.artifacts.whole import written_whole
+from industnerf.artifacts.atomic_write import atomic_write
 from industnerf.errors import BadParams, BadPart
 from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
-from industnerf.runner.base import attempt
+from industnerf.runner.base import run_work_item
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
 
@@ -35,7 +35,7 @@ def note_process(path):
     path.write_text(str(os.getpid()))
 
 
-def fail_saying(text):
+def fail_with(text):
     raise RuntimeError(text)
 
 
@@ -45,11 +45,11 @@ def fill_disk():
 
 def fill_disk_behind_a_refusal():
     """What is left of it by whom a file is written whole."""
-    with written_whole(Path("cloud.json")):
+    with atomic_write(Path("cloud.json")):
         fill_disk()
 
 
-def read_what_is_closed_to_it():
+def read_forbidden_file():
     raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), "part.step")
 
 
@@ -69,18 +69,18 @@ def sleep(seconds):
     time.sleep(seconds)
 
 
-def gobble():
+def allocate_2_gb():
     """One block of 2 GB; nothing is touched, so only the address space grows."""
     np.empty(2 * 2**30, np.uint8)
 
 
-def end_itself(how, path):
+def end_itself(signum, path):
     """Send itself the signal `how`, as SLURM sends it to every process of a job."""
-    os.kill(os.getpid(), how)
+    os.kill(os.getpid(), signum)
     path.write_text("alive")
 
 
-def nibble(path):
+def allocate_64_mb(path):
     """64 MB, and what the limit is meanwhile."""
     np.empty(2**26, np.uint8)
     path.write_text(str(resource.getrlimit(resource.RLIMIT_AS)[0]))
@@ -93,24 +93,24 @@ def abort():
 
 @pytest.mark.parametrize("runner", RUNNERS, ids=str)
 def test_every_piece_of_work_has_one_outcome(runner, tmp_path):
-    works = [partial(write, tmp_path / str(i)) for i in range(5)]
-    works[1:1] = [refuse, fail]
-    outcomes = sorted(runner.map(works, 60.0), key=lambda outcome: outcome.index)
-    assert [outcome.index for outcome in outcomes] == list(range(7))
-    assert [outcome.error is None for outcome in outcomes] == [True, False, False] + 4 * [True]
-    assert outcomes[1].error == "not closed"
-    assert outcomes[2].error.startswith("ZeroDivisionError: a bug")
+    work_items = [partial(write, tmp_path / str(i)) for i in range(5)]
+    work_items[1:1] = [refuse, fail]
+    results = sorted(runner.map(work_items, 60.0), key=lambda result: result.index)
+    assert [result.index for result in results] == list(range(7))
+    assert [result.error is None for result in results] == [True, False, False] + 4 * [True]
+    assert results[1].error == "not closed"
+    assert results[2].error.startswith("ZeroDivisionError: a bug")
     assert len(list(tmp_path.iterdir())) == 5
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_crash_and_a_hang_cost_themselves_only(workers, tmp_path):
-    works = [crash, partial(write, tmp_path / "a"), hang, partial(write, tmp_path / "b")]
-    outcomes = {o.index: o.error for o in ProcessRunner(workers).map(works, 6.0)}
-    assert outcomes[0] == "crashed: its process ended with exit code -11"
-    assert outcomes[2] == "timed out: more than 6 s (time_limit_s)"
-    assert outcomes[1] is None
-    assert outcomes[3] is None
+    work_items = [crash, partial(write, tmp_path / "a"), hang, partial(write, tmp_path / "b")]
+    results = {each.index: each.error for each in ProcessRunner(workers).map(work_items, 6.0)}
+    assert results[0] == "crashed: its process ended with exit code -11"
+    assert results[2] == "timed out: more than 6 s (time_limit_s)"
+    assert results[1] is None
+    assert results[3] is None
 
 
 def test_the_time_in_which_all_is_stopped_does_not_count(tmp_path, monkeypatch):
@@ -124,57 +124,62 @@ def test_the_time_in_which_all_is_stopped_does_not_count(tmp_path, monkeypatch):
         return wait(connections, timeout)
 
     monkeypatch.setattr(processes, "wait", stopped)
-    works = [partial(sleep, 7.0), partial(write, tmp_path / "a")]
-    outcomes = {o.index: o.error for o in ProcessRunner(1).map(works, 5.0)}
-    assert outcomes == {0: None, 1: None}
+    work_items = [partial(sleep, 7.0), partial(write, tmp_path / "a")]
+    results = {each.index: each.error for each in ProcessRunner(1).map(work_items, 5.0)}
+    assert results == {0: None, 1: None}
 
 
 def test_a_piece_that_needs_too_much_memory_costs_itself_only(tmp_path):
-    works = [gobble, partial(nibble, tmp_path / "a"), abort, partial(nibble, tmp_path / "b")]
-    outcomes = {o.index: o.error for o in ProcessRunner(1).map(works, 60.0, 1500)}
-    assert outcomes[0] == "out of memory: needs more than 1500 MB (memory_limit_mb)"
-    assert outcomes[1] is None
-    assert outcomes[2] == (
+    work_items = [
+        allocate_2_gb,
+        partial(allocate_64_mb, tmp_path / "a"),
+        abort,
+        partial(allocate_64_mb, tmp_path / "b"),
+    ]
+    results = {each.index: each.error for each in ProcessRunner(1).map(work_items, 60.0, 1500)}
+    assert results[0] == "out of memory: needs more than 1500 MB (memory_limit_mb)"
+    assert results[1] is None
+    assert results[2] == (
         "crashed: its process ended with exit code -6; it may have needed more than 1500 MB "
         "(memory_limit_mb)"
     )
-    assert outcomes[3] is None
+    assert results[3] is None
     assert (tmp_path / "a").read_text() == str(1500 * 2**20)
 
 
 def test_the_memory_limit_ends_with_the_piece_of_work(tmp_path):
     """The process that did `nibble` under a limit then allocates 2 GB without one."""
     before = resource.getrlimit(resource.RLIMIT_AS)
-    assert attempt(partial(nibble, tmp_path / "a"), 100_000) is None
+    assert run_work_item(partial(allocate_64_mb, tmp_path / "a"), 100_000) is None
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     assert (tmp_path / "a").read_text() == str(100_000 * 2**20)
-    assert attempt(gobble, None) is None
+    assert run_work_item(allocate_2_gb, None) is None
 
 
 @pytest.mark.parametrize("runner", RUNNERS)
 def test_a_full_disk_says_nothing_of_the_piece_of_work_and_a_closed_file_does(runner):
-    works = [fill_disk, fill_disk_behind_a_refusal, read_what_is_closed_to_it, fail]
-    outcomes = {outcome.index: outcome for outcome in runner.map(works, 60.0)}
-    assert [outcomes[index].lost for index in range(4)] == [True, True, False, False]
-    assert outcomes[1].error == "cloud.json: cannot be written: No space left on device"
-    assert outcomes[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
+    work_items = [fill_disk, fill_disk_behind_a_refusal, read_forbidden_file, fail]
+    results = {result.index: result for result in runner.map(work_items, 60.0)}
+    assert [results[index].lost for index in range(4)] == [True, True, False, False]
+    assert results[1].error == "cloud.json: cannot be written: No space left on device"
+    assert results[0].error.startswith("OSError: [Errno 28] No space left on device: 'cloud.npz'")
 
 
 def test_a_worker_that_is_killed_between_two_pieces_costs_none(tmp_path):
     """As the kernel kills who sits idle on much memory; an outcome in hand, no piece is begun."""
-    works = [partial(note_process, tmp_path / name) for name in "ab"]
-    outcomes = ProcessRunner(1).map(works, 60.0)
-    first = next(outcomes)
+    work_items = [partial(note_process, tmp_path / name) for name in "ab"]
+    results = ProcessRunner(1).map(work_items, 60.0)
+    first = next(results)
     idle = int((tmp_path / "a").read_text())
     os.kill(idle, signal.SIGKILL)
     while Path(f"/proc/{idle}/stat").read_text().split()[2] != "Z":
         time.sleep(0.01)
-    assert [outcome.error for outcome in (first, *outcomes)] == [None, None]
+    assert [result.error for result in (first, *results)] == [None, None]
     assert (tmp_path / "b").read_text() != str(idle)
 
 
 @pytest.mark.parametrize(
-    "said",
+    "message",
     [
         "CUDA out of memory. Tried to allocate 2.00 GiB. GPU 0 has a total capacity of 3 GiB",
         "CUDA error: out of memory",
@@ -182,33 +187,33 @@ def test_a_worker_that_is_killed_between_two_pieces_costs_none(tmp_path):
         "Failed to allocate 4096 bytes on device 'cuda:0'",
     ],
 )
-def test_a_full_gpu_says_nothing_of_the_piece_of_work(said):
-    fault = attempt(partial(fail_saying, said), None)
-    assert fault.lost
-    assert fault.text.endswith("fewer INDUSTNERF_WORKERS leave more of the GPU to each")
-    assert not attempt(partial(fail_saying, "shapes differ"), None).lost
+def test_a_full_gpu_says_nothing_of_the_piece_of_work(message):
+    error = run_work_item(partial(fail_with, message), None)
+    assert error.lost
+    assert error.text.endswith("fewer INDUSTNERF_WORKERS leave more of the GPU to each")
+    assert not run_work_item(partial(fail_with, "shapes differ"), None).lost
 
 
 def test_a_process_whose_gpu_fails_does_no_other_piece(tmp_path):
     """Every call to the device would fail in it: one bad piece would spoil all that follow."""
-    works = [
+    work_items = [
         partial(note_process, tmp_path / "a"),
-        partial(fail_saying, "CUDA error: an illegal memory access was encountered"),
+        partial(fail_with, "CUDA error: an illegal memory access was encountered"),
         partial(note_process, tmp_path / "b"),
     ]
-    outcomes = {outcome.index: outcome for outcome in ProcessRunner(1).map(works, 60.0)}
-    assert [outcomes[index].error is None for index in range(3)] == [True, False, True]
-    assert not outcomes[1].lost
+    results = {result.index: result for result in ProcessRunner(1).map(work_items, 60.0)}
+    assert [results[index].error is None for index in range(3)] == [True, False, True]
+    assert not results[1].lost
     assert (tmp_path / "a").read_text() != (tmp_path / "b").read_text()
 
 
 @pytest.mark.parametrize("limit_mb", [None, 100_000])
 def test_what_the_kernel_killed_says_nothing_of_the_piece(limit_mb, monkeypatch):
     """It kills where memory is short, of which other processes may have left little."""
-    monkeypatch.setattr(processes, "KILL_S", 0.0)
-    (outcome,) = ProcessRunner(1).map([kill], 60.0, limit_mb)
-    assert outcome.lost
-    assert outcome.error == (
+    monkeypatch.setattr(processes, "KILL_GRACE_S", 0.0)
+    (result,) = ProcessRunner(1).map([kill], 60.0, limit_mb)
+    assert result.lost
+    assert result.error == (
         "crashed: its process ended with exit code -9; fewer INDUSTNERF_WORKERS leave more memory "
         "to each"
     )
@@ -216,11 +221,11 @@ def test_what_the_kernel_killed_says_nothing_of_the_piece(limit_mb, monkeypatch)
 
 def test_signals_that_are_meant_for_the_job_do_not_reach_its_pieces(tmp_path):
     both = (signal.SIGTERM, signal.SIGUSR2)
-    works = [partial(end_itself, how, tmp_path / how.name) for how in both]
-    reached = list(ProcessRunner(1).map(works, 60.0))
-    assert [outcome.error[-3:] for outcome in reached] == ["-15", "-12"]
+    work_items = [partial(end_itself, signum, tmp_path / signum.name) for signum in both]
+    results = list(ProcessRunner(1).map(work_items, 60.0))
+    assert [result.error[-3:] for result in results] == ["-15", "-12"]
     assert not list(tmp_path.iterdir())
-    assert all(outcome.error is None for outcome in ProcessRunner(1, both).map(works, 60.0))
+    assert all(result.error is None for result in ProcessRunner(1, both).map(work_items, 60.0))
     assert len(list(tmp_path.iterdir())) == 2
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()).isdisjoint(both)
 

@@ -8,14 +8,14 @@ import time
 
 import pytest
 
-from industnerf.runner.signals import put_off
+from industnerf.runner.signals import defer_signals
 
 
 def test_a_signal_comes_when_the_block_is_over():
     done = []
 
     def work():
-        with put_off():
+        with defer_signals():
             os.kill(os.getpid(), signal.SIGINT)
             done.append("all of it")
 
@@ -33,7 +33,7 @@ def test_so_does_one_that_another_thread_is_sent():
     done = []
 
     def work():
-        with put_off():
+        with defer_signals():
             signal.pthread_kill(other.ident, signal.SIGINT)
             time.sleep(0.2)  # the other thread takes it, and tells this one, when it runs
             done.append("all of it")
@@ -46,20 +46,20 @@ def test_so_does_one_that_another_thread_is_sent():
 
 
 def test_programs_that_are_started_meanwhile_wait_too():
-    with put_off():
+    with defer_signals():
         program = subprocess.Popen(["sleep", "0.3"])
         program.terminate()
         assert program.wait() == 0
 
 
 def test_a_terminal_that_goes_is_heard_of_afterwards():
-    came = []
-    before = signal.signal(signal.SIGHUP, lambda number, _: came.append(number))
+    received = []
+    before = signal.signal(signal.SIGHUP, lambda number, _: received.append(number))
     try:
-        with put_off():
+        with defer_signals():
             os.kill(os.getpid(), signal.SIGHUP)
-            assert came == []
-        assert came == [signal.SIGHUP]
+            assert received == []
+        assert received == [signal.SIGHUP]
     finally:
         signal.signal(signal.SIGHUP, before)
 
@@ -67,20 +67,20 @@ def test_a_terminal_that_goes_is_heard_of_afterwards():
 def test_what_was_there_before_is_there_after():
     ending = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
     before = {number: signal.getsignal(number) for number in ending}
-    with pytest.raises(ValueError, match="within"), put_off():
+    with pytest.raises(ValueError, match="within"), defer_signals():
         raise ValueError("within")
     assert {number: signal.getsignal(number) for number in before} == before
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()).isdisjoint(before)
 
 
 def test_outside_the_main_thread_nothing_is_put_off():
-    said = []
+    output = []
 
     def work():
-        with put_off():
-            said.append("there")
+        with defer_signals():
+            output.append("there")
 
     thread = threading.Thread(target=work)
     thread.start()
     thread.join()
-    assert said == ["there"]
+    assert output == ["there"]

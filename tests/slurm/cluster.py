@@ -46,14 +46,14 @@ PartitionName=closed Nodes=localhost MaxTime=INFINITE State=DOWN
 """
 
 
-def why_not() -> str | None:
+def unavailable_reason() -> str | None:
     """Why no SLURM can be started here, or None."""
     if os.geteuid() != 0:
         return "SLURM's daemons must be started as root"
-    absent = [name for name in PROGRAMS if shutil.which(name, path=_path()) is None]
-    if absent:
+    missing = [name for name in PROGRAMS if shutil.which(name, path=_path()) is None]
+    if missing:
         return (
-            f"{', '.join(absent)} not found: "
+            f"{', '.join(missing)} not found: "
             "apt-get install --no-install-recommends slurmctld slurmd slurm-client munge"
         )
     return None
@@ -74,8 +74,8 @@ class Cluster:
         """Until its node takes jobs; raises TimeoutError with the logs if it does not."""
         for name in ("state", "spool"):
             (self.folder / name).mkdir()
-        places = {"folder": self.folder, "controller": _free_port(), "node": _free_port()}
-        (self.folder / "slurm.conf").write_text(CONFIGURATION.format(cores=CORES, **places))
+        paths = {"folder": self.folder, "controller": _free_port(), "node": _free_port()}
+        (self.folder / "slurm.conf").write_text(CONFIGURATION.format(cores=CORES, **paths))
         for number, device in enumerate(("null", "zero")):  # SLURM takes any device for a GPU
             (self.folder / f"gpu{number}").symlink_to(f"/dev/{device}")
         (self.folder / "gres.conf").write_text(f"Name=gpu File={self.folder}/gpu[0-1]\n")
@@ -94,8 +94,8 @@ class Cluster:
 
     def run(self, *command: str) -> str:
         """What `command` prints."""
-        ended = subprocess.run(command, env=self.environment, capture_output=True, text=True)
-        return ended.stdout
+        process = subprocess.run(command, env=self.environment, capture_output=True, text=True)
+        return process.stdout
 
     def stop(self) -> None:
         """End all jobs, then the daemons."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32
 
-from industnerf.artifacts.files import read_npz, spoilt
+from industnerf.artifacts.files import corrupt_error, read_npz
 
 SCHEMA = 1
 FILE = "candidates.npz"
@@ -40,5 +40,5 @@ class Candidates:
         )
         if schema != SCHEMA or points.shape != (len(confidence), 3):
             what = f"has schema {schema} and shapes {points.shape} and {confidence.shape}"
-            raise spoilt(path, what, "reconstruct")
+            raise corrupt_error(path, what, "reconstruct")
         return Candidates(points, confidence)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from industnerf.artifacts.whole import written_whole
+from industnerf.artifacts.atomic_write import atomic_write
 from industnerf.errors import BadArtifact
 
 
 def write_text(path: Path, text: str) -> None:
     """Write `text` to `path`, in a folder made for it; raises BadArtifact if it cannot."""
-    with written_whole(path) as draft:
+    with atomic_write(path) as draft:
         draft.parent.mkdir(parents=True, exist_ok=True)
         draft.write_text(text, "utf-8", "surrogateescape")  # names of files are any bytes
 
@@ -23,7 +23,7 @@ def write_json(path: Path, content: Any) -> None:
     write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
 
 
-def spoilt(path: Path, what: str, stage: str) -> BadArtifact:
+def corrupt_error(path: Path, what: str, stage: str) -> BadArtifact:
     """The refusal of the file `path`, with which `what` is wrong and that `stage` writes.
 
     Results are links to what the store holds, so one that was cut or changed where it lies is so
@@ -36,7 +36,7 @@ def spoilt(path: Path, what: str, stage: str) -> BadArtifact:
     )
 
 
-def missing(path: Path, stage: str) -> BadArtifact:
+def missing_error(path: Path, stage: str) -> BadArtifact:
     """The refusal of the file `path`, which `stage` would have written and which is not there."""
     return BadArtifact(
         f"{path} is missing. `dvc repro {stage}` writes it, or once more the sweep or preset "
@@ -52,12 +52,12 @@ def read_json(path: Path, schema: int, stage: str) -> Any:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise missing(path, stage) from None
+        raise missing_error(path, stage) from None
     except (OSError, ValueError) as error:
-        raise spoilt(path, f"is not readable JSON ({error})", stage) from None
-    found = content.get("schema") if isinstance(content, dict) else None
-    if found != schema:
-        raise spoilt(path, f"has schema {found}, this code reads {schema}", stage)
+        raise corrupt_error(path, f"is not readable JSON ({error})", stage) from None
+    found_schema = content.get("schema") if isinstance(content, dict) else None
+    if found_schema != schema:
+        raise corrupt_error(path, f"has schema {found_schema}, this code reads {schema}", stage)
     return content
 
 
@@ -67,6 +67,6 @@ def read_npz(path: Path, names: tuple[str, ...], stage: str) -> list[np.ndarray]
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return [arrays[name] for name in names]
     except FileNotFoundError:
-        raise missing(path, stage) from None
+        raise missing_error(path, stage) from None
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile) as error:
-        raise spoilt(path, f"cannot be read ({error})", stage) from None
+        raise corrupt_error(path, f"cannot be read ({error})", stage) from None

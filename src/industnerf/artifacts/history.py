@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from industnerf.artifacts.files import read_npz, spoilt
+from industnerf.artifacts.files import corrupt_error, read_npz
 
 SCHEMA = 1
 FILE = "history.npz"
@@ -14,11 +14,11 @@ FILE = "history.npz"
 
 @dataclass(frozen=True)
 class History:
-    """The loss at some of the optimisation steps."""
+    """The loss at some of the optimization steps."""
 
     steps: Int[np.ndarray, "n"]  # counted from 0 over all levels, rising
     loss: Float[np.ndarray, "n"]
-    levels: dict[str, int]  # name of each stage of the optimisation -> its first step
+    levels: dict[str, int]  # name of each stage of the optimization -> its first step
 
     def save(self, folder: Path) -> None:
         """Write `history.npz` into `folder`."""
@@ -45,5 +45,5 @@ class History:
         )
         if schema != SCHEMA or steps.shape != loss.shape or names.shape != starts.shape:
             what = f"has schema {schema}, {len(steps)} steps and {len(loss)} losses"
-            raise spoilt(path, what, stage)
+            raise corrupt_error(path, what, stage)
         return History(steps, loss, dict(zip(names.tolist(), starts.tolist(), strict=True)))

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int32, UInt8
 
-from industnerf.artifacts.files import read_json, read_npz, spoilt, write_json, write_text
-from industnerf.artifacts.finish import Finish, finish_from
+from industnerf.artifacts.appearance import Appearance, appearance_from_json
+from industnerf.artifacts.files import corrupt_error, read_json, read_npz, write_json, write_text
 from industnerf.artifacts.ply import write_ply
 
 SCHEMA = 2
@@ -33,7 +33,7 @@ class Part:
     visible_share: float  # of the area, from a dense sphere of eyes
     hull_hidden_share: float  # of the area, what no silhouette shows (geometry/tangents.py)
     strata: tuple[str, ...]  # see industnerf.parts.strata
-    finishes: tuple[Finish, ...]  # what `Mesh.finish` counts; at least one
+    finishes: tuple[Appearance, ...]  # what `Mesh.finish` counts; at least one
     defects: tuple[str, ...]  # found and mended, or found and left
 
     @property
@@ -51,7 +51,9 @@ class Mesh:
     finish: UInt8[np.ndarray, "m"]  # of each face, an index into `Part.finishes`
 
     @staticmethod
-    def plain(vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]) -> "Mesh":
+    def with_one_appearance(
+        vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]
+    ) -> "Mesh":
         """A mesh of one finish."""
         return Mesh(vertices, faces, np.zeros(len(faces), np.uint8))
 
@@ -74,18 +76,24 @@ def load_part(folder: Path) -> Part:
     del content["schema"]
     for name in ("extents_mm", "strata", "defects"):
         content[name] = tuple(content[name])
-    content["finishes"] = tuple(finish_from(row) for row in content["finishes"])
+    content["finishes"] = tuple(appearance_from_json(row) for row in content["finishes"])
     return Part(**content)
 
 
 def load_mesh(folder: Path) -> Mesh:
     """Read `mesh.npz`; raises BadArtifact if it is missing or not a triangle mesh."""
     path = folder / "mesh.npz"
-    vertices, faces, finish = read_npz(path, ("vertices", "faces", "finish"), "parts")
-    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or finish.shape != faces.shape[:1]:
-        what = f"has shapes {vertices.shape}, {faces.shape} and {finish.shape}"
-        raise spoilt(path, what, "parts")
-    return Mesh(vertices.astype(np.float64), faces.astype(np.int32), finish.astype(np.uint8))
+    vertices, faces, face_appearance = read_npz(path, ("vertices", "faces", "finish"), "parts")
+    if (
+        vertices.shape[1:] != (3,)
+        or faces.shape[1:] != (3,)
+        or face_appearance.shape != faces.shape[:1]
+    ):
+        what = f"has shapes {vertices.shape}, {faces.shape} and {face_appearance.shape}"
+        raise corrupt_error(path, what, "parts")
+    return Mesh(
+        vertices.astype(np.float64), faces.astype(np.int32), face_appearance.astype(np.uint8)
+    )
 
 
 def load_parts(folder: Path) -> list[Part]:
@@ -102,7 +110,7 @@ def write_manifest(folder: Path) -> None:
     table.writerow([*columns, "x_mm", "y_mm", "z_mm", "strata", "finishes", "defects"])
     for part in load_parts(folder):
         values = [getattr(part, name) for name in columns]
-        finishes = (finish.name for finish in part.finishes)
-        texts = ("; ".join(several) for several in (part.strata, finishes, part.defects))
-        table.writerow([*values, *part.extents_mm, *texts])
+        appearances = (appearance.name for appearance in part.finishes)
+        joined_lists = ("; ".join(several) for several in (part.strata, appearances, part.defects))
+        table.writerow([*values, *part.extents_mm, *joined_lists])
     write_text(folder / "manifest.csv", text.getvalue())

@@ -10,26 +10,26 @@ def write_ply(
     path: Path,
     points: Float[np.ndarray, "n 3"],
     *,
-    colours: UInt8[np.ndarray, "n 3"] | None = None,
+    colors: UInt8[np.ndarray, "n 3"] | None = None,
     confidence: Float[np.ndarray, "n"] | None = None,
     view: Int16[np.ndarray, "n"] | None = None,
     faces: Int32[np.ndarray, "m 3"] | None = None,
-    face_colours: UInt8[np.ndarray, "m 3"] | None = None,
+    face_colors: UInt8[np.ndarray, "m 3"] | None = None,
     unit: str = "mm",
 ) -> None:
     """Write points, or a mesh if `faces` is given.
 
-    Colours are written as they are: linear ones of our own parts, sRGB of other photographs.
+    Colors are written as they are: linear ones of our own parts, sRGB of other photographs.
     Lengths are in `unit`, which the header says: the suite's own files are in mm.
     `confidence` has two columns, `confidence` and, for MeshLab, `quality`; `view` is the training
-    view that says most of a point; `face_colours` need `faces`.
+    view that says most of a point; `face_colors` need `faces`.
     """
     columns: list[tuple[str, str, np.ndarray]] = [
         (name, "f4", points[:, axis]) for axis, name in enumerate("xyz")
     ]
-    if colours is not None:
+    if colors is not None:
         names = ("red", "green", "blue")
-        columns += [(name, "u1", colours[:, axis]) for axis, name in enumerate(names)]
+        columns += [(name, "u1", colors[:, axis]) for axis, name in enumerate(names)]
     if confidence is not None:
         # MeshLab shows `quality`; what it makes of a float named `confidence` is not its value
         columns += [(name, "f4", confidence) for name in ("confidence", "quality")]
@@ -38,22 +38,22 @@ def write_ply(
     vertices = np.empty(len(points), [(name, "<" + kind) for name, kind, _ in columns])
     for name, _, values in columns:
         vertices[name] = values
-    word = {"f4": "float", "i2": "short", "u1": "uchar"}
+    ply_types = {"f4": "float", "i2": "short", "u1": "uchar"}
     header = ["ply", "format binary_little_endian 1.0", f"comment lengths in {unit}"]
     header += [f"element vertex {len(vertices)}"]
-    header += [f"property {word[kind]} {name}" for name, kind, _ in columns]
+    header += [f"property {ply_types[kind]} {name}" for name, kind, _ in columns]
     if faces is not None:
         header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
-    if face_colours is not None:
+    if face_colors is not None:
         header += [f"property uchar {name}" for name in ("red", "green", "blue")]
     with path.open("wb") as file:
         file.write("\n".join([*header, "end_header\n"]).encode())
         file.write(vertices.tobytes())
         if faces is not None:
             row = [("count", "u1"), ("corners", "<i4", 3)]
-            row += [] if face_colours is None else [("colour", "u1", 3)]
+            row += [] if face_colors is None else [("color", "u1", 3)]
             triangles = np.empty(len(faces), row)
             triangles["count"], triangles["corners"] = 3, faces
-            if face_colours is not None:
-                triangles["colour"] = face_colours
+            if face_colors is not None:
+                triangles["color"] = face_colors
             file.write(triangles.tobytes())

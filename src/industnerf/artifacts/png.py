@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float, UInt16
 from PIL import Image
 
-from industnerf.artifacts.files import spoilt
+from industnerf.artifacts.files import corrupt_error
 
-DEEPEST = 65535  # largest value of a 16-bit pixel
+MAX_DEPTH_VALUE = 65535  # largest value of a 16-bit pixel
 
 
-def depth_steps(
+def quantize_depth(
     depth_mm: Float[np.ndarray, "*pixels"], step_mm: float
 ) -> UInt16[np.ndarray, "*pixels"]:
     """Depth as a picture holds it: 0 is background, so what is nearer than a step is 1."""
@@ -19,7 +19,7 @@ def depth_steps(
 
 
 def write_png(path: Path, pixels: np.ndarray) -> None:
-    """Write 8- or 16-bit grey, 8-bit colour, or truth values."""
+    """Write 8- or 16-bit gray, 8-bit color, or truth values."""
     # Of a part's views, level 2 writes a megabyte more than 6, in half the time or less.
     Image.fromarray(pixels).save(path, compress_level=2)
 
@@ -30,8 +30,8 @@ def read_png(path: Path, height: int, width: int, stage: str) -> np.ndarray:
         with Image.open(path) as image:
             pixels = np.asarray(image)
     except (OSError, SyntaxError, ValueError) as error:  # pillow raises all three
-        raise spoilt(path, f"cannot be read ({error})", stage) from None
+        raise corrupt_error(path, f"cannot be read ({error})", stage) from None
     if pixels.shape[:2] != (height, width):
         what = f"has {pixels.shape[:2]} rows and columns, not {(height, width)}"
-        raise spoilt(path, what, stage)
+        raise corrupt_error(path, what, stage)
     return pixels

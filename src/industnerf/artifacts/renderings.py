@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-from industnerf.artifacts.files import read_json, spoilt, write_json
-from industnerf.artifacts.png import DEEPEST, depth_steps, read_png, write_png
+from industnerf.artifacts.files import corrupt_error, read_json, write_json
+from industnerf.artifacts.png import MAX_DEPTH_VALUE, quantize_depth, read_png, write_png
 
 SCHEMA = 1
 FOLDER, INDEX = "renderings", "renderings.json"
-HALF = 128  # the first of 256 levels that is at least half opaque
+FOREGROUND_THRESHOLD = 128  # the first of 256 levels that is at least half opaque
 # pixels, and what comes after rows and columns
 KINDS = {"rgb": (np.uint8, (3,)), "depth": (np.uint16, ()), "opacity": (np.uint8, ())}
 
@@ -36,14 +36,14 @@ class Renderings:
     @property
     def foreground(self) -> Bool[np.ndarray, "n h w"]:
         """Where the opacity is at least one half."""
-        return self.opacity >= HALF
+        return self.opacity >= FOREGROUND_THRESHOLD
 
     def save(self, cloud: Path) -> None:
         """Write the folder `renderings` into the folder `cloud`; depth must be finite and >= 0."""
         folder, (count, height, width) = cloud / FOLDER, self.opacity.shape
-        scale = float(self.depth_mm.max(initial=0.0) or 1.0) / DEEPEST
+        scale = float(self.depth_mm.max(initial=0.0) or 1.0) / MAX_DEPTH_VALUE
         sizes = {"count": count, "height": height, "width": width}
-        depth = depth_steps(self.depth_mm, scale)
+        depth = quantize_depth(self.depth_mm, scale)
         for kind, pixels in (("rgb", self.rgb), ("depth", depth), ("opacity", self.opacity)):
             (folder / kind).mkdir(parents=True)
             for index, image in enumerate(pixels):
@@ -59,21 +59,21 @@ class Renderings:
         folder = cloud / FOLDER
         if not folder.is_dir():
             return None
-        facts = read_json(folder / INDEX, SCHEMA, "reconstruct")
-        colours, depth, opacity = (_read(folder / kind, facts) for kind in KINDS)
-        depth_mm = depth.astype(np.float32) * np.float32(facts["depth_scale_mm"])
-        return Renderings(colours, depth_mm, opacity)
+        metadata = read_json(folder / INDEX, SCHEMA, "reconstruct")
+        colors, depth, opacity = (_read_images(folder / kind, metadata) for kind in KINDS)
+        depth_mm = depth.astype(np.float32) * np.float32(metadata["depth_scale_mm"])
+        return Renderings(colors, depth_mm, opacity)
 
 
-def _read(folder: Path, facts: dict) -> np.ndarray:
+def _read_images(folder: Path, metadata: dict) -> np.ndarray:
     kind, channels = KINDS[folder.name]
-    height, width = facts["height"], facts["width"]
-    images = np.empty((facts["count"], height, width, *channels), kind)
+    height, width = metadata["height"], metadata["width"]
+    images = np.empty((metadata["count"], height, width, *channels), kind)
     for index in range(len(images)):
         path = folder / f"{index:03d}.png"
         pixels = read_png(path, height, width, "reconstruct")
         if (pixels.dtype, pixels.shape[2:]) != KINDS[folder.name]:
             what = f"holds {pixels.dtype} in {pixels.shape[2:] or 1} channels"
-            raise spoilt(path, what, "reconstruct")
+            raise corrupt_error(path, what, "reconstruct")
         images[index] = pixels
     return images

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from industnerf.artifacts.appearance import Appearance, appearance_from_json
 from industnerf.artifacts.files import read_json, read_npz, write_json
-from industnerf.artifacts.finish import Finish, finish_from
 from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadArtifact
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -32,19 +32,19 @@ class Solids:
     file: str  # its name
     format: str  # for people, by content: "binary STL", "STEP"
     unit: str  # of the file: "mm, stated", "inch, stated", "mm, assumed" (parts.units)
-    finishes: tuple[Finish, ...]  # what the `finish` of every mesh counts; at least one
-    remarks: tuple[str, ...]  # what the reader could not keep, or had to assume
+    finishes: tuple[Appearance, ...]  # what the `finish` of every mesh counts; at least one
+    warnings: tuple[str, ...]  # what the reader could not keep, or had to assume
     solids: tuple[Solid, ...]  # at least one, each with at least one face
 
     def save(self, folder: Path) -> None:
         """Write `solids.json` and `solids.npz` into `folder`."""
-        facts = {
+        metadata = {
             "schema": SCHEMA,
             "file": self.file,
             "format": self.format,
             "unit": self.unit,
-            "finishes": [asdict(finish) for finish in self.finishes],
-            "remarks": self.remarks,
+            "finishes": [asdict(appearance) for appearance in self.finishes],
+            "warnings": self.warnings,
             "solids": [solid.name for solid in self.solids],
         }
         arrays = {
@@ -52,43 +52,55 @@ class Solids:
             for i, solid in enumerate(self.solids)
             for name, array in vars(solid.mesh).items()
         }
-        write_json(folder / "solids.json", facts)
+        write_json(folder / "solids.json", metadata)
         np.savez_compressed(folder / "solids.npz", **arrays)
 
     @staticmethod
     def load(folder: Path) -> "Solids":
         """Read what `save` wrote; raises BadArtifact if it is missing, torn or of another shape."""
-        facts = read_json(folder / "solids.json", SCHEMA, "solids")
+        metadata = read_json(folder / "solids.json", SCHEMA, "solids")
         path, arrays = folder / "solids.npz", list(Mesh.__annotations__)
-        keys = [f"{name}_{i}" for i in range(len(facts["solids"])) for name in arrays]
-        found = iter(read_npz(path, tuple(keys), "solids"))
+        keys = [f"{name}_{i}" for i in range(len(metadata["solids"])) for name in arrays]
+        stored_arrays = iter(read_npz(path, tuple(keys), "solids"))
         meshes = [
-            _mesh(f"{path}: solid {name!r}", next(found), next(found), next(found), facts)
-            for name in facts["solids"]
+            _checked_mesh(
+                f"{path}: solid {name!r}",
+                next(stored_arrays),
+                next(stored_arrays),
+                next(stored_arrays),
+                metadata,
+            )
+            for name in metadata["solids"]
         ]
         return Solids(
-            facts["file"],
-            facts["format"],
-            facts["unit"],
-            tuple(finish_from(row) for row in facts["finishes"]),
-            tuple(facts["remarks"]),
-            tuple(Solid(n, m) for n, m in zip(facts["solids"], meshes, strict=True)),
+            metadata["file"],
+            metadata["format"],
+            metadata["unit"],
+            tuple(appearance_from_json(row) for row in metadata["finishes"]),
+            tuple(metadata["warnings"]),
+            tuple(Solid(n, m) for n, m in zip(metadata["solids"], meshes, strict=True)),
         )
 
 
-def names_of(folder: Path) -> tuple[str, ...]:
+def solid_names(folder: Path) -> tuple[str, ...]:
     """The names of the solids in `folder`, without their meshes; raises BadArtifact as `load`."""
     return tuple(read_json(folder / "solids.json", SCHEMA, "solids")["solids"])
 
 
-def _mesh(
-    what: str, vertices: np.ndarray, faces: np.ndarray, finish: np.ndarray, facts: dict
+def _checked_mesh(
+    what: str, vertices: np.ndarray, faces: np.ndarray, face_appearance: np.ndarray, metadata: dict
 ) -> Mesh:
     """Raises BadArtifact unless every face has three vertices and a finish that are there."""
-    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or finish.shape != faces.shape[:1]:
-        raise BadArtifact(f"{what} has shapes {vertices.shape}, {faces.shape} and {finish.shape}")
+    if (
+        vertices.shape[1:] != (3,)
+        or faces.shape[1:] != (3,)
+        or face_appearance.shape != faces.shape[:1]
+    ):
+        raise BadArtifact(
+            f"{what} has shapes {vertices.shape}, {faces.shape} and {face_appearance.shape}"
+        )
     if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
         raise BadArtifact(f"{what} has no face, or one that names no vertex")
-    if finish.max() >= len(facts["finishes"]):
+    if face_appearance.max() >= len(metadata["finishes"]):
         raise BadArtifact(f"{what} has a face without a finish")
-    return Mesh(vertices, faces, finish)
+    return Mesh(vertices, faces, face_appearance)

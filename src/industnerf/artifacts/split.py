@@ -9,30 +9,37 @@ SCHEMA = 2
 
 
 @dataclass(frozen=True)
-class Place:
+class SplitAssignment:
     """Where one part stands."""
 
     split: str  # "dev": tuned on, in no headline mean; "test": reported
     fold: int | None  # the part is reconstructed by a net that saw no part of this fold; None: any
 
     @property
-    def net(self) -> str:
+    def net_name(self) -> str:
         """The name of the net that is asked about the part."""
         return "all" if self.fold is None else f"fold-{self.fold}"
 
 
-def taught(places: dict[str, Place], net: str) -> list[str]:
+def train_parts(assignments: dict[str, SplitAssignment], net_name: str) -> list[str]:
     """The parts, by id, that the net `net` learns from."""
-    return sorted(part for part, place in places.items() if net == "all" or place.net != net)
+    return sorted(
+        part
+        for part, assignment in assignments.items()
+        if net_name == "all" or assignment.net_name != net_name
+    )
 
 
-def save_split(path: Path, places: dict[str, Place]) -> None:
+def save_split(path: Path, assignments: dict[str, SplitAssignment]) -> None:
     """Write the place of every part id."""
-    write_json(path, {"schema": SCHEMA, "parts": {part: vars(p) for part, p in places.items()}})
+    write_json(
+        path, {"schema": SCHEMA, "parts": {part: vars(p) for part, p in assignments.items()}}
+    )
 
 
-def load_split(path: Path) -> dict[str, Place]:
+def load_split(path: Path) -> dict[str, SplitAssignment]:
     """Read the place of every part id; raises BadArtifact if the file is missing or torn."""
     return {
-        part: Place(**place) for part, place in read_json(path, SCHEMA, "split")["parts"].items()
+        part: SplitAssignment(**assignment)
+        for part, assignment in read_json(path, SCHEMA, "split")["parts"].items()
     }

@@ -21,16 +21,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt8
 
 from industnerf.artifacts.files import read_json, write_json
-from industnerf.artifacts.png import depth_steps, read_png, write_png
+from industnerf.artifacts.png import quantize_depth, read_png, write_png
 from industnerf.geometry.cameras import Cameras
 
-SCHEMA = 2
-TRUTH = "true_cameras.json"
+SCHEMA = 3
+TRUE_CAMERAS = "true_cameras.json"
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # NeRF tools: +y up, camera looks along -z
 
 
 @dataclass(frozen=True)
-class Frame:
+class RgbdImage:
     """One photograph."""
 
     rgb: UInt8[np.ndarray, "h w 3"]
@@ -48,28 +48,28 @@ class Views:
     held_out: Bool[np.ndarray, "n"]
     background: Float[np.ndarray, "n 3"]  # in [0, 1]
     depth_scale_mm: float
-    seen_by_training: float  # share of the part's area that a training view shows
+    train_visible_share: float  # share of the part's area that a training view shows
 
     @property
-    def train(self) -> np.ndarray:
+    def train_indices(self) -> np.ndarray:
         """Indices of the training views."""
         return np.flatnonzero(~self.held_out)
 
-    def rgb(self, which: np.ndarray) -> UInt8[np.ndarray, "n h w 3"]:
-        """Colour images of the views `which`."""
-        return self._read("rgb", which)
+    def rgb(self, indices: np.ndarray) -> UInt8[np.ndarray, "n h w 3"]:
+        """Color images of the views `which`."""
+        return self._read("rgb", indices)
 
-    def mask(self, which: np.ndarray) -> Bool[np.ndarray, "n h w"]:
-        """True where a pixel's centre shows the part."""
-        return self._read("mask", which) > 0
+    def mask(self, indices: np.ndarray) -> Bool[np.ndarray, "n h w"]:
+        """True where a pixel's center shows the part."""
+        return self._read("mask", indices) > 0
 
-    def depth_mm(self, which: np.ndarray) -> Float32[np.ndarray, "n h w"]:
-        """z in the camera frame, 0 where a pixel's centre shows the background."""
-        return self._read("depth", which).astype(np.float32) * np.float32(self.depth_scale_mm)
+    def depth_mm(self, indices: np.ndarray) -> Float32[np.ndarray, "n h w"]:
+        """z in the camera frame, 0 where a pixel's center shows the background."""
+        return self._read("depth", indices).astype(np.float32) * np.float32(self.depth_scale_mm)
 
-    def _read(self, kind: str, which: np.ndarray) -> np.ndarray:
+    def _read(self, kind: str, indices: np.ndarray) -> np.ndarray:
         size = self.cameras.height, self.cameras.width
-        paths = [self.folder / kind / f"{index:03d}.png" for index in which]
+        paths = [self.folder / kind / f"{index:03d}.png" for index in indices]
         return np.stack([read_png(path, *size, "views") for path in paths])
 
 
@@ -84,7 +84,7 @@ def load_views(folder: Path) -> Views:
         np.array([row["held_out"] for row in rows], bool),
         np.array([row["background"] for row in rows], float),
         content["depth_scale_mm"],
-        content["seen_by_training"],
+        content["train_visible_share"],
     )
 
 
@@ -93,9 +93,9 @@ def load_true_cameras(folder: Path) -> Cameras:
 
     To judge by, and never for a method.  Raises BadArtifact as `load_views` does.
     """
-    if not (folder / TRUTH).exists():
+    if not (folder / TRUE_CAMERAS).exists():
         return load_views(folder).cameras
-    content = read_json(folder / TRUTH, SCHEMA, "views")
+    content = read_json(folder / TRUE_CAMERAS, SCHEMA, "views")
     return _cameras(content, content["cameras"])
 
 
@@ -108,26 +108,28 @@ def _cameras(content: dict, rows: list[dict]) -> Cameras:
     )
 
 
-def save_views(views: Views, frames: Iterable[Frame], truth: Cameras | None = None) -> None:
+def save_views(
+    views: Views, images: Iterable[RgbdImage], true_cameras: Cameras | None = None
+) -> None:
     """Write the cameras, and every frame as soon as it comes, into `views.folder`.
 
     `truth` are the cameras that took the frames, where `views.cameras` are wrong.
     """
     for kind in ("rgb", "mask", "depth"):
         (views.folder / kind).mkdir(parents=True)
-    write_json(views.folder / "cameras.json", _ours(views, exact=truth is None))
-    write_json(views.folder / "transforms.json", _nerf(views))
-    if truth is not None:
-        write_json(views.folder / TRUTH, _truth(truth))
-    for index, frame in enumerate(frames):
-        depth = depth_steps(frame.depth_mm, views.depth_scale_mm)
-        write_png(views.folder / f"rgb/{index:03d}.png", frame.rgb)
-        write_png(views.folder / f"mask/{index:03d}.png", frame.mask)
+    write_json(views.folder / "cameras.json", _cameras_json(views, exact=true_cameras is None))
+    write_json(views.folder / "transforms.json", _transforms_json(views))
+    if true_cameras is not None:
+        write_json(views.folder / TRUE_CAMERAS, _true_cameras_json(true_cameras))
+    for index, image in enumerate(images):
+        depth = quantize_depth(image.depth_mm, views.depth_scale_mm)
+        write_png(views.folder / f"rgb/{index:03d}.png", image.rgb)
+        write_png(views.folder / f"mask/{index:03d}.png", image.mask)
         write_png(views.folder / f"depth/{index:03d}.png", depth)
 
 
-def _ours(views: Views, *, exact: bool) -> dict:
-    rows = zip(_rows(views.cameras), views.held_out, views.background, strict=True)
+def _cameras_json(views: Views, *, exact: bool) -> dict:
+    rows = zip(_camera_rows(views.cameras), views.held_out, views.background, strict=True)
     return {
         "schema": SCHEMA,
         "part_id": views.part_id,
@@ -137,31 +139,31 @@ def _ours(views: Views, *, exact: bool) -> dict:
         "width": views.cameras.width,
         "height": views.cameras.height,
         "depth_scale_mm": views.depth_scale_mm,
-        "seen_by_training": views.seen_by_training,
+        "train_visible_share": views.train_visible_share,
         "cameras": [
-            {"held_out": bool(held_out), "background": colour.tolist()} | row
-            for row, held_out, colour in rows
+            {"held_out": bool(held_out), "background": color.tolist()} | row
+            for row, held_out, color in rows
         ],
     }
 
 
-def _truth(cameras: Cameras) -> dict:
+def _true_cameras_json(cameras: Cameras) -> dict:
     size = {"width": cameras.width, "height": cameras.height}
-    return {"schema": SCHEMA} | size | {"cameras": _rows(cameras)}
+    return {"schema": SCHEMA} | size | {"cameras": _camera_rows(cameras)}
 
 
-def _rows(cameras: Cameras) -> list[dict]:
+def _camera_rows(cameras: Cameras) -> list[dict]:
     return [
         {"K": K.tolist(), "c2w": c2w.tolist()}
         for K, c2w in zip(cameras.K, cameras.c2w, strict=True)
     ]
 
 
-def _nerf(views: Views) -> dict:
+def _transforms_json(views: Views) -> dict:
     """One lens for all frames where they share it, else one for each: NeRF tools read both."""
     cameras, names = views.cameras, [f"rgb/{i:03d}.png" for i in range(len(views.cameras))]
-    lenses = [_lens(K, cameras.width) for K in cameras.K]
-    shared = all(lens == lenses[0] for lens in lenses)
+    intrinsics = [_intrinsics(K, cameras.width) for K in cameras.K]
+    shared = all(own_intrinsics == intrinsics[0] for own_intrinsics in intrinsics)
     frames = [
         {
             "file_path": name,
@@ -169,22 +171,22 @@ def _nerf(views: Views) -> dict:
             "depth_file_path": name.replace("rgb", "depth"),
             "transform_matrix": (c2w @ OPENGL).tolist(),
         }
-        | ({} if shared else lens)
-        for name, c2w, lens in zip(names, cameras.c2w, lenses, strict=True)
+        | ({} if shared else own_intrinsics)
+        for name, c2w, own_intrinsics in zip(names, cameras.c2w, intrinsics, strict=True)
     ]
     return {
         "camera_model": "OPENCV",
-        **(lenses[0] if shared else {}),
+        **(intrinsics[0] if shared else {}),
         "w": cameras.width,
         "h": cameras.height,
         "depth_unit_scale_factor": views.depth_scale_mm,
-        "train_filenames": [names[i] for i in views.train],
+        "train_filenames": [names[i] for i in views.train_indices],
         "test_filenames": [names[i] for i in np.flatnonzero(views.held_out)],
         "frames": frames,
     }
 
 
-def _lens(K: Float[np.ndarray, "3 3"], width: int) -> dict[str, float]:
+def _intrinsics(K: Float[np.ndarray, "3 3"], width: int) -> dict[str, float]:
     return {
         "camera_angle_x": float(2 * np.arctan(width / 2 / K[0, 0])),
         "fl_x": float(K[0, 0]),

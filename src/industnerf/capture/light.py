@@ -6,47 +6,49 @@ import numpy as np
 from jaxtyping import Float32
 from scipy.spatial.transform import Rotation
 
-from industnerf.capture.chance import Draws
+from industnerf.capture.rng import RandomStreams
 from industnerf.schema import LightParams
 
 
 @dataclass(frozen=True)
-class Lamps:
+class Lights:
     """Ambient light and distant lamps."""
 
     ambient: np.float32
-    towards: Float32[np.ndarray, "lamps 3"]  # unit
+    directions: Float32[np.ndarray, "lamps 3"]  # unit
     intensity: Float32[np.ndarray, "lamps"]
 
     @staticmethod
-    def of(light: LightParams) -> "Lamps":
+    def from_params(light: LightParams) -> "Lights":
         """`light` as arrays."""
-        towards = np.array(light.directions, np.float32).reshape(-1, 3)
-        towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-        return Lamps(np.float32(light.ambient), towards, np.array(light.intensities, np.float32))
+        directions = np.array(light.directions, np.float32).reshape(-1, 3)
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        return Lights(
+            np.float32(light.ambient), directions, np.array(light.intensities, np.float32)
+        )
 
-    def shine(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
+    def shade(self, normals: Float32[np.ndarray, "3 n"]) -> Float32[np.ndarray, "n"]:
         """Lambert's law: ambient + sum of intensity * max(0, cosine); normals of any length."""
         length = np.sqrt(np.einsum("ij,ij->j", normals, normals))
-        lit = self.intensity @ np.maximum(self.towards @ normals, 0)
-        return np.maximum(self.ambient + lit / np.maximum(length, np.float32(1e-12)), 0)
+        diffuse = self.intensity @ np.maximum(self.directions @ normals, 0)
+        return np.maximum(self.ambient + diffuse / np.maximum(length, np.float32(1e-12)), 0)
 
 
-def lamps_of(light: LightParams, draws: Draws) -> Lamps:
+def view_lights(light: LightParams, streams: RandomStreams) -> Lights:
     """The lamps of one view.
 
     All of them are turned as one about a random axis, by an angle uniform within `sway_deg`,
     and each is brighter or darker by a share uniform within `flicker`.
     """
-    lamps = Lamps.of(light)
-    if not (light.sway_deg or light.flicker):
-        return lamps
-    rng = draws.of("light")
-    axis, angle = rng.standard_normal(3), rng.uniform(-1, 1) * np.radians(light.sway_deg)
-    turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_matrix()
-    change = 1 + light.flicker * rng.uniform(-1, 1, len(lamps.intensity))
-    return Lamps(
-        lamps.ambient,
-        (lamps.towards @ turn.T).astype(np.float32),
-        (lamps.intensity * change).astype(np.float32),
+    lights = Lights.from_params(light)
+    if not (light.rotation_jitter_deg or light.intensity_jitter):
+        return lights
+    rng = streams.generator("light")
+    axis, angle = rng.standard_normal(3), rng.uniform(-1, 1) * np.radians(light.rotation_jitter_deg)
+    rotation = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_matrix()
+    intensity_scale = 1 + light.intensity_jitter * rng.uniform(-1, 1, len(lights.intensity))
+    return Lights(
+        lights.ambient,
+        (lights.directions @ rotation.T).astype(np.float32),
+        (lights.intensity * intensity_scale).astype(np.float32),
     )

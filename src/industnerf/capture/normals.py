@@ -27,7 +27,7 @@ def corner_normals(
     triangles = vertices[faces]
     normals = face_normals(triangles)
     group = _smooth_groups(faces, normals, crease_deg)
-    weighted = (_weights(triangles)[:, :, None] * normals[:, None, :]).reshape(-1, 3)
+    weighted = (_corner_weights(triangles)[:, :, None] * normals[:, None, :]).reshape(-1, 3)
     sums = np.stack([np.bincount(group, weighted[:, axis]) for axis in range(3)], axis=1)
     return _unit(sums)[group].reshape(-1, 3, 3).astype(np.float32)
 
@@ -36,19 +36,27 @@ def _smooth_groups(
     faces: Faces, normals: Float[np.ndarray, "m 3"], crease_deg: float
 ) -> Int[np.ndarray, "corners"]:
     """For each corner (3 * face + position) the number of the group that it is averaged with."""
-    one, other = _edge_neighbours(faces)
-    cosine = np.einsum("ij,ij->i", normals[one // 3], normals[other // 3])
-    soft = cosine > np.cos(np.radians(crease_deg))
-    one, other = one[soft], other[soft]
+    half_edge, twin = _edge_neighbors(faces)
+    cosine = np.einsum("ij,ij->i", normals[half_edge // 3], normals[twin // 3])
+    is_smooth = cosine > np.cos(np.radians(crease_deg))
+    half_edge, twin = half_edge[is_smooth], twin[is_smooth]
     # Two faces share both ends of their edge: half-edge c runs from corner c to the next.
-    links = [(one, other), (one, _next(other)), (_next(one), other), (_next(one), _next(other))]
+    links = [
+        (half_edge, twin),
+        (half_edge, _next(twin)),
+        (_next(half_edge), twin),
+        (_next(half_edge), _next(twin)),
+    ]
     a, b = (np.concatenate(side) for side in zip(*links, strict=True))
-    same = faces.ravel()[a] == faces.ravel()[b]
-    graph = coo_array((np.ones(same.sum(), bool), (a[same], b[same])), (faces.size, faces.size))
+    is_same_vertex = faces.ravel()[a] == faces.ravel()[b]
+    graph = coo_array(
+        (np.ones(is_same_vertex.sum(), bool), (a[is_same_vertex], b[is_same_vertex])),
+        (faces.size, faces.size),
+    )
     return connected_components(graph, directed=False)[1]
 
 
-def _edge_neighbours(faces: Faces) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
+def _edge_neighbors(faces: Faces) -> tuple[Int[np.ndarray, "pairs"], Int[np.ndarray, "pairs"]]:
     """All pairs of half-edges that lie on one edge: of two faces, or of more."""
     start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel()
     edge = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
@@ -61,19 +69,19 @@ def _edge_neighbours(faces: Faces) -> tuple[Int[np.ndarray, "pairs"], Int[np.nda
         if not len(first):
             break
         pairs.append((order[first], order[first + step]))
-    one, other = zip(*pairs, strict=True) if pairs else ([order[:0]], [order[:0]])
-    return np.concatenate(one), np.concatenate(other)
+    half_edge, twin = zip(*pairs, strict=True) if pairs else ([order[:0]], [order[:0]])
+    return np.concatenate(half_edge), np.concatenate(twin)
 
 
 def _next(corner: Int[np.ndarray, "n"]) -> Int[np.ndarray, "n"]:
     return corner + 1 - 3 * (corner % 3 == 2)
 
 
-def _weights(triangles: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 3"]:
+def _corner_weights(triangles: Float[np.ndarray, "m 3 3"]) -> Float[np.ndarray, "m 3"]:
     """Area times angle at each corner."""
-    ahead = _unit(np.roll(triangles, -1, axis=1) - triangles)
-    behind = _unit(np.roll(triangles, 1, axis=1) - triangles)
-    angle = np.arccos(np.clip(np.einsum("mij,mij->mi", ahead, behind), -1, 1))
+    to_next = _unit(np.roll(triangles, -1, axis=1) - triangles)
+    to_previous = _unit(np.roll(triangles, 1, axis=1) - triangles)
+    angle = np.arccos(np.clip(np.einsum("mij,mij->mi", to_next, to_previous), -1, 1))
     a, b, c = triangles.transpose(1, 0, 2)
     return angle * np.linalg.norm(np.cross(b - a, c - a), axis=1)[:, None]
 

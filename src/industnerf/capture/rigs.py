@@ -1,41 +1,41 @@
-"""Where the cameras stand: around the part, all looking at its centre."""
+"""Where the cameras stand: around the part, all looking at its center."""
 
 from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from industnerf.capture.rings import between, rings
+from industnerf.capture.turntable import held_out_directions, ring_directions
 from industnerf.errors import BadParams
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
 from industnerf.schema import ViewsParams
 
-ROUNDING = 1e-9  # by which a ball that just fits may seem too large
-TURNS = 360  # candidates for the turn between held-out and training cameras
+FIT_TOLERANCE = 1e-9  # by which a ball that just fits may seem too large
+NUM_AZIMUTHS = 360  # candidates for the turn between held-out and training cameras
 
 Directions = Float[np.ndarray, "_ 3"]
 Lattice = Callable[[int, float], Directions]
 
 
 def bounding_ball(vertices: Float[np.ndarray, "n 3"]) -> tuple[Float[np.ndarray, "3"], float]:
-    """Centre of the bounding box, and the distance (mm) of the vertex farthest from it."""
-    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    return centre, float(np.linalg.norm(vertices - centre, axis=1).max())
+    """Center of the bounding box, and the distance (mm) of the vertex farthest from it."""
+    center = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return center, float(np.linalg.norm(vertices - center, axis=1).max())
 
 
 def cameras_around(
-    centre: Float[np.ndarray, "3"], radius_mm: float, settings: ViewsParams
+    center: Float[np.ndarray, "3"], radius_mm: float, settings: ViewsParams
 ) -> tuple[Cameras, Bool[np.ndarray, "n"]]:
     """Training cameras, then held-out ones, that frame the ball; and which are held out.
 
     Raises BadParams if the ball is larger than the field of view.
     """
     require_in_frame(settings)
-    eyes = centre + settings.radius * radius_mm * np.concatenate(directions(settings))
-    K = np.tile(pinhole(settings.fov_deg, settings.resolution), (len(eyes), 1, 1))
-    cameras = Cameras(K, look_at(eyes, centre), settings.resolution, settings.resolution)
-    return cameras, np.arange(len(eyes)) >= settings.count
+    camera_centers = center + settings.radius * radius_mm * np.concatenate(directions(settings))
+    K = np.tile(pinhole(settings.fov_deg, settings.resolution), (len(camera_centers), 1, 1))
+    cameras = Cameras(K, look_at(camera_centers, center), settings.resolution, settings.resolution)
+    return cameras, np.arange(len(camera_centers)) >= settings.count
 
 
 def directions(settings: ViewsParams) -> tuple[Directions, Directions]:
@@ -44,42 +44,44 @@ def directions(settings: ViewsParams) -> tuple[Directions, Directions]:
     Both stand on the same kind of rig, the held-out ones as far from the others as it allows.
     """
     count, held_out = settings.count, settings.held_out
-    if settings.rig == "rings":
+    if settings.rig == "turntable":
         elevations = np.radians(settings.elevations_deg)
-        return rings(count, elevations), between(count, held_out, elevations)
+        return ring_directions(count, elevations), held_out_directions(count, held_out, elevations)
     lattice = fibonacci_sphere if settings.rig == "sphere" else fibonacci_hemisphere
     train = lattice(count, 0.0)
-    return train, lattice(held_out, best_turn(train, held_out, lattice))
+    return train, lattice(held_out, best_azimuth_offset(train, held_out, lattice))
 
 
-def best_turn(train: Directions, held_out: int, lattice: Lattice) -> float:
+def best_azimuth_offset(train: Directions, held_out: int, lattice: Lattice) -> float:
     """The turn (radians) of `held_out` cameras that keeps them farthest from `train`."""
     if not held_out:
         return 0.0
-    turns = np.arange(TURNS) * (2 * np.pi / TURNS)
-    nearest = [(lattice(held_out, turn) @ train.T).max() for turn in turns]
-    return float(turns[np.argmin(nearest)])
+    azimuths = np.arange(NUM_AZIMUTHS) * (2 * np.pi / NUM_AZIMUTHS)
+    nearest = [(lattice(held_out, azimuth) @ train.T).max() for azimuth in azimuths]
+    return float(azimuths[np.argmin(nearest)])
 
 
-def least_distance(half: float, aside: float) -> float:
+def min_camera_distance(half_fov: float, aim_offset: float) -> float:
     """The distance, in radii, from which a ball fits half a field of view of `half` radians.
 
-    It does so wherever within `aside` radii of its centre the camera may aim: seen from the
-    distance d the centre is at most atan(aside / d) off the axis, and asin(1 / d) wide;
+    It does so wherever within `aside` radii of its center the camera may aim: seen from the
+    distance d the center is at most atan(aside / d) off the axis, and asin(1 / d) wide;
     together they are less than asin((1 + aside) / d), for asin is convex.
     """
-    return (1 + aside) / np.sin(half)
+    return (1 + aim_offset) / np.sin(half_fov)
 
 
 def require_in_frame(settings: ViewsParams) -> None:
     """Raise BadParams unless the ball is in frame from where the rig has its cameras."""
-    radius, fov_deg, aside = settings.radius, settings.fov_deg, settings.jitter.aim
-    needed = least_distance(np.radians(fov_deg) / 2, aside)
-    if radius >= needed * (1 - ROUNDING):
+    radius, fov_deg, aim_offset = settings.radius, settings.fov_deg, settings.jitter.look_at
+    needed = min_camera_distance(np.radians(fov_deg) / 2, aim_offset)
+    if radius >= needed * (1 - FIT_TOLERANCE):
         return
-    wide = 1 + aside
-    spans = np.degrees(2 * np.arcsin(min(wide / radius, 1))) if radius > 0 else 180.0
-    aiming = f", with {aside:g} radii around it for views.jitter.aim," if aside else ""
+    radius_with_aim = 1 + aim_offset
+    spans = np.degrees(2 * np.arcsin(min(radius_with_aim / radius, 1))) if radius > 0 else 180.0
+    aiming = (
+        f", with {aim_offset:g} radii around it for views.jitter.look_at," if aim_offset else ""
+    )
     raise BadParams(
         f"params.yaml: the cameras do not frame the part. From views.radius = {radius:g} its "
         f"bounding ball{aiming} spans {spans:.2f} degrees, {spans - fov_deg:.2f} more than "
@@ -90,4 +92,4 @@ def require_in_frame(settings: ViewsParams) -> None:
 
 def round_up(value: float, digits: int) -> float:
     """`value` with so many decimals, never less than it is."""
-    return float(np.ceil(value * 10**digits - ROUNDING) / 10**digits)
+    return float(np.ceil(value * 10**digits - FIT_TOLERANCE) / 10**digits)

@@ -13,41 +13,41 @@ from scipy.ndimage import gaussian_filter
 
 from industnerf.schema import SensorParams
 
-Plane = Float32[np.ndarray, "h w"]  # of one colour; white is 255
+Plane = Float32[np.ndarray, "h w"]  # of one color; white is 255
 
 
-def expose(
+def simulate_sensor(
     planes: Iterable[Plane], sensor: SensorParams, rng: np.random.Generator
 ) -> UInt8[np.ndarray, "h w 3"]:
     """The picture of the light in `planes`: red, green and blue."""
-    levels = []
+    channels = []
     for plane in planes:
         if sensor.blur_px:
-            plane = blurred(plane, sensor.blur_px)
+            plane = blur(plane, sensor.blur_px)
         if sensor.noise:
-            plane = noisy(plane, sensor.noise, rng)
-        levels.append(to_8_bits(plane))
-    rgb = np.stack(levels, axis=-1)
-    return compressed(rgb, sensor.jpeg_quality) if sensor.jpeg_quality else rgb
+            plane = add_noise(plane, sensor.noise, rng)
+        channels.append(quantize(plane))
+    rgb = np.stack(channels, axis=-1)
+    return jpeg_roundtrip(rgb, sensor.jpeg_quality) if sensor.jpeg_quality else rgb
 
 
-def blurred(plane: Plane, sigma_px: float) -> Plane:
+def blur(plane: Plane, sigma_px: float) -> Plane:
     """`plane` under a Gaussian; it is mirrored at its border, so the mean stays."""
     return gaussian_filter(plane, sigma_px, mode="reflect")
 
 
-def noisy(plane: Plane, sigma: float, rng: np.random.Generator) -> Plane:
+def add_noise(plane: Plane, sigma: float, rng: np.random.Generator) -> Plane:
     """`plane` and Gaussian noise, independent in every pixel; `sigma` counts in white."""
     return plane + np.float32(255 * sigma) * rng.standard_normal(plane.shape, np.float32)
 
 
-def to_8_bits(plane: Plane) -> UInt8[np.ndarray, "h w"]:
+def quantize(plane: Plane) -> UInt8[np.ndarray, "h w"]:
     """Rounded, and cut off at black and white."""
     return (np.clip(plane, 0, 255) + np.float32(0.5)).astype(np.uint8)  # the cast rounds down
 
 
-def compressed(rgb: UInt8[np.ndarray, "h w 3"], quality: int) -> UInt8[np.ndarray, "h w 3"]:
-    """What is left of `rgb` in a JPEG file, colour at half the resolution as cameras do."""
+def jpeg_roundtrip(rgb: UInt8[np.ndarray, "h w 3"], quality: int) -> UInt8[np.ndarray, "h w 3"]:
+    """What is left of `rgb` in a JPEG file, color at half the resolution as cameras do."""
     file = io.BytesIO()
     Image.fromarray(rgb).save(file, "JPEG", quality=quality, subsampling="4:2:0")
     with Image.open(file) as image:

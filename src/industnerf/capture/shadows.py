@@ -5,21 +5,21 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Float32
 
-from industnerf.capture.edges import sample_pattern
-from industnerf.capture.surface import Spots, Surface
+from industnerf.capture.edges import hammersley_points
+from industnerf.capture.ray_hits import Surface, SurfacePoints
 from industnerf.geometry.cameras import look_at
 
-CLEAR = 1e-4  # how far above the surface a shadow ray begins, in sizes of the part
-PROBES = 4  # rays that decide whether the others of a lamp are needed
+RAY_OFFSET = 1e-4  # how far above the surface a shadow ray begins, in sizes of the part
+NUM_PROBES = 4  # rays that decide whether the others of a lamp are needed
 
 Points = Float32[np.ndarray, "points 3"]
 
 
-class Lit(NamedTuple):
+class ShadowedLights(NamedTuple):
     """What spots see of one lamp."""
 
-    share: Float32[np.ndarray, "n"]  # of the disc
-    cosine: Float32[np.ndarray, "n"]  # to the normal, mean over the disc; 0 for what is hidden
+    visible_share: Float32[np.ndarray, "n"]  # of the disc
+    mean_cosine: Float32[np.ndarray, "n"]  # to the normal, mean over the disc; 0 for what is hidden
 
 
 class Shadows:
@@ -31,50 +31,58 @@ class Shadows:
 
     def __init__(self, surface: Surface, lamp_deg: float, samples: int) -> None:
         self._surface, self._samples = surface, samples
-        self._reach = np.tan(np.radians(lamp_deg))
-        self._clear_mm = CLEAR * float(np.ptp(surface.vertices, axis=0).max())
+        self._disc_radius = np.tan(np.radians(lamp_deg))
+        self._offset_mm = RAY_OFFSET * float(np.ptp(surface.vertices, axis=0).max())
 
-    def starts(self, spots: Spots, normal: Float32[np.ndarray, "3 n"]) -> Float[np.ndarray, "n 3"]:
+    def ray_origins(
+        self, hits: SurfacePoints, normal: Float32[np.ndarray, "3 n"]
+    ) -> Float[np.ndarray, "n 3"]:
         """Where the shadow rays of `spots` begin, mm; `normal` has unit length."""
-        return self._surface.lifted(spots) + self._clear_mm * normal.T
+        return self._surface.offset_along_normal(hits) + self._offset_mm * normal.T
 
-    def lit(
+    def light_visibility(
         self,
-        starts: Float[np.ndarray, "n 3"],
+        ray_origins: Float[np.ndarray, "n 3"],
         normal: Float32[np.ndarray, "3 n"],
-        towards: Float32[np.ndarray, "3"],
-    ) -> Lit:
+        light_dir: Float32[np.ndarray, "3"],
+    ) -> ShadowedLights:
         """What is seen from `starts` of the lamp around `towards`, above each one's horizon."""
-        disc = disc_around(towards, self._reach, self._samples)
+        disc = disc_directions(light_dir, self._disc_radius, self._samples)
         cosine = np.maximum(disc @ normal, 0)
-        seen = cosine > 0
-        above = np.flatnonzero(seen.any(axis=0))
-        seen[-PROBES:, above] &= self._clear(starts[above], disc[-PROBES:])
-        agreed = seen[-PROBES:, above].mean(axis=0)
-        seen[:, above[agreed == 0]] = False
-        torn = above[(agreed > 0) & (agreed < 1)]
-        seen[:-PROBES, torn] &= self._clear(starts[torn], disc[:-PROBES])
-        cosine *= seen
-        return Lit(seen.mean(axis=0, dtype=np.float32), cosine.mean(axis=0))
+        is_seen = cosine > 0
+        above_horizon = np.flatnonzero(is_seen.any(axis=0))
+        is_seen[-NUM_PROBES:, above_horizon] &= self._is_unblocked(
+            ray_origins[above_horizon], disc[-NUM_PROBES:]
+        )
+        probe_share = is_seen[-NUM_PROBES:, above_horizon].mean(axis=0)
+        is_seen[:, above_horizon[probe_share == 0]] = False
+        is_partial = above_horizon[(probe_share > 0) & (probe_share < 1)]
+        is_seen[:-NUM_PROBES, is_partial] &= self._is_unblocked(
+            ray_origins[is_partial], disc[:-NUM_PROBES]
+        )
+        cosine *= is_seen
+        return ShadowedLights(is_seen.mean(axis=0, dtype=np.float32), cosine.mean(axis=0))
 
-    def _clear(
-        self, starts: Float[np.ndarray, "m 3"], points: Points
+    def _is_unblocked(
+        self, ray_origins: Float[np.ndarray, "m 3"], points: Points
     ) -> Bool[np.ndarray, "points m"]:
         """Whether each point of the lamp is seen from each of `starts`."""
-        clear = np.empty((len(points), len(starts)), bool)
-        for row, point in zip(clear, points, strict=True):
-            row[:] = ~self._surface.scene.blocked(starts, np.tile(point, (len(starts), 1)))
-        return clear
+        is_unblocked = np.empty((len(points), len(ray_origins)), bool)
+        for row, point in zip(is_unblocked, points, strict=True):
+            row[:] = ~self._surface.scene.is_occluded(
+                ray_origins, np.tile(point, (len(ray_origins), 1))
+            )
+        return is_unblocked
 
 
-def disc_around(towards: Float32[np.ndarray, "3"], reach: float, samples: int) -> Points:
+def disc_directions(light_dir: Float32[np.ndarray, "3"], radius: float, samples: int) -> Points:
     """Unit vectors to points, even in area, of a disc of radius `reach` at the distance 1.
 
     They come from its middle to its rim, and any four in a row stand on four sides of it.
     """
-    share, turn = sample_pattern(samples).T.astype(np.float64)
-    angle, out = 2 * np.pi * turn, reach * np.sqrt(share)
+    share, turns = hammersley_points(samples).T.astype(np.float64)
+    angle, distance = 2 * np.pi * turns, radius * np.sqrt(share)
     # as a camera in the middle would see it: the lamp's own right and down
-    across = look_at(np.zeros((1, 3)), towards.astype(np.float64))[0, :3, :2]
-    points = towards + (out * np.stack([np.cos(angle), np.sin(angle)])).T @ across.T
+    axes = look_at(np.zeros((1, 3)), light_dir.astype(np.float64))[0, :3, :2]
+    points = light_dir + (distance * np.stack([np.cos(angle), np.sin(angle)])).T @ axes.T
     return (points / np.linalg.norm(points, axis=1, keepdims=True)).astype(np.float32)

@@ -7,7 +7,7 @@ nothing.
 from importlib import import_module
 
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places
+from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams, SuiteError
 
 CHECKS = {
@@ -24,7 +24,7 @@ CHECKS = {
 }
 
 
-def examine(name: str, places: Places) -> list[Finding]:
+def run_check(name: str, paths: ProjectPaths) -> list[Finding]:
     """What the check `name` finds; a check that cannot be made is a finding too.
 
     Raises BadParams that lists the known checks.
@@ -32,6 +32,6 @@ def examine(name: str, places: Places) -> list[Finding]:
     if name not in CHECKS:
         raise BadParams(f"check {name!r} is unknown, known are {', '.join(CHECKS)}")
     try:
-        return import_module(f"industnerf.doctor.{name}").find(places)
+        return import_module(f"industnerf.doctor.{name}").check(paths)
     except (SuiteError, OSError) as error:
-        return [Finding(places.root, f"{name} cannot be checked: {error}", wrong=True)]
+        return [Finding(paths.root, f"{name} cannot be checked: {error}", is_unfixable=True)]

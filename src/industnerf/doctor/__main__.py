@@ -13,37 +13,37 @@ from pathlib import Path
 from rich.console import Console
 
 from industnerf.cli import exit_with_message
-from industnerf.doctor import CHECKS, examine
+from industnerf.doctor import CHECKS, run_check
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places
+from industnerf.doctor.project_paths import ProjectPaths
 
 
 def main() -> None:
-    listed = "\n".join(f"  {name:12} {about}" for name, about in CHECKS.items())
+    listed = "\n".join(f"  {name:12} {description}" for name, description in CHECKS.items())
     parser = argparse.ArgumentParser(
         prog="python -m industnerf.doctor",
         description=f"{__doc__}\nChecks:\n{listed}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("checks", nargs="*", metavar="CHECK")
-    places, console = Places.of(Path.cwd()), Console(soft_wrap=True, highlight=False)
-    wrong = 0
+    paths, console = ProjectPaths.from_root(Path.cwd()), Console(soft_wrap=True, highlight=False)
+    num_errors = 0
     for name in parser.parse_args().checks or CHECKS:
-        found = examine(name, places)
-        wrong += sum(finding.is_wrong for finding in found)
-        _show(console, places, name, found)
+        findings = run_check(name, paths)
+        num_errors += sum(finding.is_error for finding in findings)
+        _print_check(console, paths, name, findings)
     verdict = {0: "nothing is wrong", 1: "1 thing is wrong"}
-    console.print(verdict.get(wrong, f"{wrong} things are wrong"))
-    sys.exit(1 if wrong else 0)
+    console.print(verdict.get(num_errors, f"{num_errors} things are wrong"))
+    sys.exit(1 if num_errors else 0)
 
 
-def _show(console: Console, places: Places, name: str, found: list[Finding]) -> None:
-    verdict = "wrong" if any(finding.is_wrong for finding in found) else "ok"
+def _print_check(console: Console, paths: ProjectPaths, name: str, findings: list[Finding]) -> None:
+    verdict = "wrong" if any(finding.is_error for finding in findings) else "ok"
     console.print(f"{name:12} {verdict}", markup=False)
-    for finding in found:
-        console.print(f"  {places.words(finding.where)}: {finding.what}", markup=False)
-        if finding.mend:
-            console.print(f"    mend: {finding.mend}", markup=False)
+    for finding in findings:
+        console.print(f"  {paths.shell_words(finding.path)}: {finding.message}", markup=False)
+        if finding.fix:
+            console.print(f"    mend: {finding.fix}", markup=False)
 
 
 if __name__ == "__main__":

@@ -10,16 +10,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places, Project
+from industnerf.doctor.project_paths import Project, ProjectPaths
 
 OBJECT = re.compile(r"[0-9a-f]{30}(\.dir)?")
 
 
-def find(places: Places) -> list[Finding]:
+def check(paths: ProjectPaths) -> list[Finding]:
     """One finding a damaged file."""
     return [
-        _finding(places, project, path)
-        for project in places.projects()
+        _finding(paths, project, path)
+        for project in paths.projects()
         for path in objects(project)
         if _md5(path) != path.parent.name + path.name.removesuffix(".dir")
     ]
@@ -36,22 +36,22 @@ def _md5(path: Path) -> str:
         return hashlib.file_digest(file, "md5").hexdigest()
 
 
-def _finding(places: Places, project: Project, path: Path) -> Finding:
-    copies = sorted({path, *_linked(places, project, path)})
-    others = len(copies) - 1
+def _finding(paths: ProjectPaths, project: Project, path: Path) -> Finding:
+    copies = sorted({path, *_linked_paths(paths, project, path)})
+    num_others = len(copies) - 1
     return Finding(
         path,
         f"its {path.stat().st_size} bytes have another MD5 than its name says: damaged, and DVC "
-        f"hands it out all the same; linked to {others} other place(s)",
-        f"rm -rf {places.words(*copies)} && {project.rerun}",
+        f"hands it out all the same; linked to {num_others} other place(s)",
+        f"rm -rf {paths.shell_words(*copies)} && {project.rerun_command}",
     )
 
 
-def _linked(places: Places, project: Project, path: Path) -> Iterator[Path]:
+def _linked_paths(paths: ProjectPaths, project: Project, path: Path) -> Iterator[Path]:
     """Outputs that are the same file, and whole results in the store that hold it."""
     for folder in ("data", "reports"):
         files = (project.folder / folder).rglob("*")
         yield from (file for file in files if file.is_file() and file.samefile(path))
-    for file in places.store.glob("*/*/out/**/*"):
+    for file in paths.store.glob("*/*/out/**/*"):
         if file.is_file() and file.samefile(path):
-            yield places.store.joinpath(*file.relative_to(places.store).parts[:2])
+            yield paths.store.joinpath(*file.relative_to(paths.store).parts[:2])

@@ -17,89 +17,94 @@ from pathlib import Path
 from industnerf.config import load_params
 from industnerf.doctor.cache import objects
 from industnerf.doctor.findings import Finding, megabytes
-from industnerf.doctor.places import Places, Project
+from industnerf.doctor.project_paths import Project, ProjectPaths
 from industnerf.schema import Params
 
 PER_PIXEL, PER_CLOUD, PER_PART = 0.4, 3.5e6, 1.0e6  # bytes
 
 
-def find(places: Places) -> list[Finding]:
+def check(paths: ProjectPaths) -> list[Finding]:
     """Free space, and whether it is too little.  Raises BadParams if params.yaml is not right.
 
     Too little is what cannot hold the rest of the study, even if all that is made can stay.
     Whether it can, only the keys that the stages compute would tell: that is said, not judged.
     """
-    whole, held = estimate(places.root, load_params(places.root / "params.yaml")), _held(places)
-    need = max(0, whole - held)
-    said = f"about {megabytes(need)} are still needed"
-    if held:
-        said += f", or {megabytes(whole)} if parameters or code changed since the "
-        said += f"{megabytes(held)} in the store were made"
-    return [_finding(places, path, need, whole, said) for path in (places.store, places.root)]
+    total = estimate(paths.root, load_params(paths.root / "params.yaml"))
+    stored = _stored_bytes(paths)
+    required = max(0, total - stored)
+    summary = f"about {megabytes(required)} are still needed"
+    if stored:
+        summary += f", or {megabytes(total)} if parameters or code changed since the "
+        summary += f"{megabytes(stored)} in the store were made"
+    return [_finding(paths, path, required, total, summary) for path in (paths.store, paths.root)]
 
 
 def estimate(root: Path, params: Params) -> int:
     """Bytes that the study of `params` takes when it is finished."""
     views = params.views.count + params.views.held_out
-    photographs = PER_PIXEL * views * params.views.resolution**2
+    view_bytes = PER_PIXEL * views * params.views.resolution**2
     source = root / params.parts.path
     files = [source] if source.is_file() else source.rglob("*")
     parts = len(params.parts.select) or sum(path.is_file() for path in files)
-    return int(parts * (PER_PART + photographs + PER_CLOUD * len(params.methods)))
+    return int(parts * (PER_PART + view_bytes + PER_CLOUD * len(params.methods)))
 
 
-def _held(places: Places) -> int:
+def _stored_bytes(paths: ProjectPaths) -> int:
     """Bytes of what the study has made so far, of whatever parameters and by whatever code."""
-    made = {entry for path in places.root.glob("data/**/index.json") for entry in _entries(path)}
+    entries = {
+        entry for path in paths.root.glob("data/**/index.json") for entry in _index_entries(path)
+    }
     return sum(
         os.stat(os.path.join(folder, name)).st_size
-        for entry in made
-        for folder, _, names in os.walk(places.store / entry)
+        for entry in entries
+        for folder, _, names in os.walk(paths.store / entry)
         for name in names
     )
 
 
-def _entries(index: Path) -> list[str]:
+def _index_entries(index: Path) -> list[str]:
     """Step and key of each result that `index` names; none if it is torn: see `lockfile`."""
     try:
-        made = json.loads(index.read_text(encoding="utf-8"))
-        return [f"{made['step']}/{key}" for key in made["keys"].values()]
+        index_content = json.loads(index.read_text(encoding="utf-8"))
+        return [f"{index_content['step']}/{key}" for key in index_content["keys"].values()]
     except (ValueError, KeyError, TypeError):
         return []
 
 
-def _existing(path: Path) -> Path:
-    return next(each for each in (path, *path.parents) if each.exists())
+def _existing_parent(path: Path) -> Path:
+    return next(candidate for candidate in (path, *path.parents) if candidate.exists())
 
 
-def _free(path: Path) -> int:
-    return shutil.disk_usage(_existing(path)).free
+def _free_bytes(path: Path) -> int:
+    return shutil.disk_usage(_existing_parent(path)).free
 
 
-def _finding(places: Places, path: Path, need: int, whole: int, said: str) -> Finding:
+def _finding(paths: ProjectPaths, path: Path, required: int, total: int, summary: str) -> Finding:
     """Whether `need` bytes fit at `path`; a store elsewhere would begin with the `whole`."""
-    what = f"{megabytes(_free(path))} are free, {said}"
-    if _free(path) >= need:
-        return Finding(path, what)
-    what += "; free some, or set INDUSTNERF_STORE to a larger disk"
-    here = places.root / ".store"
-    if path == places.store and _free(here) >= whole:
-        return Finding(path, what, f"export INDUSTNERF_STORE={shlex.quote(str(here))}")
-    if _existing(path).stat().st_dev != places.root.stat().st_dev:
-        return Finding(path, what, wrong=True)
-    alone = {project: size for project in places.projects() if (size := _alone(project))}
-    if alone:
-        what += f"; DVC's cache can give back {megabytes(sum(alone.values()))} at most"
-    return Finding(path, what, _collect(places, alone), wrong=True)
+    message = f"{megabytes(_free_bytes(path))} are free, {summary}"
+    if _free_bytes(path) >= required:
+        return Finding(path, message)
+    message += "; free some, or set INDUSTNERF_STORE to a larger disk"
+    local_store = paths.root / ".store"
+    if path == paths.store and _free_bytes(local_store) >= total:
+        return Finding(path, message, f"export INDUSTNERF_STORE={shlex.quote(str(local_store))}")
+    if _existing_parent(path).stat().st_dev != paths.root.stat().st_dev:
+        return Finding(path, message, is_unfixable=True)
+    reclaimable = {
+        project: size for project in paths.projects() if (size := _reclaimable_bytes(project))
+    }
+    if reclaimable:
+        message += f"; DVC's cache can give back {megabytes(sum(reclaimable.values()))} at most"
+    return Finding(path, message, _gc_command(paths, reclaimable), is_unfixable=True)
 
 
-def _alone(project: Project) -> int:
+def _reclaimable_bytes(project: Project) -> int:
     """The most bytes that go if DVC drops what it does not need: what is linked elsewhere stays."""
     files = (path.stat() for path in objects(project) if path.suffix != ".dir")
-    return sum(facts.st_size for facts in files if facts.st_nlink == 1)
+    return sum(status.st_size for status in files if status.st_nlink == 1)
 
 
-def _collect(places: Places, projects: Iterable[Project]) -> str:
+def _gc_command(paths: ProjectPaths, projects: Iterable[Project]) -> str:
     """Without what no output of today needs; it asks nothing, and spares the store."""
-    folders = (places.words(project.folder) for project in projects)
+    folders = (paths.shell_words(project.folder) for project in projects)
     return " && ".join(f"(cd {folder} && dvc gc --workspace --force)" for folder in folders)

@@ -12,14 +12,14 @@ class Finding:
     unless it is `wrong` in a way that only its text can help with.
     """
 
-    where: Path
-    what: str
-    mend: str = ""
-    wrong: bool = False
+    path: Path
+    message: str
+    fix: str = ""
+    is_unfixable: bool = False
 
     @property
-    def is_wrong(self) -> bool:
-        return self.wrong or bool(self.mend)
+    def is_error(self) -> bool:
+        return self.is_unfixable or bool(self.fix)
 
 
 def megabytes(size: int) -> str:

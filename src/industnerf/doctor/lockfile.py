@@ -11,49 +11,49 @@ from typing import Any
 import yaml
 
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places, Project
+from industnerf.doctor.project_paths import Project, ProjectPaths
 from industnerf.errors import BadArtifact
 
 # The C reader takes a fifth of the time; only the shape counts here, so any reader will do.
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-def find(places: Places) -> list[Finding]:
+def check(paths: ProjectPaths) -> list[Finding]:
     """At most one finding a project.  Without dvc.lock nothing has run, and nothing is wrong."""
-    locked = [project for project in places.projects() if (project.folder / "dvc.lock").exists()]
-    return [finding for project in locked for finding in _findings(places, project)]
+    projects = [project for project in paths.projects() if (project.folder / "dvc.lock").exists()]
+    return [finding for project in projects for finding in _findings(paths, project)]
 
 
-def require_whole(places: Places, folder: Path) -> None:
+def require_intact(paths: ProjectPaths, folder: Path) -> None:
     """Raises BadArtifact, with what mends it, if DVC would stop at the dvc.lock of `folder`."""
     lock = folder / "dvc.lock"
-    if not lock.exists() or not torn(lock.read_text(errors="replace")):
+    if not lock.exists() or not find_truncation(lock.read_text(errors="replace")):
         return
-    for project in places.projects():
-        for finding in _findings(places, project) if project.folder == folder else []:
-            where = places.words(finding.where)
-            raise BadArtifact(f"{where}: {finding.what}.\nThis mends it: {finding.mend}")
+    for project in paths.projects():
+        for finding in _findings(paths, project) if project.folder == folder else []:
+            path = paths.shell_words(finding.path)
+            raise BadArtifact(f"{path}: {finding.message}.\nThis mends it: {finding.fix}")
 
 
-def _findings(places: Places, project: Project) -> list[Finding]:
-    path, known = project.folder / "dvc.lock", _stages(project.folder / "dvc.yaml")
-    what = fault(path.read_text(errors="replace"), known)
-    if not what:
+def _findings(paths: ProjectPaths, project: Project) -> list[Finding]:
+    path, known_stages = project.folder / "dvc.lock", _stage_names(project.folder / "dvc.yaml")
+    problem = find_problem(path.read_text(errors="replace"), known_stages)
+    if not problem:
         return []
-    committed = _committed(path)
-    if committed and not fault(committed, known):
-        mend = f"git checkout HEAD -- {places.words(path)}"
+    committed = _committed_text(path)
+    if committed and not find_problem(committed, known_stages):
+        fix = f"git checkout HEAD -- {paths.shell_words(path)}"
     else:
-        mend = f"rm {places.words(path)} && {project.rerun}"
-    return [Finding(path, f"{what}; DVC stops at it, or trusts it wrongly", mend)]
+        fix = f"rm {paths.shell_words(path)} && {project.rerun_command}"
+    return [Finding(path, f"{problem}; DVC stops at it, or trusts it wrongly", fix)]
 
 
-def fault(text: str, known: set[str]) -> str:
+def find_problem(text: str, known: set[str]) -> str:
     """What is wrong with `text` as a dvc.lock of the stages `known`, or an empty text."""
-    return torn(text) or _foreign(yaml.load(text, LOADER)["stages"], known)
+    return find_truncation(text) or _find_unknown_stages(yaml.load(text, LOADER)["stages"], known)
 
 
-def torn(text: str) -> str:
+def find_truncation(text: str) -> str:
     """What keeps `text` from being a whole dvc.lock, or an empty text."""
     try:
         content = yaml.load(text, LOADER)
@@ -61,32 +61,34 @@ def torn(text: str) -> str:
         return f"no YAML: {' '.join(str(error).split())[:160]}"
     if not isinstance(content, dict) or not {"schema", "stages"} <= set(content):
         return f"has {len(text)} characters and lacks schema or stages: cut short"
-    return _cut_short(content["stages"])
+    return _find_incomplete_stage(content["stages"])
 
 
-def _cut_short(stages: Any) -> str:
+def _find_incomplete_stage(stages: Any) -> str:
     if not isinstance(stages, dict):
         return "its stages are empty: cut short"
-    bare = [n for n, stage in stages.items() if not isinstance(stage, dict) or "cmd" not in stage]
-    return f"stage {bare[0]} has no cmd: cut short" if bare else ""
+    incomplete = [
+        n for n, stage in stages.items() if not isinstance(stage, dict) or "cmd" not in stage
+    ]
+    return f"stage {incomplete[0]} has no cmd: cut short" if incomplete else ""
 
 
-def _foreign(stages: dict[str, Any], known: set[str]) -> str:
-    foreign = sorted({name.partition("@")[0] for name in stages} - known)
-    return f"has stages that dvc.yaml has not: {', '.join(foreign)}" if foreign else ""
+def _find_unknown_stages(stages: dict[str, Any], known: set[str]) -> str:
+    unknown = sorted({name.partition("@")[0] for name in stages} - known)
+    return f"has stages that dvc.yaml has not: {', '.join(unknown)}" if unknown else ""
 
 
-def _stages(pipeline: Path) -> set[str]:
+def _stage_names(pipeline: Path) -> set[str]:
     try:
         return set(yaml.load(pipeline.read_text(encoding="utf-8"), LOADER)["stages"])
     except (yaml.YAMLError, KeyError, TypeError) as error:
         raise BadArtifact(f"{pipeline} is not to be read: {' '.join(str(error).split())}") from None
 
 
-def _committed(path: Path) -> str:
+def _committed_text(path: Path) -> str:
     """The file as git has it, or an empty text."""
     try:
-        done = subprocess.run(
+        process = subprocess.run(
             ["git", "show", f"HEAD:./{path.name}"],
             cwd=path.parent,
             check=False,
@@ -95,4 +97,4 @@ def _committed(path: Path) -> str:
         )
     except OSError:
         return ""
-    return done.stdout if done.returncode == 0 else ""
+    return process.stdout if process.returncode == 0 else ""

@@ -9,71 +9,81 @@ import time
 from pathlib import Path
 
 from industnerf.doctor.findings import Finding
-from industnerf.doctor.places import Places
-from industnerf.doctor.processes import command, holder, is_alive, state
+from industnerf.doctor.processes import command_line, is_alive, lock_holder, process_state
+from industnerf.doctor.project_paths import ProjectPaths
 
-LOOKS, LOOK_S = 10, 0.1  # DVC empties the file before it writes it anew
+READ_ATTEMPTS, READ_INTERVAL_S = 10, 0.1  # DVC empties the file before it writes it anew
 
 
-def find(places: Places) -> list[Finding]:
+def check(paths: ProjectPaths) -> list[Finding]:
     """Locks that are held; those of processes at work are only told of."""
-    folders = [project.folder / ".dvc" / "tmp" for project in places.projects()]
+    folders = [project.folder / ".dvc" / "tmp" for project in paths.projects()]
     files = [folder / name for folder in folders for name in ("lock", "rwlock.lock")]
-    files.append(places.database.with_name("mlflow.db.lock"))
-    found = [_held(path, pid) for path in files if (pid := holder(path)) is not None]
-    return found + [finding for folder in folders for finding in _rwlock(places, folder / "rwlock")]
+    files.append(paths.database.with_name("mlflow.db.lock"))
+    findings = [_held_lock(path, pid) for path in files if (pid := lock_holder(path)) is not None]
+    return findings + [
+        finding for folder in folders for finding in _check_rwlock(paths, folder / "rwlock")
+    ]
 
 
-def _held(path: Path, pid: int) -> Finding:
-    what = f"held by process {pid} ({command(pid)})"
-    if state(pid) == "T":
-        return Finding(path, f"{what}, which is stopped: others wait for it", f"kill -CONT {pid}")
-    return Finding(path, f"{what}, which is at work")
+def _held_lock(path: Path, pid: int) -> Finding:
+    message = f"held by process {pid} ({command_line(pid)})"
+    if process_state(pid) == "T":
+        return Finding(
+            path, f"{message}, which is stopped: others wait for it", f"kill -CONT {pid}"
+        )
+    return Finding(path, f"{message}, which is at work")
 
 
-def _rwlock(places: Places, path: Path) -> list[Finding]:
-    remove = f"rm {places.words(path)}"
-    entries = _read(path)
+def _check_rwlock(paths: ProjectPaths, path: Path) -> list[Finding]:
+    remove = f"rm {paths.shell_words(path)}"
+    entries = _read_rwlock(path)
     if entries is None:
         size = path.stat().st_size
         return [Finding(path, f"torn ({size} bytes, not DVC's JSON): DVC stops at it", remove)]
     if any(is_alive(pid) and _is_dvc(pid) for pid, _ in entries):
         remove = ""  # the file is theirs too
-    return [_entry(path, pid, by, remove) for pid, by in sorted(entries)]
+    return [
+        _rwlock_finding(path, pid, command_name, remove) for pid, command_name in sorted(entries)
+    ]
 
 
 def _is_dvc(pid: int) -> bool:
     """Whether that process is DVC, by the names of its first words."""
-    return any(Path(word).name == "dvc" for word in command(pid).split()[:4])
+    return any(Path(word).name == "dvc" for word in command_line(pid).split()[:4])
 
 
-def _read(path: Path) -> set[tuple[int, str]] | None:
+def _read_rwlock(path: Path) -> set[tuple[int, str]] | None:
     """Who is written down; None if the file is torn, and not because DVC is just writing it."""
-    for _ in range(LOOKS):
+    for _ in range(READ_ATTEMPTS):
         try:
-            return _entries(json.loads(path.read_text(encoding="utf-8")))
+            return _lock_holders(json.loads(path.read_text(encoding="utf-8")))
         except FileNotFoundError:
             return set()
         except (ValueError, TypeError, AttributeError, KeyError):
-            time.sleep(LOOK_S)
+            time.sleep(READ_INTERVAL_S)
     return None
 
 
-def _entries(content: dict) -> set[tuple[int, str]]:
+def _lock_holders(content: dict) -> set[tuple[int, str]]:
     """Process and command of everybody who is written down as a reader or writer."""
     writers = list(content.get("write", {}).values())
-    readers = [one for many in content.get("read", {}).values() for one in many]
-    return {(int(one["pid"]), str(one["cmd"])) for one in [*writers, *readers]}
+    readers = [entry for entries in content.get("read", {}).values() for entry in entries]
+    return {(int(entry["pid"]), str(entry["cmd"])) for entry in [*writers, *readers]}
 
 
-def _entry(path: Path, pid: int, by: str, remove: str) -> Finding:
+def _rwlock_finding(path: Path, pid: int, command_name: str, remove: str) -> Finding:
     if not is_alive(pid):
-        return Finding(path, f"names process {pid} ({by}), which is dead: DVC passes over it")
+        return Finding(
+            path, f"names process {pid} ({command_name}), which is dead: DVC passes over it"
+        )
     if not _is_dvc(pid):
-        what = f"names process {pid} as {by}, but that is now {command(pid)}: DVC waits in vain"
+        message = f"names process {pid} as {command_name}, but that is now {command_line(pid)}: DVC waits in vain"
         if not remove:
-            what += "; ask again when the DVC that is at work has ended"
-        return Finding(path, what, remove, wrong=True)
-    if state(pid) == "T":
-        return Finding(path, f"process {pid} ({by}) is stopped: others wait", f"kill -CONT {pid}")
-    return Finding(path, f"process {pid} ({by}) is at work")
+            message += "; ask again when the DVC that is at work has ended"
+        return Finding(path, message, remove, is_unfixable=True)
+    if process_state(pid) == "T":
+        return Finding(
+            path, f"process {pid} ({command_name}) is stopped: others wait", f"kill -CONT {pid}"
+        )
+    return Finding(path, f"process {pid} ({command_name}) is at work")

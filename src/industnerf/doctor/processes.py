@@ -14,10 +14,10 @@ def is_alive(pid: int) -> bool:
         return False
     except PermissionError:
         return True
-    return state(pid) != "Z"
+    return process_state(pid) != "Z"
 
 
-def state(pid: int) -> str:
+def process_state(pid: int) -> str:
     """`R`, `S`, `T` for stopped, ... as Linux calls it; empty if unknown."""
     try:
         return (PROC / str(pid) / "stat").read_text().rpartition(")")[2].split()[0]
@@ -25,28 +25,32 @@ def state(pid: int) -> str:
         return ""
 
 
-def command(pid: int) -> str:
+def command_line(pid: int) -> str:
     """The command line of the process; empty if unknown."""
     try:
-        words = (PROC / str(pid) / "cmdline").read_bytes().split(b"\0")
+        arguments = (PROC / str(pid) / "cmdline").read_bytes().split(b"\0")
     except OSError:
         return ""
-    return b" ".join(words).decode(errors="replace").strip()
+    return b" ".join(arguments).decode(errors="replace").strip()
 
 
-def holder(path: Path) -> int | None:
+def lock_holder(path: Path) -> int | None:
     """The process that holds a lock on the file `path`, without trying to take it."""
     try:
-        lines = (PROC / "locks").read_text().splitlines()
-        wanted = path.stat()
+        entry_texts = (PROC / "locks").read_text().splitlines()
+        file_stat = path.stat()
     except OSError:
         return None
-    held = [line.split() for line in lines if "->" not in line]
-    pids = [int(words[4]) for words in held if words[5].rpartition(":")[2] == str(wanted.st_ino)]
-    return next((pid for pid in pids if pid > 0 and _may_have_open(pid, wanted)), None)
+    entries = [line.split() for line in entry_texts if "->" not in line]
+    pids = [
+        int(fields[4])
+        for fields in entries
+        if fields[5].rpartition(":")[2] == str(file_stat.st_ino)
+    ]
+    return next((pid for pid in pids if pid > 0 and _may_have_open(pid, file_stat)), None)
 
 
-def _may_have_open(pid: int, wanted: os.stat_result) -> bool:
+def _may_have_open(pid: int, file_stat: os.stat_result) -> bool:
     """Whether the process has that file open, not one of the same number on another disk.
 
     One that is another user's does not tell.
@@ -57,11 +61,11 @@ def _may_have_open(pid: int, wanted: os.stat_result) -> bool:
         return True
     except OSError:
         return False
-    return any(_is_same(file, wanted) for file in files)
+    return any(_is_same(file, file_stat) for file in files)
 
 
-def _is_same(file: Path, wanted: os.stat_result) -> bool:
+def _is_same(file: Path, file_stat: os.stat_result) -> bool:
     try:
-        return os.path.samestat(file.stat(), wanted)
+        return os.path.samestat(file.stat(), file_stat)
     except OSError:
         return False

@@ -18,12 +18,12 @@ class Cameras:
     def __len__(self) -> int:
         return len(self.K)
 
-    def __getitem__(self, which: slice | np.ndarray) -> "Cameras":
-        return Cameras(self.K[which], self.c2w[which], self.width, self.height)
+    def __getitem__(self, index: slice | np.ndarray) -> "Cameras":
+        return Cameras(self.K[index], self.c2w[index], self.width, self.height)
 
     @property
-    def eyes(self) -> Float[np.ndarray, "n 3"]:
-        """Centres of projection, mm."""
+    def centers(self) -> Float[np.ndarray, "n 3"]:
+        """Centers of projection, mm."""
         return self.c2w[:, :3, 3]
 
 
@@ -33,8 +33,8 @@ def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
     return max(1, round(width * factor)), max(1, round(height * factor))
 
 
-def pixel_centres(width: int, height: int) -> Float[np.ndarray, "pixels 2"]:
-    """(u, v) of every pixel's centre in px, row by row."""
+def pixel_centers(width: int, height: int) -> Float[np.ndarray, "pixels 2"]:
+    """(u, v) of every pixel's center in px, row by row."""
     v, u = np.mgrid[:height, :width] + 0.5
     return np.stack([u.ravel(), v.ravel()], axis=-1)
 
@@ -55,8 +55,8 @@ def ray_directions(
     c2w: Float[np.ndarray, "4 4"],
 ) -> Float[np.ndarray, "pixels 3"]:
     """Unit directions in the world of the rays through the pixels `uv`; they start at the eye."""
-    towards = back_projection(K, c2w)
-    directions = uv @ towards[:, :2].T + towards[:, 2]
+    pixel_to_ray = back_projection(K, c2w)
+    directions = uv @ pixel_to_ray[:, :2].T + pixel_to_ray[:, 2]
     # vector norm by einsum: several times faster than linalg.norm on three columns
     length = np.sqrt(np.einsum("ij,ij->i", directions, directions))
     return directions / length[:, None]
@@ -69,8 +69,8 @@ def unproject(
     c2w: Float[np.ndarray, "4 4"],
 ) -> Float[np.ndarray, "n 3"]:
     """World points (mm) that the pixels `uv` show at `depth_mm`: the inverse of `project`."""
-    towards = back_projection(K, c2w)
-    return c2w[:3, 3] + depth_mm[:, None] * (uv @ towards[:, :2].T + towards[:, 2])
+    pixel_to_ray = back_projection(K, c2w)
+    return c2w[:3, 3] + depth_mm[:, None] * (uv @ pixel_to_ray[:, :2].T + pixel_to_ray[:, 2])
 
 
 def project(
@@ -79,26 +79,26 @@ def project(
     c2w: Float[np.ndarray, "4 4"],
 ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
     """Pixel coordinates (px) and depth (z in the camera frame, mm) of world points."""
-    camera = (points - c2w[:3, 3]) @ c2w[:3, :3]
-    image = camera @ K.T
-    return image[:, :2] / image[:, 2:], camera[:, 2]
+    camera_points = (points - c2w[:3, 3]) @ c2w[:3, :3]
+    homogeneous = camera_points @ K.T
+    return homogeneous[:, :2] / homogeneous[:, 2:], camera_points[:, 2]
 
 
 def look_at(
-    eyes: Float[np.ndarray, "n 3"], target: Float[np.ndarray, "3"]
+    camera_centers: Float[np.ndarray, "n 3"], target: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "n 4 4"]:
     """Camera-to-world transforms that look from `eyes` at `target`, with world +z upwards.
 
     A camera straight above or below the target takes +y for up instead.
     """
-    forward = target - eyes
+    forward = target - camera_centers
     forward /= np.linalg.norm(forward, axis=1, keepdims=True)
-    steep = np.abs(forward[:, 2]) > 1 - 1e-9
-    up = np.where(steep[:, None], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+    is_vertical = np.abs(forward[:, 2]) > 1 - 1e-9
+    up = np.where(is_vertical[:, None], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
     right = np.cross(forward, up)
     right /= np.linalg.norm(right, axis=1, keepdims=True)
-    c2w = np.tile(np.eye(4), (len(eyes), 1, 1))
-    c2w[:, :3, 0], c2w[:, :3, 2], c2w[:, :3, 3] = right, forward, eyes
+    c2w = np.tile(np.eye(4), (len(camera_centers), 1, 1))
+    c2w[:, :3, 0], c2w[:, :3, 2], c2w[:, :3, 3] = right, forward, camera_centers
     c2w[:, :3, 1] = np.cross(forward, right)  # +y down completes the right-handed frame
     return c2w
 
@@ -109,31 +109,35 @@ def pinhole(fov_deg: float, resolution: int) -> Float[np.ndarray, "3 3"]:
     return np.array([[focal, 0, resolution / 2], [0, focal, resolution / 2], [0, 0, 1.0]])
 
 
-def framed_ball(cameras: Cameras) -> tuple[Float[np.ndarray, "3"], float]:
-    """Centre and radius (mm) of the ball that every camera would have in frame if it aimed at it.
+def common_view_ball(cameras: Cameras) -> tuple[Float[np.ndarray, "3"], float]:
+    """Center and radius (mm) of the ball that every camera would have in frame if it aimed at it.
 
-    The centre is the point nearest to all optical axes in the least-squares sense, the radius
+    The center is the point nearest to all optical axes in the least-squares sense, the radius
     the smallest over the cameras of (distance x sin of half the field of view), as if each looked
-    straight at the centre.  It is the region of interest that a method may derive from its cameras
+    straight at the center.  It is the region of interest that a method may derive from its cameras
     alone.
     """
-    axes, eyes = cameras.c2w[:, :3, 2], cameras.eyes
-    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # projections off each axis
-    centre = np.linalg.lstsq(across.sum(0), (across @ eyes[:, :, None]).sum(0)[:, 0], rcond=None)[0]
-    distance = np.linalg.norm(eyes - centre, axis=1)
+    axes, camera_centers = cameras.c2w[:, :3, 2], cameras.centers
+    axis_projections = np.eye(3) - axes[:, :, None] * axes[:, None, :]  # projections off each axis
+    center = np.linalg.lstsq(
+        axis_projections.sum(0),
+        (axis_projections @ camera_centers[:, :, None]).sum(0)[:, 0],
+        rcond=None,
+    )[0]
+    distance = np.linalg.norm(camera_centers - center, axis=1)
     half_width = np.minimum(
         cameras.width / 2 / cameras.K[:, 0, 0], cameras.height / 2 / cameras.K[:, 1, 1]
     )
-    return centre, float((distance * np.sin(np.arctan(half_width))).min())
+    return center, float((distance * np.sin(np.arctan(half_width))).min())
 
 
-def projections_from_ball(
-    cameras: Cameras, centre: Float[np.ndarray, "3"], radius_mm: float
+def unit_ball_projections(
+    cameras: Cameras, center: Float[np.ndarray, "3"], radius_mm: float
 ) -> Float32[np.ndarray, "n 3 4"]:
     """Matrices from (x, y, z, 1) to (u d, v d, d), d the depth, in units of a ball's radius.
 
     (x, y, z) and d are in that unit, the ball is about the origin, u and v are in px.
     """
     to_mm = np.diag([radius_mm, radius_mm, radius_mm, 1.0])
-    to_mm[:3, 3] = centre
+    to_mm[:3, 3] = center
     return (cameras.K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm).astype(np.float32)

@@ -15,7 +15,7 @@ class Hits:
     uv: Float32[np.ndarray, "rays 2"]  # barycentric weights of the face's 2nd and 3rd corner
 
 
-class Scene:
+class RaycastingScene:
     """A triangle mesh that rays can be cast at.
 
     Embree computes in float32, so the mesh is moved and scaled into the unit box first: a part
@@ -44,13 +44,13 @@ class Scene:
         """
         starts = np.empty(directions.shape, np.float32)
         starts[:] = self._to_box(origins)
-        found = self._scene.run(
+        hits = self._scene.run(
             starts, directions.astype(np.float32, copy=False), query="INTERSECT", output=True
         )
-        t, face = found["tfar"], found["primID"]
+        t, face = hits["tfar"], hits["primID"]
         t[face < 0] = np.inf
         t *= np.float32(self._size)
-        return Hits(t, face, np.stack([found["u"], found["v"]], axis=1))
+        return Hits(t, face, np.stack([hits["u"], hits["v"]], axis=1))
 
     def distance(
         self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]
@@ -58,7 +58,7 @@ class Scene:
         """`cast(...).t` alone."""
         return self.cast(origins, directions).t
 
-    def blocked(
+    def is_occluded(
         self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
     ) -> Bool[np.ndarray, "rays"]:
         """Whether the rays from `origins` (mm) meet the mesh at all: cheaper than where."""

@@ -15,13 +15,13 @@ def sample_surface(
     Raises ValueError if the mesh has no area.
     """
     triangles = vertices.astype(np.float64)[faces]
-    first, along = triangles[:, 0], triangles[:, 1:] - triangles[:, :1]
-    area = np.linalg.norm(np.cross(along[:, 0], along[:, 1]), axis=1)
+    first, edges = triangles[:, 0], triangles[:, 1:] - triangles[:, :1]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     total = area.sum()
     if not total > 0:
         raise ValueError(f"a mesh of {len(faces)} faces and no area has no surface to sample")
-    which = rng.choice(len(faces), count, p=area / total)
+    face = rng.choice(len(faces), count, p=area / total)
     weights = rng.random((count, 2))
-    over = weights.sum(axis=1) > 1  # the other half of the parallelogram: turn it over
-    weights[over] = 1 - weights[over]
-    return first[which] + np.einsum("ni,nij->nj", weights, along[which]), which
+    is_folded = weights.sum(axis=1) > 1  # the other half of the parallelogram: turn it over
+    weights[is_folded] = 1 - weights[is_folded]
+    return first[face] + np.einsum("ni,nij->nj", weights, edges[face]), face

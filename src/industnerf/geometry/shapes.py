@@ -1,6 +1,6 @@
 """Surfaces that know nothing of a part but its bounding box, as area-uniform points.
 
-`extents` are the side lengths of the box and `centre` is its middle, both in mm.
+`extents` are the side lengths of the box and `center` is its middle, both in mm.
 """
 
 import numpy as np
@@ -10,14 +10,14 @@ Vector = Float[np.ndarray, "3"]
 Points = Float[np.ndarray, "n 3"]
 
 
-def ball_surface(extents: Vector, centre: Vector, n: int, rng: np.random.Generator) -> Points:
+def ball_surface(extents: Vector, center: Vector, n: int, rng: np.random.Generator) -> Points:
     """`n` points of the sphere whose diameter is the mean of the three extents."""
     towards = rng.standard_normal((n, 3))  # isotropic, hence uniform once of length 1
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    return centre + extents.mean() / 2 * towards
+    return center + extents.mean() / 2 * towards
 
 
-def box_surface(extents: Vector, centre: Vector, n: int, rng: np.random.Generator) -> Points:
+def box_surface(extents: Vector, center: Vector, n: int, rng: np.random.Generator) -> Points:
     """`n` points of the six faces of the box.
 
     Raises ValueError if the box has no area, being a line or a point.
@@ -28,4 +28,4 @@ def box_surface(extents: Vector, centre: Vector, n: int, rng: np.random.Generato
     points = rng.random((n, 3)) - 0.5
     normal = rng.choice(3, n, p=area / area.sum())
     points[np.arange(n), normal] = rng.choice([-0.5, 0.5], n)
-    return centre + extents * points
+    return center + extents * points

@@ -1,4 +1,4 @@
-"""Silhouettes from colour, and how far each pixel is from their outline."""
+"""Silhouettes from color, and how far each pixel is from their outline."""
 
 from itertools import pairwise
 
@@ -6,16 +6,22 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt8
 from scipy.ndimage import minimum_filter, uniform_filter
 
-MOST = 0.75  # of an image's border is no farther from the background than what is taken for noise
-NOISE = 0.1  # in [0, 1]; what most of the border is off by, if more, is the part, cut by the frame
-REACH = 2.5  # times that: Gaussian noise stays within, 4.2 sigma, or 3.3 where it is cut off at 1
-ROUNDED = 0.003  # in [0, 1]; a colour in 8 bits is off by no more
-LONE = 2.5  # of the nine pixels in a square: a wire has three of them, a speck seldom
-NEAR = 11  # px; distances are exact up to here, and NEAR^2 + (NEAR - 1)^2 fits 8 bits
-TOUCHED = 0.5  # px; a pixel that shows any of the part lies on average half outside it
+BORDER_QUANTILE = (
+    0.75  # of an image's border is no farther from the background than what is taken for noise
+)
+MAX_NOISE = (
+    0.1  # in [0, 1]; what most of the border is off by, if more, is the part, cut by the frame
+)
+NOISE_FACTOR = (
+    2.5  # times that: Gaussian noise stays within, 4.2 sigma, or 3.3 where it is cut off at 1
+)
+ROUNDING = 0.003  # in [0, 1]; a color in 8 bits is off by no more
+SPECK_SIZE = 2.5  # of the nine pixels in a square: a wire has three of them, a speck seldom
+MAX_DISTANCE_PX = 11  # px; distances are exact up to here, and NEAR^2 + (NEAR - 1)^2 fits 8 bits
+BOUNDARY_OFFSET_PX = 0.5  # px; a pixel that shows any of the part lies on average half outside it
 
 
-def part_in(
+def foreground_mask(
     rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "n 3"], tolerance: float
 ) -> Bool[np.ndarray, "n h w"]:
     """The pixels that show the part: what differs from its view's background, in [0, 1].
@@ -25,58 +31,62 @@ def part_in(
     are told by the mean of nine pixels, and specks and pinholes are mended.
     """
     masks = []
-    for picture, colour in zip(rgb, background, strict=True):
-        noise = REACH * noise_of(picture, colour)
-        mask = differs(picture[None], colour[None], max(tolerance, noise))[0]
+    for image, color in zip(rgb, background, strict=True):
+        noise = NOISE_FACTOR * background_noise(image, color)
+        mask = differs_from_background(image[None], color[None], max(tolerance, noise))[0]
         if 2 * noise > tolerance:
-            mask = without_specks(mask | faint(picture, max(tolerance, noise / 3)))
+            mask = remove_specks(mask | low_contrast_mask(image, max(tolerance, noise / 3)))
         masks.append(mask)
     return np.stack(masks)
 
 
-def noise_of(picture: UInt8[np.ndarray, "h w 3"], background: Float[np.ndarray, "3"]) -> float:
+def background_noise(
+    image: UInt8[np.ndarray, "h w 3"], background: Float[np.ndarray, "3"]
+) -> float:
     """How far, in its worst channel, most of the border is from the background, in [0, 1]."""
-    off = np.abs(border(picture) / 255 - background).max(axis=1)
-    most = float(np.quantile(off, MOST))
-    return most if ROUNDED < most < NOISE else 0.0
+    difference = np.abs(border(image) / 255 - background).max(axis=1)
+    quantile = float(np.quantile(difference, BORDER_QUANTILE))
+    return quantile if ROUNDING < quantile < MAX_NOISE else 0.0
 
 
-def border(picture: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "_ 3"]:
+def border(image: UInt8[np.ndarray, "h w 3"]) -> UInt8[np.ndarray, "_ 3"]:
     """The outermost pixels: the part is in frame, so they show the background."""
-    return np.concatenate([picture[0], picture[-1], picture[1:-1, 0], picture[1:-1, -1]])
+    return np.concatenate([image[0], image[-1], image[1:-1, 0], image[1:-1, -1]])
 
 
-def faint(picture: UInt8[np.ndarray, "h w 3"], tolerance: float) -> Bool[np.ndarray, "h w"]:
+def low_contrast_mask(
+    image: UInt8[np.ndarray, "h w 3"], tolerance: float
+) -> Bool[np.ndarray, "h w"]:
     """Where all means of nine pixels about it, in [0, 1], differ from that of the border.
 
     The mean of nine has a third of the noise, and one that reaches over the outline does not
     count.  Noise before white is cut off, so its mean is darker than white: hence the border's.
     """
-    means = uniform_filter(picture.astype(np.float32) / 255, (3, 3, 0), mode="nearest")
-    off = np.abs(means - border(picture).mean(axis=0, dtype=np.float32) / 255).max(axis=2)
-    return minimum_filter(off, 3, mode="nearest") > tolerance
+    means = uniform_filter(image.astype(np.float32) / 255, (3, 3, 0), mode="nearest")
+    difference = np.abs(means - border(image).mean(axis=0, dtype=np.float32) / 255).max(axis=2)
+    return minimum_filter(difference, 3, mode="nearest") > tolerance
 
 
-def without_specks(mask: Bool[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
+def remove_specks(mask: Bool[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
     """Each pixel as all but two of the nine about it, where so many are alike."""
-    alike = uniform_filter(np.float32(9) * mask, 3, mode="nearest")
-    return (mask & (alike > LONE)) | (alike > 9 - LONE)
+    neighbor_count = uniform_filter(np.float32(9) * mask, 3, mode="nearest")
+    return (mask & (neighbor_count > SPECK_SIZE)) | (neighbor_count > 9 - SPECK_SIZE)
 
 
-def differs(
+def differs_from_background(
     rgb: UInt8[np.ndarray, "n h w 3"], background: Float[np.ndarray, "n 3"], tolerance: float
 ) -> Bool[np.ndarray, "n h w"]:
     """Whether any channel is farther than `tolerance` from its view's background, in [0, 1]."""
-    level = np.arange(256)[:, None] / 255
+    levels = np.arange(256)[:, None] / 255
     masks = np.zeros(rgb.shape[:3], bool)
-    for mask, picture, colour in zip(masks, rgb, background, strict=True):
-        table = np.abs(level - colour) > tolerance
+    for mask, image, color in zip(masks, rgb, background, strict=True):
+        lookup = np.abs(levels - color) > tolerance
         for channel in range(3):
-            mask |= table[picture[..., channel], channel]
+            mask |= lookup[image[..., channel], channel]
     return masks
 
 
-def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
+def silhouette_distances(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
     """Distance (px) of every pixel to the outline in its image, positive inside, to NEAR px."""
     return np.stack([signed_distance(mask) for mask in masks])
 
@@ -84,23 +94,23 @@ def outlines(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
 def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
     """Distance (px) to the outline, which runs half-way between unlike pixels."""
     half = np.float32(0.5)
-    return np.where(mask, to_nearest(~mask) - half, half - to_nearest(mask))
+    return np.where(mask, distance_to_mask(~mask) - half, half - distance_to_mask(mask))
 
 
-def to_nearest(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-    """Distance (px) from every pixel's centre to that of the nearest `target`, at most NEAR.
+def distance_to_mask(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
+    """Distance (px) from every pixel's center to that of the nearest `target`, at most NEAR.
 
     Euclidean and exact, along the columns and then along the rows: squared distance separates
     -- Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions" (2012).
     """
-    column = np.where(target, np.uint8(0), np.uint8(NEAR))
-    for downwards in (column, column[::-1]):
-        for above, here in pairwise(downwards):
+    column = np.where(target, np.uint8(0), np.uint8(MAX_DISTANCE_PX))
+    for rows in (column, column[::-1]):
+        for above, here in pairwise(rows):
             np.minimum(here, above + np.uint8(1), out=here)
     square = column * column
     best = square.copy()
-    for step in range(1, NEAR):
-        aside = square + np.uint8(step * step)
-        np.minimum(best[:, step:], aside[:, :-step], out=best[:, step:])
-        np.minimum(best[:, :-step], aside[:, step:], out=best[:, :-step])
+    for step in range(1, MAX_DISTANCE_PX):
+        shifted = square + np.uint8(step * step)
+        np.minimum(best[:, step:], shifted[:, :-step], out=best[:, step:])
+        np.minimum(best[:, :-step], shifted[:, step:], out=best[:, :-step])
     return np.sqrt(np.arange(256, dtype=np.float32))[best]

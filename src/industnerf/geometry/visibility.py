@@ -4,12 +4,12 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from industnerf.geometry.cameras import Cameras, project
-from industnerf.geometry.raycast import Scene
+from industnerf.geometry.raycast import RaycastingScene
 from industnerf.geometry.sampling import sample_surface
 from industnerf.seeds import generator
 
-SAMPLES = 4096  # of the surface, for a share of its area: a standard error below 0.8 %
-TOLERANCE = 1e-4  # how deep a sampled point may lie beneath the surface, in diagonals
+NUM_SAMPLES = 4096  # of the surface, for a share of its area: a standard error below 0.8 %
+RELATIVE_TOLERANCE = 1e-4  # how deep a sampled point may lie beneath the surface, in diagonals
 
 
 def area_samples(
@@ -19,14 +19,14 @@ def area_samples(
 
     Always the same of a mesh, so that two shares differ by what is seen and not by chance.
     """
-    points, _ = sample_surface(vertices, faces, SAMPLES, generator(0, "visible share"))
-    return points, TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    points, _ = sample_surface(vertices, faces, NUM_SAMPLES, generator(0, "visible share"))
+    return points, RELATIVE_TOLERANCE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
 
 
-def seen_from(
-    scene: Scene,
+def visible_from(
+    scene: RaycastingScene,
     points: Float[np.ndarray, "n 3"],
-    eyes: Float[np.ndarray, "k 3"],
+    camera_centers: Float[np.ndarray, "k 3"],
     tolerance_mm: float,
 ) -> Bool[np.ndarray, "n"]:
     """Whether each point is met by the line of sight of at least one eye.
@@ -34,29 +34,31 @@ def seen_from(
     A point counts as met unless the surface is first met more than `tolerance_mm` before it:
     the tolerance lets points of the surface itself, and points slightly beneath it, be seen.
     """
-    seen = np.zeros(len(points), bool)
-    for eye in eyes:
-        left = np.flatnonzero(~seen)
-        if not len(left):
+    is_visible = np.zeros(len(points), bool)
+    for camera_center in camera_centers:
+        remaining = np.flatnonzero(~is_visible)
+        if not len(remaining):
             break
-        sight = points[left] - eye
-        reach = np.linalg.norm(sight, axis=1)
-        first = scene.distance(eye[None], sight / reach[:, None])
-        seen[left] = first >= reach - tolerance_mm
-    return seen
+        view_rays = points[remaining] - camera_center
+        distance = np.linalg.norm(view_rays, axis=1)
+        first_hit = scene.distance(camera_center[None], view_rays / distance[:, None])
+        is_visible[remaining] = first_hit >= distance - tolerance_mm
+    return is_visible
 
 
-def seen_by(
-    scene: Scene, points: Float[np.ndarray, "n 3"], cameras: Cameras, tolerance_mm: float
+def visible_in(
+    scene: RaycastingScene, points: Float[np.ndarray, "n 3"], cameras: Cameras, tolerance_mm: float
 ) -> Bool[np.ndarray, "n"]:
     """As `seen_from` the eyes of `cameras`, where a point counts only inside a camera's frame."""
-    seen = np.zeros(len(points), bool)
+    is_visible = np.zeros(len(points), bool)
     for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
-        left = np.flatnonzero(~seen)
-        if not len(left):
+        remaining = np.flatnonzero(~is_visible)
+        if not len(remaining):
             break
-        uv, depth = project(points[left], K, c2w)
-        framed = (depth > 0) & ((uv >= 0) & (uv <= [cameras.width, cameras.height])).all(axis=1)
-        left = left[framed]
-        seen[left] = seen_from(scene, points[left], c2w[None, :3, 3], tolerance_mm)
-    return seen
+        uv, depth = project(points[remaining], K, c2w)
+        in_frame = (depth > 0) & ((uv >= 0) & (uv <= [cameras.width, cameras.height])).all(axis=1)
+        remaining = remaining[in_frame]
+        is_visible[remaining] = visible_from(
+            scene, points[remaining], c2w[None, :3, 3], tolerance_mm
+        )
+    return is_visible

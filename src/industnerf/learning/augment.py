@@ -12,14 +12,14 @@ from torch.nn import functional as F
 from industnerf.schema import AugmentSettings
 
 
-def as_tensor(
-    images: UInt8[np.ndarray, "n h w 3"], where: torch.device
+def images_to_tensor(
+    images: UInt8[np.ndarray, "n h w 3"], device: torch.device
 ) -> Float[Tensor, "n 3 h w"]:
     """Values in [0, 1]; the array, in C order, goes to `where` as bytes."""
-    return torch.from_numpy(images).to(where).permute(0, 3, 1, 2).contiguous().float() / 255
+    return torch.from_numpy(images).to(device).permute(0, 3, 1, 2).contiguous().float() / 255
 
 
-def augmented(
+def augment(
     images: Float[Tensor, "n 3 h w"], settings: AugmentSettings, rng: np.random.Generator
 ) -> tuple[Float[Tensor, "n 3 h w"], Float[np.ndarray, "n 3 3"]]:
     """Every image rolled, zoomed and shifted in brightness and contrast, each as drawn for it.
@@ -27,7 +27,7 @@ def augmented(
     And how the camera's axes turned with it: of a point p in its frame, p @ turn is seen there.
 
     A roll of the camera about its axis by up to `roll_deg`, a zoom by a factor of up to
-    1 +- `zoom`, and colours c -> a c + b with a in 1 +- `colour` and b in +- `colour` / 2; then
+    1 +- `zoom`, and colors c -> a c + b with a in 1 +- `color` and b in +- `color` / 2; then
     noise of the standard deviation `noise`, if any.
     """
     n = len(images)
@@ -40,20 +40,20 @@ def augmented(
         torch.from_numpy(matrices).to(images), list(images.shape), align_corners=False
     )
     # beyond the border the picture goes on as it is there: background
-    turned = F.grid_sample(images, grid, padding_mode="border", align_corners=False)
-    gain = rng.uniform(1 - settings.colour, 1 + settings.colour, n)
-    shift = rng.uniform(-settings.colour / 2, settings.colour / 2, n)
+    warped = F.grid_sample(images, grid, padding_mode="border", align_corners=False)
+    gain = rng.uniform(1 - settings.color_jitter, 1 + settings.color_jitter, n)
+    shift = rng.uniform(-settings.color_jitter / 2, settings.color_jitter / 2, n)
     factors = [torch.from_numpy(x).to(images).view(n, 1, 1, 1) for x in (gain, shift)]
-    coloured = turned * factors[0] + factors[1]
+    adjusted = warped * factors[0] + factors[1]
     if settings.noise:
-        grain = rng.normal(0.0, settings.noise, tuple(images.shape))
-        coloured = coloured + torch.from_numpy(grain).to(images)
-    return coloured.clamp(0, 1), _turns(angle)
+        noise = rng.normal(0.0, settings.noise, tuple(images.shape))
+        adjusted = adjusted + torch.from_numpy(noise).to(images)
+    return adjusted.clamp(0, 1), _roll_matrices(angle)
 
 
-def _turns(angle: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 3 3"]:
+def _roll_matrices(angle: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 3 3"]:
     """About the optical axis, so that what is to the right goes up."""
-    turns = np.tile(np.eye(3), (len(angle), 1, 1))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angle)
-    turns[:, 1, 0], turns[:, 0, 1] = np.sin(angle), -np.sin(angle)
-    return turns
+    rotations = np.tile(np.eye(3), (len(angle), 1, 1))
+    rotations[:, 0, 0] = rotations[:, 1, 1] = np.cos(angle)
+    rotations[:, 1, 0], rotations[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    return rotations

@@ -12,17 +12,24 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.whole import written_whole
+from industnerf.artifacts.atomic_write import atomic_write
 
-TORN = (OSError, RuntimeError, EOFError, ValueError, pickle.UnpicklingError, zipfile.BadZipFile)
-NO_MEMORY = "allocate memory"  # torch has an error of no kind of its own for it
+CORRUPT_ERRORS = (
+    OSError,
+    RuntimeError,
+    EOFError,
+    ValueError,
+    pickle.UnpicklingError,
+    zipfile.BadZipFile,
+)
+OUT_OF_MEMORY = "allocate memory"  # torch has an error of no kind of its own for it
 
 
 def save(path: Path, state: dict[str, Any]) -> None:
     """Write `state`, plain data and tensors; raises BadArtifact if it cannot be written."""
-    with written_whole(path) as draft:
-        draft.parent.mkdir(parents=True, exist_ok=True)
-        with draft.open("wb") as file:
+    with atomic_write(path) as temporary:
+        temporary.parent.mkdir(parents=True, exist_ok=True)
+        with temporary.open("wb") as file:
             torch.save(state, file)
 
 
@@ -38,8 +45,8 @@ def load(path: Path) -> dict[str, Any] | None:
         return None
     try:
         return torch.load(content, map_location="cpu", weights_only=True)
-    except TORN as error:
-        if NO_MEMORY in str(error):
+    except CORRUPT_ERRORS as error:
+        if OUT_OF_MEMORY in str(error):
             raise MemoryError(f"{path} needs more than there is") from error
         print(f"{path} cannot be read ({error}): the training starts anew", file=sys.stderr)
         path.unlink(missing_ok=True)

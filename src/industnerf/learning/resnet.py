@@ -8,19 +8,20 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 
-class Block(nn.Module):
+class ResidualBlock(nn.Module):
     """Two 3x3 convolutions, and a way round them."""
 
-    def __init__(self, before: int, after: int, stride: int) -> None:
+    def __init__(self, in_channels: int, out_channels: int, stride: int) -> None:
         super().__init__()
-        self.conv1 = nn.Conv2d(before, after, 3, stride, 1, bias=False)
-        self.bn1 = nn.BatchNorm2d(after)
-        self.conv2 = nn.Conv2d(after, after, 3, 1, 1, bias=False)
-        self.bn2 = nn.BatchNorm2d(after)
+        self.conv1 = nn.Conv2d(in_channels, out_channels, 3, stride, 1, bias=False)
+        self.bn1 = nn.BatchNorm2d(out_channels)
+        self.conv2 = nn.Conv2d(out_channels, out_channels, 3, 1, 1, bias=False)
+        self.bn2 = nn.BatchNorm2d(out_channels)
         self.shortcut = nn.Sequential()
-        if stride != 1 or before != after:
+        if stride != 1 or in_channels != out_channels:
             self.shortcut = nn.Sequential(
-                nn.Conv2d(before, after, 1, stride, bias=False), nn.BatchNorm2d(after)
+                nn.Conv2d(in_channels, out_channels, 1, stride, bias=False),
+                nn.BatchNorm2d(out_channels),
             )
 
     def forward(self, x: Float[Tensor, "b c h w"]) -> Float[Tensor, "b d i j"]:
@@ -33,10 +34,13 @@ class ResNet18(nn.Sequential):
 
     def __init__(self, features: int, width: int = 64) -> None:
         widths = [width, 2 * width, 4 * width, 8 * width]
-        blocks, before = [], width
-        for stage, after in enumerate(widths):
-            blocks += [Block(before, after, 1 if stage == 0 else 2), Block(after, after, 1)]
-            before = after
+        blocks, in_channels = [], width
+        for stage, out_channels in enumerate(widths):
+            blocks += [
+                ResidualBlock(in_channels, out_channels, 1 if stage == 0 else 2),
+                ResidualBlock(out_channels, out_channels, 1),
+            ]
+            in_channels = out_channels
         super().__init__(
             nn.Conv2d(3, width, 7, 2, 3, bias=False),
             nn.BatchNorm2d(width),
@@ -45,5 +49,5 @@ class ResNet18(nn.Sequential):
             *blocks,
             nn.AdaptiveAvgPool2d(1),
             nn.Flatten(),
-            nn.Linear(before, features),
+            nn.Linear(in_channels, features),
         )

@@ -9,14 +9,14 @@ from torch import nn
 
 
 @contextmanager
-def seeded(seed: int) -> Iterator[None]:
+def torch_seed(seed: int) -> Iterator[None]:
     """What torch draws on the CPU within the block depends on `seed` alone."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         yield
 
 
-def arrays_of(net: nn.Module) -> dict[str, np.ndarray]:
+def state_arrays(net: nn.Module) -> dict[str, np.ndarray]:
     """All weights and buffers of `net` by name."""
     return {name: tensor.cpu().numpy() for name, tensor in net.state_dict().items()}
 

@@ -20,8 +20,8 @@ MODULES = {
     "tsdf": "industnerf.methods.tsdf",
     "retrieval": "industnerf.methods.retrieval",
     "mean_shape": "industnerf.methods.mean_shape",
-    "ball": "industnerf.methods.nulls",
-    "box": "industnerf.methods.nulls",
+    "ball": "industnerf.methods.trivial_baselines",
+    "box": "industnerf.methods.trivial_baselines",
     "oracle": "industnerf.methods.oracle",
 }
 

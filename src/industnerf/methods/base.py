@@ -21,23 +21,23 @@ from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.history import History
 from industnerf.artifacts.part import Mesh, load_mesh
 from industnerf.artifacts.renderings import Renderings
-from industnerf.artifacts.state import State
+from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.views import load_views
 from industnerf.errors import UndeclaredInput
-from industnerf.geometry.boxes import Cube
+from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.geometry.cameras import Cameras
-from industnerf.geometry.nested import nested
-from industnerf.learning.pictures import evenly, scaled
+from industnerf.geometry.view_subsets import nested_view_subset
+from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
 
 
 class Input(StrEnum):
     """What a method may ask for beside its cameras."""
 
     RGB = "rgb"
-    BACKGROUND = "background"  # the colour behind the part
+    BACKGROUND = "background"  # the color behind the part
     MASK = "mask"
     DEPTH = "depth"
-    FRAME = "frame"  # axes, centre and longest edge of the part
+    PART_FRAME = "frame"  # axes, center and longest edge of the part
     OTHER_MESHES = "other meshes"
     OWN_MESH = "own mesh"
 
@@ -71,24 +71,26 @@ class Example:
         """Vertices in the unit cube of the part's `Cube`, and faces."""
         self._refuse_undeclared(Input.OTHER_MESHES)
         mesh = load_mesh(self.part)
-        return Cube.of(mesh.vertices).to_unit(mesh.vertices), mesh.faces
+        return BoundingCube.of(mesh.vertices).to_unit(mesh.vertices), mesh.faces
 
     def rgb(self, px: int, count: int) -> UInt8[np.ndarray, "views {px} {px} 3"]:
         """At most `count` of the training views, evenly chosen, scaled to `px` a side."""
         self._refuse_undeclared(Input.RGB)
-        taken = load_views(self.views)
-        return scaled(taken.rgb(taken.train[self.numbers(count)]), px)
+        loaded_views = load_views(self.views)
+        return resize_images(
+            loaded_views.rgb(loaded_views.train_indices[self.view_indices(count)]), px
+        )
 
     def cameras(self, count: int) -> Cameras:
         """Those of the views that `rgb` takes."""
         self._refuse_undeclared(Input.RGB)
-        taken = load_views(self.views)
-        return taken.cameras[taken.train[self.numbers(count)]]
+        loaded_views = load_views(self.views)
+        return loaded_views.cameras[loaded_views.train_indices[self.view_indices(count)]]
 
-    def numbers(self, count: int) -> Int64[np.ndarray, "_"]:
+    def view_indices(self, count: int) -> Int64[np.ndarray, "_"]:
         """Which of the training views `rgb` takes."""
         self._refuse_undeclared(Input.RGB)
-        return evenly(len(load_views(self.views).train), count)
+        return evenly_spaced_indices(len(load_views(self.views).train_indices), count)
 
     def _refuse_undeclared(self, name: Input) -> None:
         if name not in self.inputs:
@@ -98,14 +100,16 @@ class Example:
 
 
 @dataclass(frozen=True)
-class Given:
+class MethodInputs:
     """The cameras of one part, and the declared inputs, one entry a training view."""
 
     method: str
     cameras: Cameras  # of the training views, as the calibration has them
     held_out: Cameras  # exact, poses only: from where to re-render
-    handed: Mapping[Input, Any]
-    chosen: Int64[np.ndarray, "n"] | None = None  # which of the training views these are; None: all
+    loaded: Mapping[Input, Any]
+    view_indices: Int64[np.ndarray, "n"] | None = (
+        None  # which of the training views these are; None: all
+    )
 
     @property
     def rgb(self) -> UInt8[np.ndarray, "n h w 3"]:
@@ -113,7 +117,7 @@ class Given:
 
     @property
     def background(self) -> Float[np.ndarray, "n 3"]:
-        """One colour a view, in [0, 1]."""
+        """One color a view, in [0, 1]."""
         return self._declared(Input.BACKGROUND)
 
     @property
@@ -125,20 +129,20 @@ class Given:
         return self._declared(Input.DEPTH)
 
     @property
-    def frame(self) -> Cube:
-        return self._declared(Input.FRAME)
+    def part_frame(self) -> BoundingCube:
+        return self._declared(Input.PART_FRAME)
 
     @property
     def own_mesh(self) -> Mesh:
         return self._declared(Input.OWN_MESH)
 
     def _declared(self, name: Input) -> Any:
-        if name not in self.handed:
+        if name not in self.loaded:
             raise UndeclaredInput(
                 f"method {self.method!r} reaches for {name.value!r}, but declares only "
-                f"{sorted(self.handed)}; add it to the method's `inputs`."
+                f"{sorted(self.loaded)}; add it to the method's `inputs`."
             )
-        return self.handed[name]
+        return self.loaded[name]
 
 
 @dataclass(frozen=True)
@@ -146,17 +150,17 @@ class Reconstruction:
     """What a method returns; all but the points may be left out."""
 
     points_mm: Float[np.ndarray, "n 3"]
-    colours: UInt8[np.ndarray, "n 3"] | None = None
+    colors: UInt8[np.ndarray, "n 3"] | None = None
     confidence: Float[np.ndarray, "n"] | None = None
-    parameters: int = 0
+    num_parameters: int = 0
     steps: int = 0
     view: Int[np.ndarray, "n"] | None = None  # the training view that says most of it; -1 unknown
     render: Callable[[], Renderings] | None = None  # from `Given.held_out`, when asked for
     candidates: Candidates | None = None  # before any filter
     history: History | None = None
     # Further answers of a method that sees one view at a time: its score is the mean over all.
-    others_mm: tuple[Float[np.ndarray, "_ 3"], ...] = ()
-    remarks: tuple[str, ...] = ()  # on what it was given, for whoever reads the result
+    extra_clouds_mm: tuple[Float[np.ndarray, "_ 3"], ...] = ()
+    warnings: tuple[str, ...] = ()  # on what it was given, for whoever reads the result
 
 
 @dataclass(frozen=True)
@@ -166,10 +170,10 @@ class Method:
     name: str
     scope: Scope
     inputs: frozenset[Input]
-    reconstruct: Callable[[Given, Any, Any, int], Reconstruction]
-    fit: Callable[[Sequence[Example], Any, int, Path], State] | None = None
+    reconstruct: Callable[[MethodInputs, Any, Any, int], Reconstruction]
+    fit: Callable[[Sequence[Example], Any, int, Path], ModelState] | None = None
     role: Role = Role.METHOD
-    random: bool = False  # another seed of `reconstruct` gives another cloud
+    is_stochastic: bool = False  # another seed of `reconstruct` gives another cloud
 
     @property
     def module(self) -> str:
@@ -177,23 +181,25 @@ class Method:
         return self.reconstruct.__module__
 
 
-def hand_over(method: Method, part: Path, views: Path, count: int = 0) -> Given:
+def load_inputs(method: Method, part: Path, views: Path, num_views: int = 0) -> MethodInputs:
     """Read from disk what `method` declares of one part, and nothing else.
 
     Of its training views `count`, evenly spread and among those of any larger count; 0: all.
     """
-    taken = load_views(views)
-    cameras, train, chosen = taken.cameras, taken.train, None
-    if count:
-        chosen = nested(cameras[train].eyes, count)
-        train = train[chosen]
+    loaded_views = load_views(views)
+    cameras, train, view_indices = loaded_views.cameras, loaded_views.train_indices, None
+    if num_views:
+        view_indices = nested_view_subset(cameras[train].centers, num_views)
+        train = train[view_indices]
     readers: dict[Input, Callable[[], Any]] = {
-        Input.RGB: lambda: taken.rgb(train),
-        Input.BACKGROUND: lambda: taken.background[train],
-        Input.MASK: lambda: taken.mask(train),
-        Input.DEPTH: lambda: taken.depth_mm(train),
-        Input.FRAME: lambda: Cube.of(load_mesh(part).vertices),
+        Input.RGB: lambda: loaded_views.rgb(train),
+        Input.BACKGROUND: lambda: loaded_views.background[train],
+        Input.MASK: lambda: loaded_views.mask(train),
+        Input.DEPTH: lambda: loaded_views.depth_mm(train),
+        Input.PART_FRAME: lambda: BoundingCube.of(load_mesh(part).vertices),
         Input.OWN_MESH: lambda: load_mesh(part),
     }
-    handed = {name: readers[name]() for name in sorted(method.inputs) if name in readers}
-    return Given(method.name, cameras[train], cameras[taken.held_out], handed, chosen)
+    loaded = {name: readers[name]() for name in sorted(method.inputs) if name in readers}
+    return MethodInputs(
+        method.name, cameras[train], cameras[loaded_views.held_out], loaded, view_indices
+    )

@@ -3,13 +3,15 @@
 import numpy as np
 
 from industnerf.geometry.sampling import sample_surface
-from industnerf.methods.base import Given, Input, Method, Reconstruction, Role, Scope
+from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Role, Scope
 from industnerf.schema import SampleSettings
 
 
-def reconstruct(given: Given, settings: SampleSettings, state: None, seed: int) -> Reconstruction:
+def reconstruct(
+    inputs: MethodInputs, settings: SampleSettings, state: None, seed: int
+) -> Reconstruction:
     """Area-uniform points of the part's own mesh, hidden surface included."""
-    mesh, rng = given.own_mesh, np.random.default_rng(seed)
+    mesh, rng = inputs.own_mesh, np.random.default_rng(seed)
     points, _ = sample_surface(mesh.vertices, mesh.faces, settings.points, rng)
     return Reconstruction(points)
 
@@ -21,6 +23,6 @@ METHODS = {
         frozenset({Input.OWN_MESH}),
         reconstruct,
         role=Role.BOUND,
-        random=True,
+        is_stochastic=True,
     )
 }

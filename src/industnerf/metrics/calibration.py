@@ -25,12 +25,12 @@ def sparsification(
     of all; those of the lowest `order` go first."""
     _, group = np.unique(order, return_inverse=True)
     expected = (np.bincount(group, error) / np.bincount(group))[group]
-    rising = expected[np.argsort(order, kind="stable")]
-    left = rising[::-1].cumsum()[::-1] / np.arange(len(error), 0, -1)
-    return left / error.mean()
+    ascending = expected[np.argsort(order, kind="stable")]
+    remaining = ascending[::-1].cumsum()[::-1] / np.arange(len(error), 0, -1)
+    return remaining / error.mean()
 
 
-def errors_left(
+def sparsification_at(
     error: Float[np.ndarray, "n"], order: Float[np.ndarray, "n"], removed: Float[np.ndarray, "s"]
 ) -> Float[np.ndarray, "s"]:
     """The sparsification curve after the shares `removed`, each below 1; 0 if there is no error."""
@@ -50,6 +50,6 @@ def ause(error: Float[np.ndarray, "n"], confidence: Float[np.ndarray, "n"]) -> f
     return float((sparsification(error, confidence) - sparsification(error, -error)).mean())
 
 
-def ause_of_chance(error: Float[np.ndarray, "n"]) -> float:
+def random_ause(error: Float[np.ndarray, "n"]) -> float:
     """The same for an order by chance, in the mean: its curve stays at 1."""
     return ause(error, np.zeros_like(error))

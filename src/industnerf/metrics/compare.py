@@ -14,61 +14,71 @@ from jaxtyping import Bool, Float
 from industnerf.metrics.chamfer import chamfer
 from industnerf.metrics.emd import emd
 from industnerf.metrics.fscore import fscore
-from industnerf.metrics.gaps import between
-from industnerf.metrics.inspection import inspected
-from industnerf.metrics.reduce import farthest_points, random_points
-from industnerf.metrics.values import Value
-from industnerf.metrics.visible import Frame
+from industnerf.metrics.metric_value import MetricValue
+from industnerf.metrics.nearest_distances import nearest_distances
+from industnerf.metrics.reference_rig import ReferenceSurface
+from industnerf.metrics.subsample import farthest_points, random_points
+from industnerf.metrics.surface_deviation import deviation_metrics
 from industnerf.schema import EvaluateParams
 
 
 @dataclass(frozen=True)
-class Sampled:
+class SampledSurface:
     """Points in diagonals, and which of them count against the visible surface."""
 
     points: Float[np.ndarray, "n 3"]
-    kept: Bool[np.ndarray, "n"]
+    evaluated: Bool[np.ndarray, "n"]
 
 
 def compare(
-    frame: Frame,
-    truth: Sampled,
-    predicted: Sampled,
+    reference: ReferenceSurface,
+    truth: SampledSurface,
+    predicted: SampledSurface,
     settings: EvaluateParams,
     rng: np.random.Generator,
-) -> list[Value]:
+) -> list[MetricValue]:
     """Every metric of `predicted` against `truth`, samples of the surface of `frame`.
 
     Raises MetricError if a distance cannot be computed exactly.
     """
     n = settings.points
-    shown = predicted.points[predicted.kept]
-    visible = compare_visible(frame, truth, predicted, settings)
-    if truth.kept.all() and predicted.kept.all():
+    predicted_points = predicted.points[predicted.evaluated]
+    visible = compare_visible(reference, truth, predicted, settings)
+    if truth.evaluated.all() and predicted.evaluated.all():
         full = next(
             value.value for value in visible if (value.metric, value.protocol) == ("emd", "P1-even")
         )
     else:
         full = emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
-    iid = emd(farthest_points(truth.points[truth.kept], n), random_points(shown, n, rng))
+    iid = emd(
+        farthest_points(truth.points[truth.evaluated], n), random_points(predicted_points, n, rng)
+    )
     return [
         *visible,
-        Value("emd", "P1-iid", iid, "diagonal"),
-        Value("emd", "P1-full", full, "diagonal"),
+        MetricValue("emd", "P1-iid", iid, "diagonal"),
+        MetricValue("emd", "P1-full", full, "diagonal"),
     ]
 
 
 def compare_visible(
-    frame: Frame, truth: Sampled, predicted: Sampled, settings: EvaluateParams
-) -> list[Value]:
+    reference: ReferenceSurface,
+    truth: SampledSurface,
+    predicted: SampledSurface,
+    settings: EvaluateParams,
+) -> list[MetricValue]:
     """The metrics of the visible surface that no chance enters into: geometry alone."""
     n = settings.points
-    seen, shown = truth.points[truth.kept], predicted.points[predicted.kept]
-    even = emd(farthest_points(seen, n), farthest_points(shown, n))
-    gaps = between(seen, shown)
+    truth_points = truth.points[truth.evaluated]
+    predicted_points = predicted.points[predicted.evaluated]
+    even = emd(farthest_points(truth_points, n), farthest_points(predicted_points, n))
+    distances = nearest_distances(truth_points, predicted_points)
     return [
-        Value("emd", "P1-even", even, "diagonal"),
-        Value("chamfer", "P1-dense", chamfer(gaps), "diagonal"),
-        Value("fscore", "P1-dense", fscore(gaps, settings.fscore), "share", False),
-        *inspected(frame, shown, gaps.truth, settings.tolerances_mm),
+        MetricValue("emd", "P1-even", even, "diagonal"),
+        MetricValue("chamfer", "P1-dense", chamfer(distances), "diagonal"),
+        MetricValue(
+            "fscore", "P1-dense", fscore(distances, settings.fscore_threshold), "share", False
+        ),
+        *deviation_metrics(
+            reference, predicted_points, distances.truth_to_predicted, settings.tolerances_mm
+        ),
     ]

@@ -20,20 +20,26 @@ from jaxtyping import Float, Float64, Int64
 from scipy import sparse
 
 from industnerf.errors import MetricError
-from industnerf.metrics.cells import Cells, Cloud, divide, weighted
-from industnerf.metrics.clouds import checked
-from industnerf.metrics.ground import DISTANCE, SQUARED, Ground
-from industnerf.metrics.plan import Plan, refine
-from industnerf.metrics.prices import highest, settle
-from industnerf.metrics.pricing import cheaper_pairs
-from industnerf.metrics.proof import ABSOLUTE_GAP, Emd, allowed_gap, proven, transport_cost
+from industnerf.metrics.cells import KdCells, WeightedCloud, kd_cells, normalize_clouds
+from industnerf.metrics.cloud_validation import validate_cloud
+from industnerf.metrics.column_generation import violated_pairs
+from industnerf.metrics.dual_potentials import center_potentials, row_minimum
+from industnerf.metrics.duality_certificate import (
+    ABSOLUTE_GAP,
+    CertifiedEmd,
+    allowed_gap,
+    certify,
+    transport_cost,
+)
+from industnerf.metrics.ground_cost import EUCLIDEAN, SQUARED_EUCLIDEAN, GroundCost
+from industnerf.metrics.transport_plan import TransportPlan, refine_plan
 
 DENSE_PAIRS = 2**17  # so few pairs are solved all at once, in about 20 ms
-DENSE_SIDE = 256  # so few points on one side as well
+DENSE_POINTS = 256  # so few points on one side as well
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 2 to 6 are usual
-ROUND_GROWTH = 4  # pairs that may join in one round, per point
-BLOCK = 1024  # rows of the dense problem priced at a time
+PAIRS_PER_POINT_AND_ROUND = 4  # pairs that may join in one round, per point
+ROW_BLOCK = 1024  # rows of the dense problem priced at a time
 
 Cost = Float64[np.ndarray, "n m"] | sparse.coo_array
 
@@ -45,7 +51,7 @@ def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     (or 2e-12 of the longest side of the box around both clouds); raises MetricError rather than
     return anything else.
     """
-    return proven_emd(a, b).value
+    return certified_emd(a, b).value
 
 
 def squared_emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
@@ -54,133 +60,149 @@ def squared_emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> flo
     Another plan than that of `emd` may be the cheapest.  At most 1e-9 above the truth (or 4e-12 of
     the square of the longest side); raises MetricError rather than return anything else.
     """
-    return proven_emd(a, b, SQUARED).value
+    return certified_emd(a, b, SQUARED_EUCLIDEAN).value
 
 
-def proven_emd(
+def certified_emd(
     a: Float[np.ndarray, "n 3"],
     b: Float[np.ndarray, "m 3"],
-    ground: Ground = DISTANCE,
+    ground: GroundCost = EUCLIDEAN,
     *,
     max_pivots: int = MAX_PIVOTS,
     max_rounds: int = MAX_ROUNDS,
-) -> Emd:
+) -> CertifiedEmd:
     """`emd`, or what `ground` says, with its proof.  `max_rounds=0` solves the dense problem."""
-    left, right, unit = weighted(checked(a, "a"), checked(b, "b"))
-    found, cost = None, ground.of_unit(unit)
+    left, right, unit = normalize_clouds(validate_cloud(a, "a"), validate_cloud(b, "b"))
+    result, unit_cost = None, ground.of_length(unit)
     if max_rounds > 0 and not _is_small(left, right):
-        found = _sparse_emd(left, right, ground, max_pivots, max_rounds)
-    found = found or _dense_emd(left, right, ground, max_pivots)
-    return replace(found, value=found.value * cost, gap=found.gap * cost)
+        result = _sparse_emd(left, right, ground, max_pivots, max_rounds)
+    result = result or _dense_emd(left, right, ground, max_pivots)
+    return replace(result, value=result.value * unit_cost, gap=result.gap * unit_cost)
 
 
-def _sparse_emd(a: Cloud, b: Cloud, ground: Ground, max_pivots: int, max_rounds: int) -> Emd | None:
+def _sparse_emd(
+    a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int, max_rounds: int
+) -> CertifiedEmd | None:
     """The proven cost from few pairs, or None if they do not yield it."""
     try:
-        cells, plan, keys = _start(a, b, ground, max_pivots)
+        cells, plan, pair_ids = _initial_solution(a, b, ground, max_pivots)
         for rounds in range(1, max_rounds + 1):
-            plan = _solve_pairs(a, b, ground, keys, (plan.u, plan.v), max_pivots)
+            plan = _solve_sparse(a, b, ground, pair_ids, (plan.u, plan.v), max_pivots)
             value = transport_cost(a, b, plan, ground)
             if value <= ABSOLUTE_GAP:  # proven without prices
-                return proven(a, b, plan, ground, -math.inf, rounds, len(keys))
-            least = -allowed_gap(value) / 10
-            rows, cols, reduced = cheaper_pairs(
-                a.points, b.points, cells, (plan.u, plan.v), least, ground
+                return certify(a, b, plan, ground, -math.inf, rounds, len(pair_ids))
+            min_reduced_cost = -allowed_gap(value) / 10
+            rows, cols, reduced = violated_pairs(
+                a.points, b.points, cells, (plan.u, plan.v), min_reduced_cost, ground
             )
             if not len(rows):
-                return proven(a, b, plan, ground, least, rounds, len(keys))
-            keys = _joined(keys, rows * len(b.mass) + cols, reduced, len(a.mass) + len(b.mass))
+                return certify(a, b, plan, ground, min_reduced_cost, rounds, len(pair_ids))
+            pair_ids = _merge_pairs(
+                pair_ids, rows * len(b.mass) + cols, reduced, len(a.mass) + len(b.mass)
+            )
     except MetricError:
         return None
     return None
 
 
-def _dense_emd(a: Cloud, b: Cloud, ground: Ground, max_pivots: int) -> Emd:
+def _dense_emd(
+    a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
+) -> CertifiedEmd:
     """The proven cost from all pairs at once."""
-    plan = _solve_all(a, b, ground, max_pivots)
-    undercut = [
-        (ground.table(a.points[rows], b.points) - plan.u[rows, None] - plan.v).min()
-        for rows in np.array_split(np.arange(len(a.mass)), -(-len(a.mass) // BLOCK))
+    plan = _solve_dense(a, b, ground, max_pivots)
+    block_minima = [
+        (ground.matrix(a.points[rows], b.points) - plan.u[rows, None] - plan.v).min()
+        for rows in np.array_split(np.arange(len(a.mass)), -(-len(a.mass) // ROW_BLOCK))
     ]
-    least = min(0.0, float(min(undercut)))
-    return proven(a, b, plan, ground, least, 0, len(a.mass) * len(b.mass))
+    min_reduced_cost = min(0.0, float(min(block_minima)))
+    return certify(a, b, plan, ground, min_reduced_cost, 0, len(a.mass) * len(b.mass))
 
 
-def _start(
-    a: Cloud, b: Cloud, ground: Ground, max_pivots: int
-) -> tuple[tuple[Cells, Cells], Plan, Int64[np.ndarray, "k"]]:
+def _initial_solution(
+    a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
+) -> tuple[tuple[KdCells, KdCells], TransportPlan, Int64[np.ndarray, "k"]]:
     """Cells, first prices and first candidate pairs, from a solution of the coarser problem."""
-    cells = divide(a), divide(b)
-    coarse = _rough(cells[0].coarse, cells[1].coarse, ground, max_pivots)
-    plan, rows, cols = refine(a, b, cells, coarse, ground)
-    return cells, plan, _distinct(rows * len(b.mass) + cols)
+    cells = kd_cells(a), kd_cells(b)
+    coarse = _coarse_plan(cells[0].coarse, cells[1].coarse, ground, max_pivots)
+    plan, rows, cols = refine_plan(a, b, cells, coarse, ground)
+    return cells, plan, _sorted_unique(rows * len(b.mass) + cols)
 
 
-def _rough(a: Cloud, b: Cloud, ground: Ground, max_pivots: int) -> Plan:
+def _coarse_plan(
+    a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
+) -> TransportPlan:
     """A plan that is optimal among its candidates, and not held against other pairs."""
     if _is_small(a, b):
-        return _solve_all(a, b, ground, max_pivots)
-    _, plan, keys = _start(a, b, ground, max_pivots)
-    return _solve_pairs(a, b, ground, keys, (plan.u, plan.v), max_pivots)
+        return _solve_dense(a, b, ground, max_pivots)
+    _, plan, pair_ids = _initial_solution(a, b, ground, max_pivots)
+    return _solve_sparse(a, b, ground, pair_ids, (plan.u, plan.v), max_pivots)
 
 
-def _is_small(a: Cloud, b: Cloud) -> bool:
+def _is_small(a: WeightedCloud, b: WeightedCloud) -> bool:
     n, m = len(a.mass), len(b.mass)
-    return n * m <= DENSE_PAIRS or min(n, m) <= DENSE_SIDE
+    return n * m <= DENSE_PAIRS or min(n, m) <= DENSE_POINTS
 
 
-def _joined(
-    keys: Int64[np.ndarray, "k"],
-    found: Int64[np.ndarray, "f"],
+def _merge_pairs(
+    pair_ids: Int64[np.ndarray, "k"],
+    new_ids: Int64[np.ndarray, "f"],
     reduced: Float64[np.ndarray, "f"],
-    points: int,
+    num_points: int,
 ) -> Int64[np.ndarray, "j"]:
     """`keys` and the cheapest of the pairs found."""
-    if len(found) > ROUND_GROWTH * points:
-        found = found[np.argpartition(reduced, ROUND_GROWTH * points)[: ROUND_GROWTH * points]]
-    return _distinct(np.concatenate([keys, found]))
+    if len(new_ids) > PAIRS_PER_POINT_AND_ROUND * num_points:
+        new_ids = new_ids[
+            np.argpartition(reduced, PAIRS_PER_POINT_AND_ROUND * num_points)[
+                : PAIRS_PER_POINT_AND_ROUND * num_points
+            ]
+        ]
+    return _sorted_unique(np.concatenate([pair_ids, new_ids]))
 
 
-def _distinct(keys: Int64[np.ndarray, "k"]) -> Int64[np.ndarray, "d"]:
+def _sorted_unique(pair_ids: Int64[np.ndarray, "k"]) -> Int64[np.ndarray, "d"]:
     """np.unique, which hashes and is some 20 times slower than numpy's sort."""
-    keys = np.sort(keys)
-    return keys[np.diff(keys, prepend=-1) > 0]
+    pair_ids = np.sort(pair_ids)
+    return pair_ids[np.diff(pair_ids, prepend=-1) > 0]
 
 
-def _solve_pairs(
-    a: Cloud,
-    b: Cloud,
-    ground: Ground,
-    keys: Int64[np.ndarray, "k"],
-    prices: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
+def _solve_sparse(
+    a: WeightedCloud,
+    b: WeightedCloud,
+    ground: GroundCost,
+    pair_ids: Int64[np.ndarray, "k"],
+    potentials: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
     max_pivots: int,
-) -> Plan:
+) -> TransportPlan:
     """The best plan on the pairs (i, j) = divmod(key, m), from `prices` near the optimal ones."""
-    rows, cols = np.divmod(keys, len(b.mass))
-    cost = ground.each(a.points[rows], b.points[cols])
-    reduced = cost - prices[0][rows] - prices[1][cols]
+    rows, cols = np.divmod(pair_ids, len(b.mass))
+    cost = ground.rowwise(a.points[rows], b.points[cols])
+    reduced = cost - potentials[0][rows] - potentials[1][cols]
     shape = (len(a.mass), len(b.mass))
     # Not below 0: POT weighs "infeasible" against the largest cost, not the most negative.
-    table = sparse.coo_array((reduced - reduced.min(), (rows, cols)), shape)
-    flow, v = _pot(a, b, table, max_pivots)
-    used = flow.row.astype(np.int64), flow.col.astype(np.int64)
-    u = highest(reduced - v[cols], rows)
-    u, v = settle((rows, cols), reduced, used, (u, v))
-    return Plan(*used, flow.data, prices[0] + u, prices[1] + v)
+    cost_matrix = sparse.coo_array((reduced - reduced.min(), (rows, cols)), shape)
+    flow, v = _network_simplex(a, b, cost_matrix, max_pivots)
+    support = flow.row.astype(np.int64), flow.col.astype(np.int64)
+    u = row_minimum(reduced - v[cols], rows)
+    u, v = center_potentials((rows, cols), reduced, support, (u, v))
+    return TransportPlan(*support, flow.data, potentials[0] + u, potentials[1] + v)
 
 
-def _solve_all(a: Cloud, b: Cloud, ground: Ground, max_pivots: int) -> Plan:
+def _solve_dense(
+    a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
+) -> TransportPlan:
     """The best plan of the dense problem, with prices as high as all pairs allow."""
-    cost = ground.table(a.points, b.points)
-    flow, v = _pot(a, b, cost, max_pivots)
+    cost = ground.matrix(a.points, b.points)
+    flow, v = _network_simplex(a, b, cost, max_pivots)
     rows, cols = np.nonzero(flow)
     cost -= v
     u = cost.min(axis=1)
     cost -= u[:, None]
-    return Plan(rows, cols, flow[rows, cols], u, v + cost.min(axis=0))
+    return TransportPlan(rows, cols, flow[rows, cols], u, v + cost.min(axis=0))
 
 
-def _pot(a: Cloud, b: Cloud, cost: Cost, max_pivots: int) -> tuple[Cost, Float64[np.ndarray, "m"]]:
+def _network_simplex(
+    a: WeightedCloud, b: WeightedCloud, cost: Cost, max_pivots: int
+) -> tuple[Cost, Float64[np.ndarray, "m"]]:
     """POT's network simplex on a dense or sparse cost >= 0: the flow and the prices of `b`.
 
     The prices of `a` follow from these.  POT's own hang on arcs (n + m) (max cost + 1) dear,

@@ -3,7 +3,7 @@
 P1-union  over the pixels that show the part in truth or in the rendering
 P1-frame  over the whole frame
 
-Colours are linear in [0, 1]; depth is z in the camera frame, in true bounding-box diagonals.  A
+Colors are linear in [0, 1]; depth is z in the camera frame, in true bounding-box diagonals.  A
 depth can be wrong only where both have one: its error is the mean over those pixels of the
 union, and `coverage` stands beside it, the share of the true foreground that has a depth at all.
 Over the whole frame the pixels count too where both agree that there is nothing, as right.
@@ -20,11 +20,11 @@ from jaxtyping import Bool, Float
 
 from industnerf.metrics.ssim import ssim_map
 
-ROUNDING = 1 / (12 * 255**2)  # mean squared error of colours rounded to 8 bits
+QUANTIZATION_MSE = 1 / (12 * 255**2)  # mean squared error of colors rounded to 8 bits
 
 
 @dataclass(frozen=True)
-class Picture:
+class NormalizedImage:
     """One view of a part."""
 
     rgb: Float[np.ndarray, "h w 3"]  # in [0, 1]
@@ -33,42 +33,44 @@ class Picture:
 
 
 def mean_over_views(
-    pairs: Iterable[tuple[Picture, Picture]],
+    pairs: Iterable[tuple[NormalizedImage, NormalizedImage]],
 ) -> dict[tuple[str, str], float]:
     """(metric, protocol) -> its mean over the pairs of truth and rendering that have it."""
-    found: dict[tuple[str, str], list[float]] = {}
-    for truth, seen in pairs:
-        for kind, value in of_view(truth, seen).items():
-            found.setdefault(kind, []).append(value)
-    return {kind: fmean(values) for kind, values in found.items()}
+    values_by_metric: dict[tuple[str, str], list[float]] = {}
+    for truth, rendered in pairs:
+        for kind, value in view_scores(truth, rendered).items():
+            values_by_metric.setdefault(kind, []).append(value)
+    return {kind: fmean(values) for kind, values in values_by_metric.items()}
 
 
-def of_view(truth: Picture, seen: Picture) -> dict[tuple[str, str], float]:
+def view_scores(truth: NormalizedImage, rendered: NormalizedImage) -> dict[tuple[str, str], float]:
     """(metric, protocol) -> value in one view, without those that have no pixel to average."""
-    union = truth.foreground | seen.foreground
-    squares = ((truth.rgb - seen.rgb) ** 2).mean(axis=-1)
-    alike = ssim_map(truth.rgb, seen.rgb)
-    deep = (truth.depth > 0) & (seen.depth > 0)
-    empty = (truth.depth == 0) & (seen.depth == 0)
-    error = np.where(deep, (truth.depth - seen.depth) ** 2, 0)
-    values = {("coverage", "P1-union"): _mean(seen.depth > 0, truth.foreground)}
-    values["silhouette_iou", "P1-union"] = _mean(truth.foreground & seen.foreground, union)
-    for protocol, where in (("P1-union", union), ("P1-frame", np.ones_like(union))):
-        values["rgb_mse", protocol] = mse = _mean(squares, where)
+    union = truth.foreground | rendered.foreground
+    squares = ((truth.rgb - rendered.rgb) ** 2).mean(axis=-1)
+    similarity = ssim_map(truth.rgb, rendered.rgb)
+    both_have_depth = (truth.depth > 0) & (rendered.depth > 0)
+    both_empty = (truth.depth == 0) & (rendered.depth == 0)
+    error = np.where(both_have_depth, (truth.depth - rendered.depth) ** 2, 0)
+    values = {("coverage", "P1-union"): _masked_mean(rendered.depth > 0, truth.foreground)}
+    values["silhouette_iou", "P1-union"] = _masked_mean(
+        truth.foreground & rendered.foreground, union
+    )
+    for protocol, region in (("P1-union", union), ("P1-frame", np.ones_like(union))):
+        values["rgb_mse", protocol] = mse = _masked_mean(squares, region)
         values["psnr", protocol] = None if mse is None else psnr(mse)
-        values["ssim", protocol] = _mean(alike, where)
-    values["depth_mse", "P1-union"] = _mean(error, deep & union)
-    values["depth_mse", "P1-frame"] = _mean(error, deep | empty)
+        values["ssim", protocol] = _masked_mean(similarity, region)
+    values["depth_mse", "P1-union"] = _masked_mean(error, both_have_depth & union)
+    values["depth_mse", "P1-frame"] = _masked_mean(error, both_have_depth | both_empty)
     return {kind: value for kind, value in values.items() if value is not None}
 
 
 def psnr(mse: float) -> float:
-    """Peak signal-to-noise ratio in dB of colours in [0, 1], -10 log10 of the squared error.
+    """Peak signal-to-noise ratio in dB of colors in [0, 1], -10 log10 of the squared error.
 
     Equal pictures are taken to differ by what rounding to 8 bits hides: 58.9 dB, not infinity.
     """
-    return float(-10 * np.log10(max(mse, ROUNDING)))
+    return float(-10 * np.log10(max(mse, QUANTIZATION_MSE)))
 
 
-def _mean(values: np.ndarray, where: Bool[np.ndarray, "h w"]) -> float | None:
-    return float(values[where].mean()) if where.any() else None
+def _masked_mean(values: np.ndarray, mask: Bool[np.ndarray, "h w"]) -> float | None:
+    return float(values[mask].mean()) if mask.any() else None

@@ -8,16 +8,16 @@ from statistics import fmean
 import numpy as np
 from jaxtyping import Float
 
-from industnerf.artifacts.cloud import Cloud, load_others
+from industnerf.artifacts.cloud import Cloud, load_extra_clouds
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.geometry.shapes import ball_surface, box_surface
-from industnerf.metrics.beyond import scores_beyond
-from industnerf.metrics.compare import Sampled, compare, compare_visible
-from industnerf.metrics.reduce import random_points
-from industnerf.metrics.values import Value
-from industnerf.metrics.visible import Frame, Rig, scored
+from industnerf.metrics.compare import SampledSurface, compare, compare_visible
+from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_scores
+from industnerf.metrics.metric_value import MetricValue
+from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
+from industnerf.metrics.subsample import random_points
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
 
@@ -38,102 +38,119 @@ def score_part(
     failure, and EMD `iid` and `full`, which cost most, are of the first answer alone.
     `views` are read only if the method returned more than a cloud.
     """
-    judge = Judge(part, Truth.load(truth), settings, seed)
-    answers = [Cloud.load(cloud).points_mm, *load_others(cloud)]
-    found = [judge.judged(points, every=i == 0) for i, points in enumerate(answers)]
-    if not any(found):
+    evaluator = Evaluator(part, Truth.load(truth), settings, seed)
+    clouds = [Cloud.load(cloud).points_mm, *load_extra_clouds(cloud)]
+    values = [evaluator.evaluate(points, all_metrics=i == 0) for i, points in enumerate(clouds)]
+    if not any(values):
         score_failure(part, truth, target, settings=settings, seed=seed)
         return
-    mean = _mean([some or judge.nothing(every=i == 0) for i, some in enumerate(found)])
-    more = scores_beyond(judge.frame, judge.known, views, cloud)
-    save_scores(target, [*(judge.score(value, "ok") for value in mean), *more])
+    mean = _mean_values(
+        [
+            own_values or evaluator.failure_scores(all_metrics=i == 0)
+            for i, own_values in enumerate(values)
+        ]
+    )
+    extra_scores = image_and_confidence_scores(
+        evaluator.reference, evaluator.ground_truth, views, cloud
+    )
+    save_scores(target, [*(evaluator.to_score(value, "ok") for value in mean), *extra_scores])
 
 
 def score_failure(
     part: Path, truth: Path, target: Path, *, settings: EvaluateParams, seed: int
 ) -> None:
     """Write what a part without a cloud scores: the worse of its ball and its box."""
-    judge = Judge(part, Truth.load(truth), settings, seed)
-    save_scores(target, [judge.score(value, "failed") for value in judge.nothing()])
+    evaluator = Evaluator(part, Truth.load(truth), settings, seed)
+    save_scores(
+        target, [evaluator.to_score(value, "failed") for value in evaluator.failure_scores()]
+    )
 
 
 @dataclass(frozen=True)
-class Judge:
+class Evaluator:
     """Measures clouds of one part."""
 
     part: Path
-    known: Truth
+    ground_truth: Truth
     settings: EvaluateParams
     seed: int
 
-    def judged(self, points_mm: Float[np.ndarray, "n 3"], *, every: bool = True) -> list[Value]:
+    def evaluate(
+        self, points_mm: Float[np.ndarray, "n 3"], *, all_metrics: bool = True
+    ) -> list[MetricValue]:
         """The values of a cloud; none if no point of it can be scored.
 
         If not `every` metric, those of the visible surface that no chance enters into.
         """
         rng = generator(self.seed, "evaluate", self.part.name)
-        shown = self.sampled(points_mm, rng)
-        if shown is None:
+        surface = self.sample_prediction(points_mm, rng)
+        if surface is None:
             return []
-        if every:
-            return compare(self.frame, self.truth, shown, self.settings, rng)
-        return compare_visible(self.frame, self.truth, shown, self.settings)
+        if all_metrics:
+            return compare(self.reference, self.truth, surface, self.settings, rng)
+        return compare_visible(self.reference, self.truth, surface, self.settings)
 
     @cached_property
-    def frame(self) -> Frame:
+    def reference(self) -> ReferenceSurface:
         """Of the part's true surface."""
-        return Frame(load_mesh(self.part))
+        return ReferenceSurface(load_mesh(self.part))
 
     @cached_property
-    def rig(self) -> Rig:
+    def rig(self) -> ReferenceRig:
         """The reference rig round it."""
-        return Rig(self.frame, self.settings)
+        return ReferenceRig(self.reference, self.settings)
 
     @cached_property
-    def truth(self) -> Sampled:
+    def truth(self) -> SampledSurface:
         """The samples of the true surface."""
-        points_mm = self.known.points_mm.astype(np.float64)
-        return Sampled(self.frame.unit(points_mm), self.known.visible)
+        points_mm = self.ground_truth.points_mm.astype(np.float64)
+        return SampledSurface(self.reference.normalize(points_mm), self.ground_truth.visible)
 
-    def sampled(
+    def sample_prediction(
         self, points_mm: Float[np.ndarray, "n 3"], rng: np.random.Generator
-    ) -> Sampled | None:
+    ) -> SampledSurface | None:
         """A cloud, and which of its points count; None if none does."""
-        points_mm = random_points(points_mm.astype(np.float64), self.settings.cap, rng)
+        points_mm = random_points(points_mm.astype(np.float64), self.settings.max_points, rng)
         if not len(points_mm):
             return None
-        truth_mm, visible = self.known.points_mm.astype(np.float64), self.known.visible
-        kept = scored(self.rig, points_mm, truth_mm, visible, self.settings.hidden)
-        if not kept.any():  # every point lies deep inside, nearest to hidden surface
+        truth_mm = self.ground_truth.points_mm.astype(np.float64)
+        visible = self.ground_truth.visible
+        evaluated = evaluated_mask(
+            self.rig, points_mm, truth_mm, visible, self.settings.occlusion_margin
+        )
+        if not evaluated.any():  # every point lies deep inside, nearest to hidden surface
             return None
-        return Sampled(self.frame.unit(points_mm), kept)
+        return SampledSurface(self.reference.normalize(points_mm), evaluated)
 
-    def nothing(self, *, every: bool = True) -> list[Value]:
+    def failure_scores(self, *, all_metrics: bool = True) -> list[MetricValue]:
         """What an absent cloud scores: the worse of the ball and the box, metric by metric."""
-        frame = self.frame
-        extents = np.ptp(frame.mesh.vertices, axis=0)
+        reference = self.reference
+        extents = np.ptp(reference.mesh.vertices, axis=0)
         rng = generator(self.seed, "failure", self.part.name)
         ball, box = (
-            self.judged(surface(extents, frame.centre, self.settings.cap, rng), every=every)
-            for surface in (ball_surface, box_surface)
+            self.evaluate(
+                sample_shape(extents, reference.center, self.settings.max_points, rng),
+                all_metrics=all_metrics,
+            )
+            for sample_shape in (ball_surface, box_surface)
         )
         return [_worse(*pair) for pair in zip(ball, box, strict=True)]
 
-    def score(self, value: Value, status: str) -> Score:
+    def to_score(self, value: MetricValue, status: str) -> Score:
         """`value` with its floor."""
-        floor = self.known.floors[f"{value.metric} {value.protocol}"]
+        floor = self.ground_truth.floors[f"{value.metric} {value.protocol}"]
         return Score(value.metric, value.protocol, value.value, floor, value.unit, status)
 
 
-def _mean(answers: list[list[Value]]) -> list[Value]:
+def _mean_values(values_per_cloud: list[list[MetricValue]]) -> list[MetricValue]:
     """Value by value of the first answer, the mean over all that have it."""
-    named = [{(v.metric, v.protocol): v.value for v in values} for values in answers]
+    by_metric = [{(v.metric, v.protocol): v.value for v in values} for values in values_per_cloud]
     return [
-        replace(first, value=fmean(values[key] for values in named if key in values))
-        for first in answers[0]
+        replace(first, value=fmean(values[key] for values in by_metric if key in values))
+        for first in values_per_cloud[0]
         for key in [(first.metric, first.protocol)]
     ]
 
 
-def _worse(a: Value, b: Value) -> Value:
+def _worse(a: MetricValue, b: MetricValue) -> MetricValue:
     return max(a, b, key=lambda value: value.value if value.smaller_is_better else -value.value)

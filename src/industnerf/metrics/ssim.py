@@ -4,13 +4,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy.ndimage import correlate1d
 
-SIGMA, REACH = 1.5, 5  # px: a Gaussian window of 11 x 11
-K1, K2 = 0.01, 0.03  # colours lie in [0, 1], so the constants are K1^2 and K2^2
+SIGMA, HALF_WINDOW = 1.5, 5  # px: a Gaussian window of 11 x 11
+K1, K2 = 0.01, 0.03  # colors lie in [0, 1], so the constants are K1^2 and K2^2
 
 
 def window() -> Float[np.ndarray, "11"]:
     """The weights of one row of the window, which sum to 1."""
-    weights = np.exp(-(np.arange(-REACH, REACH + 1) ** 2) / (2 * SIGMA**2))
+    weights = np.exp(-(np.arange(-HALF_WINDOW, HALF_WINDOW + 1) ** 2) / (2 * SIGMA**2))
     return weights / weights.sum()
 
 
@@ -24,8 +24,8 @@ def ssim_map(
     mean_a, mean_b = _smooth(a), _smooth(b)
     var_a, var_b = _smooth(a * a) - mean_a**2, _smooth(b * b) - mean_b**2
     covariance = _smooth(a * b) - mean_a * mean_b
-    alike = (2 * mean_a * mean_b + K1**2) * (2 * covariance + K2**2)
-    return (alike / ((mean_a**2 + mean_b**2 + K1**2) * (var_a + var_b + K2**2))).mean(axis=-1)
+    numerator = (2 * mean_a * mean_b + K1**2) * (2 * covariance + K2**2)
+    return (numerator / ((mean_a**2 + mean_b**2 + K1**2) * (var_a + var_b + K2**2))).mean(axis=-1)
 
 
 def _smooth(image: Float[np.ndarray, "h w c"]) -> Float[np.ndarray, "h w c"]:

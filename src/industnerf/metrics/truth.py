@@ -9,8 +9,8 @@ from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import MetricError
 from industnerf.geometry.sampling import sample_surface
-from industnerf.metrics.compare import Sampled, compare
-from industnerf.metrics.visible import Frame, Rig
+from industnerf.metrics.compare import SampledSurface, compare
+from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
 
@@ -20,27 +20,31 @@ def measure_truth(part: Path, target: Path, *, settings: EvaluateParams, seed: i
 
     The floor of a metric is its value between the two: what a perfect method would score.
     """
-    frame = Frame(load_mesh(part))
-    points, truth = surface_sample(part.name, frame, settings, seed, "scored")
-    _, floor = surface_sample(part.name, frame, settings, seed, "floor")
-    fewest = min(truth.kept.sum(), floor.kept.sum())
-    if fewest < settings.points:
+    reference = ReferenceSurface(load_mesh(part))
+    points, truth = sample_reference(part.name, reference, settings, seed, "scored")
+    _, floor = sample_reference(part.name, reference, settings, seed, "floor")
+    num_visible = min(truth.evaluated.sum(), floor.evaluated.sum())
+    if num_visible < settings.points:
         raise MetricError(
-            f"the reference rig sees only {fewest} of {settings.dense} samples, fewer than "
-            f"evaluate.points = {settings.points}; raise evaluate.dense"
+            f"the reference rig sees only {num_visible} of {settings.dense_samples} samples, fewer than "
+            f"evaluate.points = {settings.points}; raise evaluate.dense_samples"
         )
-    values = compare(frame, truth, floor, settings, generator(seed, "floor", part.name))
+    values = compare(reference, truth, floor, settings, generator(seed, "floor", part.name))
     floors = {f"{value.metric} {value.protocol}": value.value for value in values}
-    Truth(points.astype(np.float32), truth.kept, floors).save(target)
+    Truth(points.astype(np.float32), truth.evaluated, floors).save(target)
 
 
-def surface_sample(
-    name: str, frame: Frame, settings: EvaluateParams, seed: int, use: str
-) -> tuple[Float[np.ndarray, "n 3"], Sampled]:
+def sample_reference(
+    name: str, reference: ReferenceSurface, settings: EvaluateParams, seed: int, use: str
+) -> tuple[Float[np.ndarray, "n 3"], SampledSurface]:
     """Samples of the surface of the part `name`, in mm and in diagonals.
 
     `use` is `scored`, of the truth itself, or `floor`, of what a perfect method would return.
     """
     rng = generator(seed, "truth", use, name)
-    points, _ = sample_surface(frame.mesh.vertices, frame.mesh.faces, settings.dense, rng)
-    return points, Sampled(frame.unit(points), Rig(frame, settings).sees(points))
+    points, _ = sample_surface(
+        reference.mesh.vertices, reference.mesh.faces, settings.dense_samples, rng
+    )
+    return points, SampledSurface(
+        reference.normalize(points), ReferenceRig(reference, settings).is_visible(points)
+    )

@@ -18,10 +18,10 @@ from rich.console import Console
 
 from industnerf import environment
 from industnerf.errors import BadParams, SuiteError
-from industnerf.parts.catalogue import EMBEDDED
-from industnerf.parts.export import FORMATS, export
-from industnerf.parts.listing import show
-from industnerf.parts.sets import FOLDERS
+from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
+from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
+from industnerf.parts.catalogue.listing import print_catalogue
+from industnerf.parts.io.export import FORMATS, export
 from industnerf.schema.parts import Units
 
 UNITS = get_args(Units)
@@ -33,17 +33,17 @@ def main() -> int:
     try:
         environment.read_local_file()
         if arguments.command == "list":
-            show(console, arguments.set)
+            print_catalogue(console, arguments.set)
         elif arguments.command == "export":
-            export_parts(console, arguments)
+            run_export(console, arguments)
         elif arguments.command == "card":
-            card(console)
+            run_data_card(console)
         elif arguments.command == "check":
-            return check_files(console, arguments)
+            return run_check(console, arguments)
         else:
-            from industnerf.parts.build import build
+            from industnerf.parts.catalogue.build import build_catalogue
 
-            build(console, arguments.set, arguments.family)
+            build_catalogue(console, arguments.set, arguments.family)
     except SuiteError as error:
         print(error, file=sys.stderr)
         return 1
@@ -66,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     export_command.add_argument("--format", required=True, choices=FORMATS)
     export_command.add_argument("--out", required=True, type=Path, metavar="FOLDER")
     for command in (list_command, build_command, export_command):
-        command.add_argument("--set", default="embedded", choices=FOLDERS)
+        command.add_argument("--set", default="embedded", choices=CATALOGUE_FOLDERS)
     check_command = commands.add_parser("check", help="what is the matter with CAD files of yours")
     check_command.add_argument("paths", nargs="+", type=Path, metavar="FILE", help="or folder")
     check_command.add_argument("--units", choices=UNITS, help="of files that state none")
@@ -76,10 +76,10 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def check_files(console: Console, arguments: argparse.Namespace) -> int:
+def run_check(console: Console, arguments: argparse.Namespace) -> int:
     """Check files under `parts` of params.yaml, less what the command line says otherwise."""
     from industnerf.config import load_params
-    from industnerf.parts.check import check
+    from industnerf.parts.validation.check_command import check_cad_files
 
     settings = load_params().parts
     settings = replace(
@@ -87,17 +87,17 @@ def check_files(console: Console, arguments: argparse.Namespace) -> int:
         units=arguments.units or settings.units,
         split_bodies=arguments.split_bodies or settings.split_bodies,
     )
-    return check(arguments.paths, settings, arguments.out, console)
+    return check_cad_files(arguments.paths, settings, arguments.out, console)
 
 
-def card(console: Console) -> None:
-    from industnerf.parts.card import write_card
+def run_data_card(console: Console) -> None:
+    from industnerf.parts.catalogue.data_card import write_card
 
-    for path in write_card(EMBEDDED.parents[1]):
+    for path in write_card(EMBEDDED_FOLDER.parents[1]):
         console.print(f"wrote {path}")
 
 
-def export_parts(console: Console, arguments: argparse.Namespace) -> None:
+def run_export(console: Console, arguments: argparse.Namespace) -> None:
     if bool(arguments.part_ids) == arguments.all:
         raise BadParams("export: name the parts to export, or give --all")
     part_ids = None if arguments.all else arguments.part_ids

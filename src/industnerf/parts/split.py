@@ -4,37 +4,44 @@ import hashlib
 from typing import assert_never
 
 from industnerf.artifacts.part import Part
-from industnerf.artifacts.split import Place
+from industnerf.artifacts.split import SplitAssignment
 from industnerf.schema import SplitParams
 
 
-def assign(parts: list[Part], settings: SplitParams) -> dict[str, Place]:
+def assign_splits(parts: list[Part], settings: SplitParams) -> dict[str, SplitAssignment]:
     """Place every part.
 
     A share of the embedded parts is `dev`; a file that the user brought never is, for nothing
     was tuned on it.  What is held out together is in one of `folds` folds together.
     """
-    return {part.part_id: Place(_split(part, settings), _fold(part, settings)) for part in parts}
+    return {
+        part.part_id: SplitAssignment(_split(part, settings), _fold(part, settings))
+        for part in parts
+    }
 
 
 def _split(part: Part, settings: SplitParams) -> str:
-    embedded = part.origin == "embedded"
-    return "dev" if embedded and _share("dev", part.part_id) < settings.dev_share else "test"
+    is_embedded = part.origin == "embedded"
+    return (
+        "dev"
+        if is_embedded and _hash_fraction("dev", part.part_id) < settings.dev_fraction
+        else "test"
+    )
 
 
 def _fold(part: Part, settings: SplitParams) -> int | None:
     match settings.hold_out:
         case "family":
-            return int(_share("fold", part.family) * settings.folds)
+            return int(_hash_fraction("fold", part.family) * settings.folds)
         case "part":
-            return int(_share("fold", part.part_id) * settings.folds)
+            return int(_hash_fraction("fold", part.part_id) * settings.folds)
         case "none":
             return None
         case _:
             assert_never(settings.hold_out)
 
 
-def _share(purpose: str, name: str) -> float:
+def _hash_fraction(purpose: str, name: str) -> float:
     """A number in [0, 1) that depends on `purpose` and `name` alone."""
     digest = hashlib.sha256(f"{purpose}/{name}".encode()).digest()
     return int.from_bytes(digest[:8], "big") / 2**64

@@ -23,33 +23,33 @@ import numpy as np
 from jaxtyping import Float
 
 from industnerf.artifacts.part import Mesh
-from industnerf.geometry.raycast import Scene
+from industnerf.geometry.raycast import RaycastingScene
 from industnerf.geometry.sampling import sample_surface
 from industnerf.geometry.symmetry import rotation_order
-from industnerf.geometry.tangents import on_visual_hull
-from industnerf.parts import checks
+from industnerf.geometry.visual_hull import is_on_visual_hull
+from industnerf.parts.validation import checks
 from industnerf.seeds import generator
 
-SAMPLES = 4096
-THIN = 0.02
-BURIED = 2e-3
-POCKETS = 0.05
-BLUR = 5e-3
-ALIKE = 0.99
-FORMULAS = {
-    "thin": f"median wall thickness below {100 * THIN:.0f} % of the bounding box's diagonal",
+NUM_SAMPLES = 4096
+MAX_THIN_THICKNESS = 0.02
+MIN_POCKET_DEPTH = 2e-3
+MIN_POCKET_SHARE = 0.05
+SYMMETRY_TOLERANCE = 5e-3
+MIN_SYMMETRIC_SHARE = 0.99
+STRATUM_DEFINITIONS = {
+    "thin": f"median wall thickness below {100 * MAX_THIN_THICKNESS:.0f} % of the bounding box's diagonal",
     "holes": "at least one through hole (genus, from the Euler number)",
-    "pockets": f"at least {100 * POCKETS:.0f} % of the area deeper than {100 * BURIED:.1f} % of "
+    "pockets": f"at least {100 * MIN_POCKET_SHARE:.0f} % of the area deeper than {100 * MIN_POCKET_DEPTH:.1f} % of "
     "the diagonal beneath the hull of infinitely many silhouettes",
     "symmetric": "for some k >= 3, every rotation by a multiple of 1/k of a turn about one axis "
-    f"takes {100 * ALIKE:.0f} % of the area to within {100 * BLUR:.1f} % of the diagonal of the "
+    f"takes {100 * MIN_SYMMETRIC_SHARE:.0f} % of the area to within {100 * SYMMETRY_TOLERANCE:.1f} % of the diagonal of the "
     "surface",
     "multi-body": "at least two solids",
 }
 
 
 @dataclass(frozen=True)
-class Shape:
+class ShapeProperties:
     """What the strata are made of."""
 
     thickness: float  # median, in diagonals
@@ -61,43 +61,48 @@ class Shape:
     @property
     def strata(self) -> tuple[str, ...]:
         """The strata that the part is in, in the order of FORMULAS."""
-        holds = {
-            "thin": self.thickness < THIN,
+        is_member = {
+            "thin": self.thickness < MAX_THIN_THICKNESS,
             "holes": self.through_holes >= 1,
-            "pockets": self.hull_hidden_share >= POCKETS,
+            "pockets": self.hull_hidden_share >= MIN_POCKET_SHARE,
             "symmetric": self.rotation_order is not None,
             "multi-body": self.solids >= 2,
         }
-        return tuple(name for name in FORMULAS if holds[name])
+        return tuple(name for name in STRATUM_DEFINITIONS if is_member[name])
 
 
-def shape_of(mesh: Mesh) -> Shape:
+def measure_shape(mesh: Mesh) -> ShapeProperties:
     """Measure `mesh`; raises ValueError if it has no area."""
     rng = generator(0, "strata")
-    points, face = sample_surface(mesh.vertices, mesh.faces, SAMPLES, rng)
-    normals = checks.doubled_normals(mesh.vertices, mesh.faces)[face]
+    points, face = sample_surface(mesh.vertices, mesh.faces, NUM_SAMPLES, rng)
+    normals = checks.double_area_normals(mesh.vertices, mesh.faces)[face]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    scene = Scene(mesh.vertices, mesh.faces)
+    scene = RaycastingScene(mesh.vertices, mesh.faces)
     diagonal = float(np.linalg.norm(checks.extents_mm(mesh.vertices)))
-    return Shape(
+    return ShapeProperties(
         thickness=float(np.median(thickness_mm(scene, points, normals, diagonal))) / diagonal,
         through_holes=checks.through_holes(mesh.faces),
         hull_hidden_share=1
-        - float(on_visual_hull(scene, points, normals, BURIED * diagonal, rng).mean()),
+        - float(is_on_visual_hull(scene, points, normals, MIN_POCKET_DEPTH * diagonal, rng).mean()),
         rotation_order=rotation_order(
-            mesh.vertices, mesh.faces, scene, points, BLUR * diagonal, ALIKE
+            mesh.vertices,
+            mesh.faces,
+            scene,
+            points,
+            SYMMETRY_TOLERANCE * diagonal,
+            MIN_SYMMETRIC_SHARE,
         ),
-        solids=checks.solids(mesh.vertices, mesh.faces),
+        solids=checks.count_solids(mesh.vertices, mesh.faces),
     )
 
 
 def thickness_mm(
-    scene: Scene,
+    scene: RaycastingScene,
     points: Float[np.ndarray, "n 3"],
     normals: Float[np.ndarray, "n 3"],
     diagonal_mm: float,
 ) -> Float[np.ndarray, "n"]:
     """From each point against its outward normal to the next wall; 0 where there is none."""
-    start = 1e-5 * diagonal_mm  # beneath the surface, so that it is not met itself
-    reach = start + scene.distance(points - start * normals, -normals).astype(np.float64)
-    return np.where(np.isfinite(reach), reach, 0)
+    offset = 1e-5 * diagonal_mm  # beneath the surface, so that it is not met itself
+    distances = offset + scene.distance(points - offset * normals, -normals).astype(np.float64)
+    return np.where(np.isfinite(distances), distances, 0)

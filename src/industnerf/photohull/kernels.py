@@ -8,35 +8,35 @@ from typing import no_type_check  # compiled, not called: there is nothing to ch
 
 import warp as wp
 
-from industnerf.geometry.compiled import mat34, start
-from industnerf.photohull import lattice
+from industnerf.geometry.warp_runtime import init_warp, mat34
+from industnerf.photohull import voxel_grid
 
-start()
+init_warp()
 wp.set_module_options({"enable_backward": False})
 
-BEGIN = wp.constant(2.0)  # cells; what is nearer to a cell does not hide it
-UNKNOWN = wp.constant(float(lattice.UNKNOWN))
+OCCLUSION_START = wp.constant(2.0)  # cells; what is nearer to a cell does not hide it
+UNKNOWN = wp.constant(float(voxel_grid.UNKNOWN))
 OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
-AROUND = wp.constant(2)  # cells on either side that a normal is taken from
-DROPPED = wp.constant(3)  # views at most that may disagree: `insert` keeps one more
+NORMAL_RADIUS = wp.constant(2)  # cells on either side that a normal is taken from
+MAX_OUTLIER_VIEWS = wp.constant(3)  # views at most that may disagree: `insert` keeps one more
 
 
 @wp.func
 @no_type_check
-def place_of(cell: int, n: int):
+def unravel_index(cell: int, n: int):
     return wp.vec3i(cell // (n * n), (cell // n) % n, cell % n)
 
 
 @wp.func
 @no_type_check
-def centre_of(at: wp.vec3i, spacing: float):
-    place = wp.vec3(float(at[0]), float(at[1]), float(at[2]))
-    return (place + wp.vec3(0.5, 0.5, 0.5)) * spacing - wp.vec3(1.0, 1.0, 1.0)
+def cell_center(index: wp.vec3i, spacing: float):
+    corner = wp.vec3(float(index[0]), float(index[1]), float(index[2]))
+    return (corner + wp.vec3(0.5, 0.5, 0.5)) * spacing - wp.vec3(1.0, 1.0, 1.0)
 
 
 @wp.func
 @no_type_check
-def seen_at(matrix: mat34, x: wp.vec3):
+def project_point(matrix: mat34, x: wp.vec3):
     """u, v (px) and depth."""
     image = matrix * wp.vec4(x[0], x[1], x[2], 1.0)
     return wp.vec3(image[0] / image[2], image[1] / image[2], image[2])
@@ -45,7 +45,7 @@ def seen_at(matrix: mat34, x: wp.vec3):
 @wp.func
 @no_type_check
 def bilinear(images: wp.array3d(dtype=wp.float32), view: int, u: float, v: float):
-    """Between the pixels' centres; outside its frame an image goes on as it ends."""
+    """Between the pixels' centers; outside its frame an image goes on as it ends."""
     x = wp.clamp(u - 0.5, 0.0, float(images.shape[2]) - 1.001)
     y = wp.clamp(v - 0.5, 0.0, float(images.shape[1]) - 1.001)
     left = int(x)
@@ -67,18 +67,18 @@ def measure_depth(
     focal: wp.array(dtype=wp.float32),
     depth: wp.array(dtype=wp.float32),
 ):
-    """How deep each cell's centre is in all silhouettes, in cells; beyond OUTSIDE its sign."""
+    """How deep each cell's center is in all silhouettes, in cells; beyond OUTSIDE its sign."""
     i = wp.tid()
     spacing = 2.0 / float(n)
-    x = centre_of(place_of(cells[i], n), spacing)
-    least = wp.float32(1.0e6)
+    x = cell_center(unravel_index(cells[i], n), spacing)
+    min_depth = wp.float32(1.0e6)
     for view in range(projection.shape[0]):
-        if least > -OUTSIDE:
-            at = seen_at(projection[view], x)
-            if at[2] > 0.0:
-                inside = bilinear(distance, view, at[0], at[1])
-                least = wp.min(least, inside * at[2] / (focal[view] * spacing))
-    depth[i] = least
+        if min_depth > -OUTSIDE:
+            pixel = project_point(projection[view], x)
+            if pixel[2] > 0.0:
+                inside = bilinear(distance, view, pixel[0], pixel[1])
+                min_depth = wp.min(min_depth, inside * pixel[2] / (focal[view] * spacing))
+    depth[i] = min_depth
 
 
 @wp.func
@@ -94,32 +94,32 @@ def is_solid(solid: wp.array3d(dtype=wp.uint8), i: int, j: int, k: int):
 @no_type_check
 def normal_at(solid: wp.array3d(dtype=wp.uint8), cell: wp.vec3i):
     """Away from the middle of the solid about the cell."""
-    away = wp.vec3(0.0, 0.0, 0.0)
-    for di in range(-AROUND, AROUND + 1):
-        for dj in range(-AROUND, AROUND + 1):
-            for dk in range(-AROUND, AROUND + 1):
+    outward = wp.vec3(0.0, 0.0, 0.0)
+    for di in range(-NORMAL_RADIUS, NORMAL_RADIUS + 1):
+        for dj in range(-NORMAL_RADIUS, NORMAL_RADIUS + 1):
+            for dk in range(-NORMAL_RADIUS, NORMAL_RADIUS + 1):
                 if is_solid(solid, cell[0] + di, cell[1] + dj, cell[2] + dk):
-                    away -= wp.vec3(float(di), float(dj), float(dk))
-    return wp.normalize(away)
+                    outward -= wp.vec3(float(di), float(dj), float(dk))
+    return wp.normalize(outward)
 
 
 @wp.func
 @no_type_check
-def is_hidden(
+def is_occluded(
     solid: wp.array3d(dtype=wp.uint8),
     start: wp.vec3,
-    towards: wp.vec3,
-    begin: float,
+    direction: wp.vec3,
+    start_cells: float,
     spacing: float,
     lo: wp.vec3,
     hi: wp.vec3,
 ):
     """Whether a ray meets a solid cell, from `begin` cells after its start to the box's end."""
-    t = begin * spacing
-    hidden = wp.bool(False)
-    x = start + t * towards
+    t = start_cells * spacing
+    occluded = wp.bool(False)
+    x = start + t * direction
     while (
-        not hidden
+        not occluded
         and x[0] > lo[0]
         and x[1] > lo[1]
         and x[2] > lo[2]
@@ -127,20 +127,20 @@ def is_hidden(
         and x[1] < hi[1]
         and x[2] < hi[2]
     ):
-        hidden = is_solid(
+        occluded = is_solid(
             solid,
             int((x[0] + 1.0) / spacing),
             int((x[1] + 1.0) / spacing),
             int((x[2] + 1.0) / spacing),
         )
         t += spacing
-        x = start + t * towards
-    return hidden
+        x = start + t * direction
+    return occluded
 
 
 @wp.func
 @no_type_check
-def insert(largest: wp.vec4, x: float):
+def insert_descending(largest: wp.vec4, x: float):
     """The four largest, in descending order."""
     a = wp.max(largest[0], x)
     x = wp.min(largest[0], x)
@@ -153,31 +153,31 @@ def insert(largest: wp.vec4, x: float):
 
 @wp.struct
 @no_type_check
-class Rules:
+class CarvingParams:
     lo: wp.vec3
     hi: wp.vec3
-    facing: wp.float32
-    outliers: wp.float32
-    views: wp.int32
+    min_facing_cosine: wp.float32
+    outlier_share: wp.float32
+    min_views: wp.int32
 
 
 @wp.kernel
 @no_type_check
-def measure_gap(
+def measure_color_gap(
     cells: wp.array(dtype=wp.int32),
     solid: wp.array3d(dtype=wp.uint8),
     darkest: wp.array4d(dtype=wp.uint8),
     brightest: wp.array4d(dtype=wp.uint8),
     projection: wp.array(dtype=mat34),
-    eyes: wp.array(dtype=wp.vec3),
-    rules: Rules,
+    camera_centers: wp.array(dtype=wp.vec3),
+    params: CarvingParams,
     gap: wp.array(dtype=wp.float32),
 ):
     i = wp.tid()
     spacing = 2.0 / float(solid.shape[0])
-    place = place_of(cells[i], solid.shape[0])
-    x = centre_of(place, spacing)
-    normal = normal_at(solid, place)
+    index = unravel_index(cells[i], solid.shape[0])
+    x = cell_center(index, spacing)
+    normal = normal_at(solid, index)
     none = wp.vec4(0.0, 0.0, 0.0, 0.0)
     r0 = none
     g0 = none
@@ -187,37 +187,42 @@ def measure_gap(
     b1 = none
     count = wp.int32(0)
     for view in range(projection.shape[0]):
-        towards = wp.normalize(eyes[view] - x)
-        if wp.dot(towards, normal) > rules.facing:
-            at = seen_at(projection[view], x)
-            u = int(wp.floor(at[0]))
-            v = int(wp.floor(at[1]))
-            framed = at[2] > 0.0 and u >= 0 and v >= 0
-            framed = framed and u < darkest.shape[2] and v < darkest.shape[1]
-            hidden = is_hidden(solid, x, towards, BEGIN, spacing, rules.lo, rules.hi)
-            if framed and not hidden:
+        view_direction = wp.normalize(camera_centers[view] - x)
+        if wp.dot(view_direction, normal) > params.min_facing_cosine:
+            pixel = project_point(projection[view], x)
+            u = int(wp.floor(pixel[0]))
+            v = int(wp.floor(pixel[1]))
+            in_frame = pixel[2] > 0.0 and u >= 0 and v >= 0
+            in_frame = in_frame and u < darkest.shape[2] and v < darkest.shape[1]
+            occluded = is_occluded(
+                solid, x, view_direction, OCCLUSION_START, spacing, params.lo, params.hi
+            )
+            if in_frame and not occluded:
                 count += 1
-                r0 = insert(r0, float(darkest[view, v, u, 0]))
-                g0 = insert(g0, float(darkest[view, v, u, 1]))
-                b0 = insert(b0, float(darkest[view, v, u, 2]))
-                r1 = insert(r1, 255.0 - float(brightest[view, v, u, 0]))
-                g1 = insert(g1, 255.0 - float(brightest[view, v, u, 1]))
-                b1 = insert(b1, 255.0 - float(brightest[view, v, u, 2]))
-    drop = wp.min(int(rules.outliers * float(count)), DROPPED)
-    if count < rules.views:
+                r0 = insert_descending(r0, float(darkest[view, v, u, 0]))
+                g0 = insert_descending(g0, float(darkest[view, v, u, 1]))
+                b0 = insert_descending(b0, float(darkest[view, v, u, 2]))
+                r1 = insert_descending(r1, 255.0 - float(brightest[view, v, u, 0]))
+                g1 = insert_descending(g1, 255.0 - float(brightest[view, v, u, 1]))
+                b1 = insert_descending(b1, 255.0 - float(brightest[view, v, u, 2]))
+    dropped_views = wp.min(int(params.outlier_share * float(count)), MAX_OUTLIER_VIEWS)
+    if count < params.min_views:
         gap[i] = UNKNOWN
     else:
-        worst = wp.max(r0[drop] + r1[drop], wp.max(g0[drop] + g1[drop], b0[drop] + b1[drop]))
+        worst = wp.max(
+            r0[dropped_views] + r1[dropped_views],
+            wp.max(g0[dropped_views] + g1[dropped_views], b0[dropped_views] + b1[dropped_views]),
+        )
         gap[i] = worst / 255.0 - 1.0
 
 
 @wp.kernel
 @no_type_check
-def smooth_gap(
+def smooth_color_gap(
     cells: wp.array(dtype=wp.int32),
     solid: wp.array3d(dtype=wp.uint8),
     gap: wp.array3d(dtype=wp.float32),
-    most: wp.float32,
+    max_gap: wp.float32,
     mean: wp.array(dtype=wp.float32),
 ):
     """Of each cell that looks wrong, the mean gap of the 27 solid cells about it.
@@ -225,20 +230,20 @@ def smooth_gap(
     A gap counts up to `most`: one cell that looks very wrong takes no other with it.
     """
     i = wp.tid()
-    c = place_of(cells[i], solid.shape[0])
+    index = unravel_index(cells[i], solid.shape[0])
     total = wp.float32(0.0)
     count = wp.float32(0.0)
     for di in range(-1, 2):
         for dj in range(-1, 2):
             for dk in range(-1, 2):
-                a = c[0] + di
-                b = c[1] + dj
-                d = c[2] + dk
+                a = index[0] + di
+                b = index[1] + dj
+                d = index[2] + dk
                 if is_solid(solid, a, b, d):
                     value = gap[a, b, d]
                     if value > UNKNOWN:
-                        total += wp.clamp(value, -most, most)
+                        total += wp.clamp(value, -max_gap, max_gap)
                         count += 1.0
     mean[i] = UNKNOWN
-    if gap[c[0], c[1], c[2]] > 0.0:
+    if gap[index[0], index[1], index[2]] > 0.0:
         mean[i] = total / count

@@ -12,34 +12,34 @@ import time
 
 from industnerf import environment
 from industnerf.errors import ReconstructionFailed, SuiteError
-from industnerf.reconstruct.options import Options, parse
+from industnerf.reconstruct.cli import Options, parse_args
 from industnerf.runner.device import check_device
 
 
 def main() -> int:
-    began = time.time()
-    options = parse(sys.argv[1:], __doc__)
+    start_time = time.time()
+    options = parse_args(sys.argv[1:], __doc__)
     try:
         environment.read_local_file()
         check_device(here=True)
-        from industnerf.reconstruct.job import reconstruct  # late: --help needs none of it
+        from industnerf.reconstruct.main import reconstruct  # late: --help needs none of it
 
         reconstruct(options)
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1 if isinstance(error, ReconstructionFailed) else 2
     except KeyboardInterrupt:
-        print(f"interrupted; {_outlook(options, began)}", file=sys.stderr)
+        print(f"interrupted; {_resume_hint(options, start_time)}", file=sys.stderr)
         return 130
     return 0
 
 
-def _outlook(options: Options, began: float) -> str:
+def _resume_hint(options: Options, start_time: float) -> str:
     """What is kept, and how to go on; `began` is the time at which this run did."""
     path = options.checkpoint
-    if not path.exists() or (options.fresh and path.stat().st_mtime < began):
+    if not path.exists() or (options.no_resume and path.stat().st_mtime < start_time):
         return "nothing of this run is kept"
-    command = "the same command without --fresh" if options.fresh else "the same command"
+    command = "the same command without --fresh" if options.no_resume else "the same command"
     return f"{command} goes on from {options.checkpoint}"
 
 

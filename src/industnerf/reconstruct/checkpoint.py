@@ -14,45 +14,45 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.whole import written_whole
+from industnerf.artifacts.atomic_write import atomic_write
 from industnerf.errors import BadArtifact
 
 MAGIC = b"industnerf checkpoint 1\n"
-Origin = Mapping[str, str]  # a digest of each thing that a run depends on, by name
+Fingerprint = Mapping[str, str]  # a digest of each thing that a run depends on, by name
 
 
-def save(path: Path, state: dict[str, Any], origin: Origin) -> None:
+def save(path: Path, state: dict[str, Any], fingerprint: Fingerprint) -> None:
     """Write `state`; raises BadArtifact if `path` cannot be written.
 
     A state that holds more than plain data is refused here, not when someone wants to go on.
     """
-    blob = io.BytesIO()
-    torch.save(state, blob)
-    payload = blob.getvalue()
-    _plain(payload)
-    head = {"origin": dict(origin), "state": hashlib.sha256(payload).hexdigest()}
-    with written_whole(path) as draft:
-        draft.write_bytes(MAGIC + json.dumps(head).encode() + b"\n" + payload)
+    buffer = io.BytesIO()
+    torch.save(state, buffer)
+    payload = buffer.getvalue()
+    _load_weights_only(payload)
+    header = {"origin": dict(fingerprint), "state": hashlib.sha256(payload).hexdigest()}
+    with atomic_write(path) as draft:
+        draft.write_bytes(MAGIC + json.dumps(header).encode() + b"\n" + payload)
 
 
-def load(path: Path, origin: Origin) -> dict[str, Any]:
+def load(path: Path, fingerprint: Fingerprint) -> dict[str, Any]:
     """The state in `path`; raises BadArtifact if it is torn, or of another run than `origin`.
 
     Nothing but plain data is unpickled, so a file from elsewhere can run no code.
     """
-    head, payload = _parts(path)
-    if hashlib.sha256(payload).hexdigest() != head["state"]:
+    header, payload = _read_header(path)
+    if hashlib.sha256(payload).hexdigest() != header["state"]:
         raise BadArtifact(f"{path} is torn: its state is incomplete; --fresh starts anew")
-    other = [name for name in origin if head["origin"].get(name) != origin[name]]
-    if other:
+    mismatched = [name for name in fingerprint if header["origin"].get(name) != fingerprint[name]]
+    if mismatched:
         raise BadArtifact(
-            f"{path} belongs to another run: {', '.join(other)} differ; --fresh drops it and "
+            f"{path} belongs to another run: {', '.join(mismatched)} differ; --fresh drops it and "
             "starts anew, --checkpoint names another file"
         )
-    return _plain(payload)
+    return _load_weights_only(payload)
 
 
-def _plain(payload: bytes) -> dict[str, Any]:
+def _load_weights_only(payload: bytes) -> dict[str, Any]:
     return torch.load(io.BytesIO(payload), map_location="cpu", weights_only=True)
 
 
@@ -63,13 +63,13 @@ def is_checkpoint(path: Path) -> bool:
     return MAGIC.startswith(start)
 
 
-def _parts(path: Path) -> tuple[dict[str, Any], bytes]:
+def _read_header(path: Path) -> tuple[dict[str, Any], bytes]:
     magic, _, rest = path.read_bytes().partition(b"\n")
-    line, _, payload = rest.partition(b"\n")
+    header_line, _, payload = rest.partition(b"\n")
     try:
-        head = json.loads(line)
-        if magic + b"\n" == MAGIC and {"origin", "state"} <= head.keys():
-            return head, payload
+        header = json.loads(header_line)
+        if magic + b"\n" == MAGIC and {"origin", "state"} <= header.keys():
+            return header, payload
     except (ValueError, AttributeError):
         pass
     raise BadArtifact(f"{path} is torn, or no checkpoint; --fresh starts anew")

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-QUIET_S = 10.0  # between two lines where there is no terminal
+LOG_INTERVAL_S = 10.0  # between two lines where there is no terminal
 
 
 class Display:
@@ -15,8 +15,8 @@ class Display:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._level, self._steps, self._done = "", 0, 0
-        self._start = self._said = time.monotonic()
+        self._label, self._num_steps, self._num_done = "", 0, 0
+        self._start = self._last_log_time = time.monotonic()
         self._bar = Bar(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -39,30 +39,36 @@ class Display:
     ) -> None:
         self._bar.stop()
 
-    def begin(self, level: str, steps: int) -> None:
+    def start_level(self, level: str, steps: int) -> None:
         """A new bar, of `steps`."""
-        self._level, self._steps, self._done = level, steps, 0
+        self._label, self._num_steps, self._num_done = level, steps, 0
         self._start = time.monotonic()
         self._task = self._bar.add_task(level, total=steps, loss="")
 
-    def step(self, loss: float | None = None) -> None:
+    def advance(self, loss: float | None = None) -> None:
         """One step of the level that was begun last."""
-        self._done += 1
-        shown = "" if loss is None else f"loss {loss:.4g}"
-        self._bar.update(self._task, advance=1, loss=shown)
+        self._num_done += 1
+        loss_text = "" if loss is None else f"loss {loss:.4g}"
+        self._bar.update(self._task, advance=1, loss=loss_text)
         now = time.monotonic()
-        if not self._console.is_terminal and now - self._said > QUIET_S:
-            self._said = now
-            left = (now - self._start) / self._done * max(self._steps - self._done, 0)
-            words = [f"{self._level}: {self._done} of {self._steps}", shown, f"{left:.0f} s left"]
-            self.say(", ".join(word for word in words if word))
+        if not self._console.is_terminal and now - self._last_log_time > LOG_INTERVAL_S:
+            self._last_log_time = now
+            remaining_s = (
+                (now - self._start) / self._num_done * max(self._num_steps - self._num_done, 0)
+            )
+            fields = [
+                f"{self._label}: {self._num_done} of {self._num_steps}",
+                loss_text,
+                f"{remaining_s:.0f} s left",
+            ]
+            self.log(", ".join(field for field in fields if field))
 
-    def count(self, done: int, of: int) -> None:
+    def count_images(self, done: int, total: int) -> None:
         """The photographs read so far."""
         if done == 1:
-            self.begin("photographs", of)
-        self.step()
+            self.start_level("photographs", total)
+        self.advance()
 
-    def say(self, text: str) -> None:
+    def log(self, text: str) -> None:
         """A line above the bars."""
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)

@@ -11,36 +11,38 @@ from pathlib import Path
 from typing import Any
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.lenses import merged
+from industnerf.reconstruct.camera_models import merge_camera_params
 
 
 @dataclass(frozen=True)
-class Shot:
+class Frame:
     """One frame: its place in the file, the photograph's name, and what is said of its camera."""
 
-    number: int
+    index: int
     name: str  # with forward slashes, without a leading ./
-    lens: Mapping[str, Any]
+    camera_params: Mapping[str, Any]
     matrix: Any
 
     def __str__(self) -> str:
-        return f"frame {self.number} ({self.name})"
+        return f"frame {self.index} ({self.name})"
 
 
-def read_shots(path: Path, *, every: bool) -> tuple[list[Shot], list[Shot]]:
+def read_frames(path: Path, *, all_frames: bool) -> tuple[list[Frame], list[Frame]]:
     """The frames to use, and all that there are; where `train_filenames` is given, only those.
 
     `every` takes them all.  Raises BadArtifact that names the file, and the frame if one is wrong.
     """
     content = _read(path)
-    frames = content.get("frames")
-    if not isinstance(frames, list) or not frames:
+    entries = content.get("frames")
+    if not isinstance(entries, list) or not entries:
         raise BadArtifact(f"{path}: `frames` is missing or empty; it must list the photographs")
-    shots = [_shot(path, number, content, frame) for number, frame in enumerate(frames)]
-    named = content.get("train_filenames")
-    if named is None or every:
-        return shots, shots
-    return _named(path, shots, named), shots
+    listed_frames = [
+        _parse_frame(path, index, content, entry) for index, entry in enumerate(entries)
+    ]
+    train_names = content.get("train_filenames")
+    if train_names is None or all_frames:
+        return listed_frames, listed_frames
+    return _train_frames(path, listed_frames, train_names), listed_frames
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -55,18 +57,20 @@ def _read(path: Path) -> dict[str, Any]:
     return content
 
 
-def _shot(path: Path, number: int, content: dict[str, Any], frame: Any) -> Shot:
-    if not isinstance(frame, dict):
-        raise BadArtifact(f"{path}: frame {number} is no object")
-    name = frame.get("file_path")
-    if not isinstance(name, str) or not plain(name):
-        raise BadArtifact(f"{path}: frame {number} has no `file_path`")
-    if "transform_matrix" not in frame:
-        raise BadArtifact(f"{path}: frame {number} ({name}) has no `transform_matrix`")
-    return Shot(number, plain(name), merged(content, frame), frame["transform_matrix"])
+def _parse_frame(path: Path, index: int, content: dict[str, Any], entry: Any) -> Frame:
+    if not isinstance(entry, dict):
+        raise BadArtifact(f"{path}: frame {index} is no object")
+    name = entry.get("file_path")
+    if not isinstance(name, str) or not normalize_path(name):
+        raise BadArtifact(f"{path}: frame {index} has no `file_path`")
+    if "transform_matrix" not in entry:
+        raise BadArtifact(f"{path}: frame {index} ({name}) has no `transform_matrix`")
+    return Frame(
+        index, normalize_path(name), merge_camera_params(content, entry), entry["transform_matrix"]
+    )
 
 
-def plain(name: str) -> str:
+def normalize_path(name: str) -> str:
     """`name` with forward slashes and without a leading ./"""
     name = name.replace("\\", "/")
     while name.startswith("./"):
@@ -74,14 +78,14 @@ def plain(name: str) -> str:
     return name
 
 
-def _named(path: Path, shots: Sequence[Shot], names: Any) -> list[Shot]:
+def _train_frames(path: Path, frames: Sequence[Frame], names: Any) -> list[Frame]:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise BadArtifact(f"{path}: `train_filenames` must be a list of names")
-    wanted = {plain(name) for name in names}
-    unknown = sorted(wanted - {shot.name for shot in shots})
+    wanted = {normalize_path(name) for name in names}
+    unknown = sorted(wanted - {frame.name for frame in frames})
     if unknown:
         raise BadArtifact(
             f"{path}: `train_filenames` names {unknown[0]!r}, which no frame has as its "
             "`file_path`; --all takes every frame instead"
         )
-    return [shot for shot in shots if shot.name in wanted]
+    return [frame for frame in frames if frame.name in wanted]

@@ -8,23 +8,23 @@ from jaxtyping import Float, UInt8
 
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import reduced_size
-from industnerf.reconstruct.distortion import Distortion, straightened
-from industnerf.reconstruct.lenses import distortion, intrinsics, stated_size
-from industnerf.reconstruct.pixels import Facts, read_photo, same_shape
-from industnerf.reconstruct.poses import pose
-from industnerf.reconstruct.shrink import shrink
-from industnerf.reconstruct.transforms import Shot
+from industnerf.reconstruct.camera_models import image_size, intrinsics, parse_distortion
+from industnerf.reconstruct.distortion import Distortion, undistort
+from industnerf.reconstruct.images import ImageInfo, is_same_aspect, read_image
+from industnerf.reconstruct.poses import parse_pose
+from industnerf.reconstruct.resize import resize_area
+from industnerf.reconstruct.transforms import Frame
 
 
 @dataclass(frozen=True)
-class Stand:
+class FrameCamera:
     """What the file says of one camera, checked."""
 
-    shot: Shot
+    frame: Frame
     c2w: Float[np.ndarray, "4 4"]
     scale: float  # that its rotation carried
     size: tuple[int, int] | None  # (width, height) in px of which the intrinsics speak
-    bent: Distortion | None  # None: a pinhole
+    distortion: Distortion | None  # None: a pinhole
 
 
 @dataclass(frozen=True)
@@ -33,52 +33,66 @@ class View:
 
     rgb: UInt8[np.ndarray, "h w 3"]
     K: Float[np.ndarray, "3 3"]  # of `rgb`
-    stand: Stand
-    photo: Facts
+    camera: FrameCamera
+    info: ImageInfo
 
     @property
-    def rescaled(self) -> bool:
+    def is_rescaled(self) -> bool:
         """The camera speaks of another size than the file has."""
-        return self.stand.size not in (None, self.photo.size)
+        return self.camera.size not in (None, self.info.size)
 
 
-def stand(shot: Shot) -> Stand:
+def parse_camera(frame: Frame) -> FrameCamera:
     """Raises BadArtifact that names the frame if its camera is none that we know, in space."""
-    where = str(shot)
-    bent = distortion(shot.lens, where)
-    return Stand(shot, *pose(shot.matrix, where), stated_size(shot.lens, where), bent)
+    frame_label = str(frame)
+    lens_distortion = parse_distortion(frame.camera_params, frame_label)
+    return FrameCamera(
+        frame,
+        *parse_pose(frame.matrix, frame_label),
+        image_size(frame.camera_params, frame_label),
+        lens_distortion,
+    )
 
 
-def read_view(stand: Stand, path: Path, background: Float[np.ndarray, "3"], longest: int) -> View:
+def read_view(
+    frame_camera: FrameCamera, path: Path, background: Float[np.ndarray, "3"], max_size: int
+) -> View:
     """Read the photograph at `path`, straight, no long edge above `longest` px.
 
     Raises BadArtifact if it is no image, or not of the shape that its camera speaks of.
     """
-    where = str(stand.shot)
-    rgb, photo = read_photo(path, background, stand.size, where)
-    camera = stand.size or photo.size
-    if not same_shape(photo.size, camera):
+    frame_label = str(frame_camera.frame)
+    rgb, info = read_image(path, background, frame_camera.size, frame_label)
+    camera_size = frame_camera.size or info.size
+    if not is_same_aspect(info.size, camera_size):
         raise BadArtifact(
-            f"{where}: {path} is {in_px(photo.size)}, its camera says {in_px(camera)}: another "
+            f"{frame_label}: {path} is {format_size(info.size)}, its camera says {format_size(camera_size)}: another "
             "shape, so a crop or a turn that the intrinsics do not know of"
         )
-    size = reduced_size(*photo.size, longest)
-    K = intrinsics(stand.shot.lens, *camera, where)
-    if stand.bent:  # between pixels twice as fine: what is interpolated there is hardly blurred
-        fine = reduced_size(*photo.size, 2 * longest)
-        rgb, K = straightened(shrink(rgb, *fine), scaled(K, camera, fine), stand.bent, where)
-        camera = fine
-    return View(shrink(rgb, *size), scaled(K, camera, size), stand, photo)
+    size = reduced_size(*info.size, max_size)
+    K = intrinsics(frame_camera.frame.camera_params, *camera_size, frame_label)
+    if (
+        frame_camera.distortion
+    ):  # between pixels twice as fine: what is interpolated there is hardly blurred
+        fine_size = reduced_size(*info.size, 2 * max_size)
+        rgb, K = undistort(
+            resize_area(rgb, *fine_size),
+            scale_intrinsics(K, camera_size, fine_size),
+            frame_camera.distortion,
+            frame_label,
+        )
+        camera_size = fine_size
+    return View(resize_area(rgb, *size), scale_intrinsics(K, camera_size, size), frame_camera, info)
 
 
-def scaled(
-    K: Float[np.ndarray, "*n 3 3"], old: tuple[int, int], new: tuple[int, int]
+def scale_intrinsics(
+    K: Float[np.ndarray, "*n 3 3"], old_size: tuple[int, int], new_size: tuple[int, int]
 ) -> Float[np.ndarray, "*n 3 3"]:
     """K of the same images in another size, (width, height)."""
     # the image's corner is the origin of px, so the principal point scales as the lengths do
-    return np.diag([new[0] / old[0], new[1] / old[1], 1.0]) @ K
+    return np.diag([new_size[0] / old_size[0], new_size[1] / old_size[1], 1.0]) @ K
 
 
-def in_px(size: tuple[int, int]) -> str:
+def format_size(size: tuple[int, int]) -> str:
     """`size` for a message."""
     return f"{size[0]} x {size[1]} px"

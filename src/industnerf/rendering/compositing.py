@@ -1,4 +1,4 @@
-"""From densities and colours along rays to pixels -- Max (1995); paper, eq. (10).
+"""From densities and colors along rays to pixels -- Max (1995); paper, eq. (10).
 
 Samples follow each other from the eye at distances of `step`, so that s of them have s + 1
 transmittances: before the first, between, and after the last.
@@ -10,11 +10,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-FAINTEST = 1e-8  # opacity below which the depth fades to 0 instead of being amplified
+MIN_OPACITY = 1e-8  # opacity below which the depth fades to 0 instead of being amplified
 
 
 @dataclass(frozen=True)
-class Rendered:
+class CompositeOutput:
     """What `r` rays see."""
 
     rgb: Float[Tensor, "r 3"]  # in [0, 1] if the points and the background are
@@ -27,8 +27,8 @@ def transmittance(sigma: Float[Tensor, "r s"], step: float) -> Float[Tensor, "r 
 
     T_i = exp(-sum_{j<i} sigma_j step), the paper's (10).
     """
-    passed = torch.nn.functional.pad(sigma.cumsum(dim=1), (1, 0))
-    return torch.exp(-step * passed)
+    accumulated_density = torch.nn.functional.pad(sigma.cumsum(dim=1), (1, 0))
+    return torch.exp(-step * accumulated_density)
 
 
 def opacities(sigma: Float[Tensor, "r s"], step: float) -> Float[Tensor, "r s"]:
@@ -36,9 +36,11 @@ def opacities(sigma: Float[Tensor, "r s"], step: float) -> Float[Tensor, "r s"]:
     return -torch.expm1(-step * sigma)
 
 
-def stopped(sigma: Float[Tensor, "r s"], step: float, stop: float) -> Float[Tensor, "r s"]:
+def terminated_density(
+    sigma: Float[Tensor, "r s"], step: float, early_stop_transmittance: float
+) -> Float[Tensor, "r s"]:
     """`sigma`, but 0 beyond the sample that leaves less than `stop` of the light."""
-    return sigma * (transmittance(sigma, step)[:, :-1] >= stop)
+    return sigma * (transmittance(sigma, step)[:, :-1] >= early_stop_transmittance)
 
 
 def composite(
@@ -47,11 +49,11 @@ def composite(
     t: Float[Tensor, "r s"],
     background: Float[Tensor, "r 3"],
     step: float,
-) -> Rendered:
+) -> CompositeOutput:
     """sum_i T_i alpha_i c_i + T_end background, and likewise for the distances `t`."""
-    left = transmittance(sigma, step)
-    weights = left[:, :-1] * opacities(sigma, step)
-    pixel = (weights[:, :, None] * rgb).sum(dim=1) + left[:, -1:] * background
-    opacity = 1 - left[:, -1]
-    depth = (weights * t).sum(dim=1) / opacity.clamp(min=FAINTEST)
-    return Rendered(pixel, opacity, depth)
+    remaining = transmittance(sigma, step)
+    weights = remaining[:, :-1] * opacities(sigma, step)
+    pixel = (weights[:, :, None] * rgb).sum(dim=1) + remaining[:, -1:] * background
+    opacity = 1 - remaining[:, -1]
+    depth = (weights * t).sum(dim=1) / opacity.clamp(min=MIN_OPACITY)
+    return CompositeOutput(pixel, opacity, depth)

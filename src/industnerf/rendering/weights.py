@@ -1,21 +1,21 @@
-"""How much each neighbour counts at a radiance point: reading R7 of "inverse distance weighting".
+"""How much each neighbor counts at a radiance point: reading R7 of "inverse distance weighting".
 
-A neighbour that is not there has id -1 and distance inf; it weighs nothing.
+A neighbor that is not there has id -1 and distance inf; it weighs nothing.
 """
 
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from industnerf.schema.readings import WeightReading
+from industnerf.schema.readings import InterpolationReading
 
 FLOOR = 1e-3  # of the radius: nearer points count as if they were so far, which bounds the weights
 
 
 def inverse_distance_weights(
-    distance: Float[Tensor, "*any"], radius: float, reading: WeightReading
+    distance: Float[Tensor, "*any"], radius: float, reading: InterpolationReading
 ) -> Float[Tensor, "*any"]:
-    """W of (11): > 0 below `radius` and 0 from there on; not normalised.
+    """W of (11): > 0 below `radius` and 0 from there on; not normalized.
 
     inverse         1 / distance
     inverse_square  1 / distance^2
@@ -24,31 +24,31 @@ def inverse_distance_weights(
 
     ValueError for `tent`, which takes more than a distance: `tent_weights`.
     """
-    if reading == "tent":
+    if reading == "trilinear":
         raise ValueError("tent is no weight by distance alone: `tent_weights` takes the axes")
-    near = distance < radius
-    distance = torch.where(near, distance, radius)  # inf - inf is no number
+    is_near = distance < radius
+    distance = torch.where(is_near, distance, radius)  # inf - inf is no number
     weight = 1 / distance.clamp(min=FLOOR * radius)
     if reading == "inverse_square":
         weight = weight**2
-    if reading == "tapered":
+    if reading == "modified_shepard":
         weight = ((1 - distance / radius) * weight) ** 2
-    return weight * near
+    return weight * is_near
 
 
-def tent_weights(apart: Float[Tensor, "*any 3"], radius: float) -> Float[Tensor, "*any"]:
-    """The product over the axes of 1 - |apart| / radius, and 0 beyond; not normalised.
+def trilinear_weights(offsets: Float[Tensor, "*any 3"], radius: float) -> Float[Tensor, "*any"]:
+    """The product over the axes of 1 - |apart| / radius, and 0 beyond; not normalized.
 
     On a grid of that spacing it is trilinear interpolation: linear fields come out as they are,
     which no weight by distance alone can do.
     """
-    return (1 - apart.abs() / radius).clamp(min=0).prod(dim=-1)
+    return (1 - offsets.abs() / radius).clamp(min=0).prod(dim=-1)
 
 
 def weighted_mean(
     values: Float[Tensor, "m c"], ids: Int[Tensor, "q k"], weights: Float[Tensor, "q k"]
 ) -> Float[Tensor, "q c"]:
-    """sum_j W_j v_j / sum_j W_j over each row's neighbours; 0 where it has none."""
+    """sum_j W_j v_j / sum_j W_j over each row's neighbors; 0 where it has none."""
     values = torch.cat([values, values.new_zeros(1, values.shape[1])])  # what id -1 stands for
     total = weights.sum(dim=1, keepdim=True)
     share = weights / torch.where(total > 0, total, 1)

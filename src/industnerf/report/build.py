@@ -2,7 +2,7 @@
 
 table1.csv scores.csv      results
 table2.csv table2.md       renderings and confidence, of methods that return them
-inspection.csv .md         the same clouds in millimetres
+inspection.csv .md         the same clouds in millimeters
 comparisons.csv .md        what is better than what, beyond chance
 strata.csv .md             which kinds of parts suit which method
 contact_sheet.png
@@ -19,54 +19,57 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_json, write_text
-from industnerf.report.comparisons import comparisons_csv, comparisons_md
-from industnerf.report.costs import costs_csv, read_costs
-from industnerf.report.every_score import scores_csv
-from industnerf.report.exhibits import exhibits
-from industnerf.report.formats import intervals_of
-from industnerf.report.gather import Study
-from industnerf.report.goals import goals_csv, goals_md
-from industnerf.report.grid import grid_html
-from industnerf.report.inspection import inspection_csv, inspection_md
-from industnerf.report.page import page
-from industnerf.report.pareto import pareto
-from industnerf.report.provenance import stamp
+from industnerf.report.figures.contact_sheet import draw_contact_sheet
+from industnerf.report.figures.pareto import plot_pareto
+from industnerf.report.figures.sparsification import plot_sparsification
+from industnerf.report.html.page import render_page
+from industnerf.report.html.page_media import load_page_media
+from industnerf.report.part_subsets import select_viewer_parts
+from industnerf.report.publish.provenance import provenance_line
 from industnerf.report.results import Results
-from industnerf.report.sheet import contact_sheet
-from industnerf.report.sparsification import sparsification
-from industnerf.report.spending import spending_md
-from industnerf.report.strata import strata_csv, strata_md
-from industnerf.report.subsets import exhibited
-from industnerf.report.table1_text import COLUMNS, cells, table1_csv, table1_md
-from industnerf.report.table2 import means, table2_csv, table2_md
+from industnerf.report.statistics.comparisons import comparisons_csv, comparisons_md
+from industnerf.report.study import Study
+from industnerf.report.tables.cost_table import cost_table_md
+from industnerf.report.tables.costs import costs_csv, read_costs
+from industnerf.report.tables.formats import label_intervals
+from industnerf.report.tables.goals import goals_csv, goals_md
+from industnerf.report.tables.inspection import inspection_csv, inspection_md
+from industnerf.report.tables.protocol_grid import grid_html
+from industnerf.report.tables.scores_csv import scores_csv
+from industnerf.report.tables.strata import strata_csv, strata_md
+from industnerf.report.tables.table1_text import COLUMNS, format_row, table1_csv, table1_md
+from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
 from industnerf.store import content_digest
 
 # What fits into 80 characters; the files have the rest.
-ON_SCREEN = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")
+CONSOLE_COLUMNS = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")
 
 
-def build_report(study: Study, settings: ReportParams, grid: Path, out: Path) -> None:
+def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: Path) -> None:
     """Write every file of the report into `out`, and print Table 1.
 
     `grid` is the folder of a grid of protocols, which the page shows if it is there.
     """
     costs = read_costs(study.folders, list(study.methods))
-    results = Results.of(study, settings, costs)
+    results = Results.from_study(study, settings, costs)
     write_text(out / "cost.csv", costs_csv(costs))
     write_tables(results, out)
-    chosen = exhibited(study, settings.sheet_parts)
-    sheet, front = contact_sheet(study, chosen), pareto(results.rows, results.extras)
-    curves = sparsification(study)
-    shown = exhibits(study, chosen, sheet, front, curves)
-    write_text(out / "report.html", page(results, shown, grid_html(grid), stamp()))
-    (out / "pareto.png").write_bytes(front)
-    if sheet:
-        (out / "contact_sheet.png").write_bytes(sheet)
-    if curves:
-        (out / "sparsification.png").write_bytes(curves)
+    viewer_parts = select_viewer_parts(study, settings.contact_sheet_parts)
+    sheet_png = draw_contact_sheet(study, viewer_parts)
+    pareto_png = plot_pareto(results.table1, results.table1_extras)
+    sparsification_png = plot_sparsification(study)
+    media = load_page_media(study, viewer_parts, sheet_png, pareto_png, sparsification_png)
+    write_text(
+        out / "report.html", render_page(results, media, grid_html(grid_folder), provenance_line())
+    )
+    (out / "pareto.png").write_bytes(pareto_png)
+    if sheet_png:
+        (out / "contact_sheet.png").write_bytes(sheet_png)
+    if sparsification_png:
+        (out / "sparsification.png").write_bytes(sparsification_png)
     write_json(out / "summary.json", _summary(results, out))
-    _show(results, out)
+    _print_table1(results, out)
 
 
 def write_tables(results: Results, out: Path) -> None:
@@ -79,19 +82,19 @@ def table_texts(results: Results) -> dict[str, str]:
     """The text of every table, by the name of its file."""
     interval = results.interval
     return {
-        "table1.csv": table1_csv(results.rows),
-        "table1.md": table1_md(results.rows, results.extras, interval),
-        "table2.csv": table2_csv(results.lines),
-        "table2.md": table2_md(results.lines, interval),
-        "inspection.csv": inspection_csv(results.inspected),
-        "inspection.md": inspection_md(results.inspected),
-        "comparisons.csv": comparisons_csv(results.compared),
-        "comparisons.md": comparisons_md(results.compared, interval),
-        "strata.csv": strata_csv(results.kinds),
-        "strata.md": strata_md(results.kinds),
-        "goals.csv": goals_csv(results.reached),
-        "goals.md": goals_md(results.reached),
-        "cost.md": spending_md(results.spent),
+        "table1.csv": table1_csv(results.table1),
+        "table1.md": table1_md(results.table1, results.table1_extras, interval),
+        "table2.csv": table2_csv(results.table2),
+        "table2.md": table2_md(results.table2, interval),
+        "inspection.csv": inspection_csv(results.inspection),
+        "inspection.md": inspection_md(results.inspection),
+        "comparisons.csv": comparisons_csv(results.comparisons),
+        "comparisons.md": comparisons_md(results.comparisons, interval),
+        "strata.csv": strata_csv(results.strata),
+        "strata.md": strata_md(results.strata),
+        "goals.csv": goals_csv(results.goals),
+        "goals.md": goals_md(results.goals),
+        "cost.md": cost_table_md(results.costs),
         "scores.csv": scores_csv(results.study),
     }
 
@@ -99,7 +102,7 @@ def table_texts(results: Results) -> dict[str, str]:
 def _summary(results: Results, out: Path) -> dict:
     table1_means = {
         f"{row.method}.{row.split}.{name}": getattr(row, name)
-        for row in results.rows
+        for row in results.table1
         for name in ("emd_even", "emd_iid", "emd_full", "floor", "ratio_to_floor", "failures")
     }
     return {
@@ -107,23 +110,23 @@ def _summary(results: Results, out: Path) -> dict:
         "results": content_digest([out / "table1.csv", out / "scores.csv"]),
         "preset": results.study.preset,
         "parts": len(results.study.parts),
-        "metrics": table1_means | means(results.lines),
+        "metrics": table1_means | metric_means(results.table2),
     }
 
 
-def _show(results: Results, out: Path) -> None:
-    shown = Table(
+def _print_table1(results: Results, out: Path) -> None:
+    table = Table(
         title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE, padding=(0, 0)
     )
-    wanted = [COLUMNS.index(name) for name in ON_SCREEN]
-    heads = intervals_of(COLUMNS, results.interval)
-    for i in wanted:
-        shown.add_column(heads[i], justify="left" if i == 0 else "right", no_wrap=True)
-    for row, extra in zip(results.rows, results.extras, strict=True):
-        texts = cells(row, extra)
-        if row.split != results.rows[0].split:
+    indices = [COLUMNS.index(name) for name in CONSOLE_COLUMNS]
+    heads = label_intervals(COLUMNS, results.interval)
+    for i in indices:
+        table.add_column(heads[i], justify="left" if i == 0 else "right", no_wrap=True)
+    for row, extra in zip(results.table1, results.table1_extras, strict=True):
+        cell_texts = format_row(row, extra)
+        if row.split != results.table1[0].split:
             continue  # the dev parts stand in the files
-        shown.add_row(*[texts[i] for i in wanted])
+        table.add_row(*[cell_texts[i] for i in indices])
     console = Console()
-    console.print(shown)
+    console.print(table)
     console.print(f"open {(out / 'report.html').absolute()}", markup=False, soft_wrap=True)

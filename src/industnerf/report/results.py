@@ -3,16 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from industnerf.report.comparisons import Comparison, comparisons
-from industnerf.report.costs import CostRow, seconds_per_part
-from industnerf.report.gather import Study
-from industnerf.report.goals import Goal, goals
-from industnerf.report.inspection import Inspected, inspection
-from industnerf.report.spending import Spending, spending
-from industnerf.report.strata import Stratum, strata
-from industnerf.report.table1 import Row, table1, to_ours, without_failures
-from industnerf.report.table1_text import Extra
-from industnerf.report.table2 import Line, table2
+from industnerf.report.statistics.comparisons import Comparison, compare_methods
+from industnerf.report.study import Study
+from industnerf.report.tables.cost_table import MethodCost, method_costs
+from industnerf.report.tables.costs import CostRow, seconds_per_part
+from industnerf.report.tables.goals import Goal, evaluate_goals
+from industnerf.report.tables.inspection import InspectionRow, inspection_rows
+from industnerf.report.tables.strata import StratumRow, stratum_rows
+from industnerf.report.tables.table1 import (
+    Table1Row,
+    mean_without_failures,
+    ratio_to_paper_method,
+    table1_rows,
+)
+from industnerf.report.tables.table1_text import Table1Extra
+from industnerf.report.tables.table2 import Table2Row, table2_rows
 from industnerf.schema import ReportParams
 
 
@@ -22,40 +27,42 @@ class Results:
 
     study: Study
     interval: float
-    rows: Sequence[Row]  # of Table 1
-    extras: Sequence[Extra]  # one a row
-    lines: Sequence[Line]  # of Table 2
-    compared: Sequence[Comparison]
-    kinds: Sequence[Stratum]
-    inspected: Sequence[Inspected]
-    reached: Sequence[Goal]
-    spent: Sequence[Spending]
+    table1: Sequence[Table1Row]  # of Table 1
+    table1_extras: Sequence[Table1Extra]  # one a row
+    table2: Sequence[Table2Row]  # of Table 2
+    comparisons: Sequence[Comparison]
+    strata: Sequence[StratumRow]
+    inspection: Sequence[InspectionRow]
+    goals: Sequence[Goal]
+    costs: Sequence[MethodCost]
 
     @staticmethod
-    def of(study: Study, settings: ReportParams, costs: Sequence[CostRow] = ()) -> "Results":
+    def from_study(
+        study: Study, settings: ReportParams, costs: Sequence[CostRow] = ()
+    ) -> "Results":
         """Everything; where `costs` lack a method, so do the seconds."""
-        rows = table1(study, settings)
+        rows = table1_rows(study, settings)
         return Results(
             study,
-            settings.interval,
+            settings.confidence_level,
             rows,
             [
-                Extra(
-                    without_failures(study, row),
-                    seconds_per_part(costs, row.method, _parts(study, row.split)),
-                    to_ours(rows, row),
+                Table1Extra(
+                    mean_without_failures(study, row),
+                    seconds_per_part(costs, row.method, _part_ids(study, row.split)),
+                    ratio_to_paper_method(rows, row),
                     study.methods[row.method].role,
                 )
                 for row in rows
             ],
-            table2(study, settings),
-            comparisons(study, settings),
-            strata(study, settings),
-            inspection(study),
-            goals(study, costs),
-            spending(study, costs),
+            table2_rows(study, settings),
+            compare_methods(study, settings),
+            stratum_rows(study, settings),
+            inspection_rows(study),
+            evaluate_goals(study, costs),
+            method_costs(study, costs),
         )
 
 
-def _parts(study: Study, split: str) -> set[str]:
-    return {name for name, place in study.places.items() if place.split == split}
+def _part_ids(study: Study, split: str) -> set[str]:
+    return {name for name, assignment in study.assignments.items() if assignment.split == split}

@@ -12,16 +12,16 @@ import os
 
 from industnerf import environment
 from industnerf.errors import BadParams
-from industnerf.runner.base import Outcome, Runner, Work
+from industnerf.runner.base import Runner, WorkItem, WorkResult
 from industnerf.runner.device import check_device
 from industnerf.runner.processes import ProcessRunner, SerialRunner, die_with_parent
 
 __all__ = [
-    "Outcome",
     "ProcessRunner",
     "Runner",
     "SerialRunner",
-    "Work",
+    "WorkItem",
+    "WorkResult",
     "die_with_parent",
     "runner_from_environment",
 ]
@@ -42,20 +42,20 @@ def runner_from_environment() -> Runner:
         return SerialRunner()
     if name == "process":
         cores = len(os.sched_getaffinity(0))
-        return ProcessRunner(workers() or cores)
+        return ProcessRunner(worker_count() or cores)
     from industnerf.runner.slurm import slurm_from_environment
 
     return slurm_from_environment()
 
 
-def workers() -> int | None:
+def worker_count() -> int | None:
     """How many processes INDUSTNERF_WORKERS asks for; raises BadParams if that is no number."""
-    return environment.number("INDUSTNERF_WORKERS", "processes")
+    return environment.get_positive_int("INDUSTNERF_WORKERS", "processes")
 
 
 def runner_name() -> str:
     """What INDUSTNERF_RUNNER names; raises BadParams for an unknown one."""
-    name = environment.text("INDUSTNERF_RUNNER") or "process"
+    name = environment.get_str("INDUSTNERF_RUNNER") or "process"
     if name not in RUNNERS:
         raise BadParams(f"INDUSTNERF_RUNNER is {name!r}, must be process, serial or submitit")
     return name

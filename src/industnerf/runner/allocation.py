@@ -22,7 +22,7 @@ from industnerf import environment
 from industnerf.errors import BadParams
 
 WARNING_S = 90  # before its time limit a job is told, and asks to be requeued
-LEAST_MINUTES = 5
+MIN_MINUTES = 5
 
 
 @dataclass(frozen=True)
@@ -37,16 +37,16 @@ class Allocation:
     minutes: int
     jobs: int
 
-    def for_sbatch(self) -> dict[str, Any]:
+    def sbatch_options(self) -> dict[str, Any]:
         """These, under the names of submitit."""
-        wanted = {
+        optional = {
             "partition": self.partition,
             "account": self.account,
             "gres": self.gres,
             "mem": None if self.memory_mb is None else f"{self.memory_mb}M",
         }
         return {
-            **{name: value for name, value in wanted.items() if value is not None},
+            **{name: value for name, value in optional.items() if value is not None},
             "job_name": "industnerf",
             "cpus_per_task": self.cpus,
             # srun does not take this over from sbatch (since SLURM 22.05)
@@ -59,7 +59,7 @@ class Allocation:
 
 
 @dataclass(frozen=True)
-class Waiting:
+class WaitSettings:
     """How work is dealt out, where the notes are, and how long to wait for them."""
 
     chunk: int | None
@@ -74,9 +74,9 @@ def allocation_from_environment() -> Allocation:
     Raises BadParams for a value that is no number, or too few minutes.
     """
     minutes = _number("MINUTES", "minutes", 120)
-    if minutes < LEAST_MINUTES:
+    if minutes < MIN_MINUTES:
         raise BadParams(
-            f"INDUSTNERF_SLURM_MINUTES is {minutes}, must be at least {LEAST_MINUTES}: "
+            f"INDUSTNERF_SLURM_MINUTES is {minutes}, must be at least {MIN_MINUTES}: "
             f"a job is told of its end {WARNING_S} s before"
         )
     return Allocation(
@@ -90,9 +90,9 @@ def allocation_from_environment() -> Allocation:
     )
 
 
-def waiting_from_environment() -> Waiting:
+def wait_settings_from_environment() -> WaitSettings:
     """Raises BadParams for a value that is no number."""
-    return Waiting(
+    return WaitSettings(
         _number("CHUNK", "pieces of work in a job", None),
         _number("PATIENCE_MIN", "minutes", 1440) * 60.0,
         float(_number("POLL_S", "seconds", 10)),
@@ -101,8 +101,8 @@ def waiting_from_environment() -> Waiting:
 
 
 def _text(name: str) -> str | None:
-    return environment.text(f"INDUSTNERF_SLURM_{name}")
+    return environment.get_str(f"INDUSTNERF_SLURM_{name}")
 
 
 def _number(name: str, what: str, default: int | None) -> Any:
-    return environment.number(f"INDUSTNERF_SLURM_{name}", what, default)
+    return environment.get_positive_int(f"INDUSTNERF_SLURM_{name}", what, default)

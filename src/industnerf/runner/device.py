@@ -13,7 +13,7 @@ def check_device(*, here: bool) -> None:
 
     Asked before any work begins: else every part would fail for it, and that be its result.
     """
-    name = environment.text("INDUSTNERF_DEVICE") or "cpu"
+    name = environment.get_str("INDUSTNERF_DEVICE") or "cpu"
     match = NAME.fullmatch(name)
     if match is None:
         raise BadParams(f"INDUSTNERF_DEVICE is {name!r}, must be cpu, cuda or cuda:N")
@@ -21,6 +21,8 @@ def check_device(*, here: bool) -> None:
         return
     import torch  # late: most stages have no tensors
 
-    found = torch.cuda.device_count()
-    if int(match["number"] or 0) >= found:
-        raise BadParams(f"INDUSTNERF_DEVICE is {name!r}, but torch finds {found} such devices here")
+    device_count = torch.cuda.device_count()
+    if int(match["number"] or 0) >= device_count:
+        raise BadParams(
+            f"INDUSTNERF_DEVICE is {name!r}, but torch finds {device_count} such devices here"
+        )

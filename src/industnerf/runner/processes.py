@@ -11,11 +11,11 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from industnerf.runner.base import Fault, Outcome, Work, attempt
+from industnerf.runner.base import WorkError, WorkItem, WorkResult, run_work_item
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
-LOOK_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
-KILL_S = 1.0  # within it, whoever kills every process of a job has come to this one too
+POLL_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
+KILL_GRACE_S = 1.0  # within it, whoever kills every process of a job has come to this one too
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class SerialRunner:
     """
 
     def map(
-        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
-    ) -> Iterator[Outcome]:
-        for index, work in enumerate(works):
-            yield Outcome.of(index, attempt(work, None))
+        self, work_items: Sequence[WorkItem], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[WorkResult]:
+        for index, work_item in enumerate(work_items):
+            yield WorkResult.from_error(index, run_work_item(work_item, None))
 
 
 @dataclass(frozen=True)
@@ -44,41 +44,43 @@ class ProcessRunner:
     """
 
     workers: int
-    shielded: tuple[signal.Signals, ...] = ()
+    blocked_signals: tuple[signal.Signals, ...] = ()
 
     def map(
-        self, works: Sequence[Work], limit_s: float, memory_mb: int | None = None
-    ) -> Iterator[Outcome]:
+        self, work_items: Sequence[WorkItem], limit_s: float, memory_mb: int | None = None
+    ) -> Iterator[WorkResult]:
         # inherited by the workers, before they import numpy
         os.environ.update(dict.fromkeys(THREADS, "1"))
-        limits = _Limits(limit_s, memory_mb, self.shielded)
-        todo = list(enumerate(works))[::-1]
-        busy: dict[Connection, _Worker] = {}
+        limits = _Limits(limit_s, memory_mb, self.blocked_signals)
+        pending = list(enumerate(work_items))[::-1]
+        workers: dict[Connection, _Worker] = {}
         try:
-            for _ in range(min(self.workers, len(works))):
-                worker = _Worker.start(todo.pop(), limits)
-                busy[worker.connection] = worker
-            while busy:
-                soonest = min(worker.deadline for worker in busy.values())
-                begun = time.monotonic()
-                ready = wait(list(busy), timeout=min(max(soonest - begun, 0.0), LOOK_S))
-                paused = time.monotonic() - begun - 2 * LOOK_S
-                for worker in busy.values():
+            for _ in range(min(self.workers, len(work_items))):
+                worker = _Worker.start(pending.pop(), limits)
+                workers[worker.connection] = worker
+            while workers:
+                next_deadline = min(worker.deadline for worker in workers.values())
+                wait_start = time.monotonic()
+                ready = wait(
+                    list(workers), timeout=min(max(next_deadline - wait_start, 0.0), POLL_S)
+                )
+                paused = time.monotonic() - wait_start - 2 * POLL_S
+                for worker in workers.values():
                     worker.deadline += max(paused, 0.0)
-                late = [c for c, w in busy.items() if w.deadline <= time.monotonic()]
-                for connection in {*ready, *late}:
-                    worker = busy.pop(connection)
-                    fault = worker.collect(limits)
-                    if fault and fault.spoils_process:
+                expired = [c for c, w in workers.items() if w.deadline <= time.monotonic()]
+                for connection in {*ready, *expired}:
+                    worker = workers.pop(connection)
+                    error = worker.collect(limits)
+                    if error and error.requires_restart:
                         worker.stop()
-                    yield Outcome.of(worker.index, fault)
-                    if todo:
-                        worker = worker.next(todo.pop(), limits)
-                        busy[worker.connection] = worker
+                    yield WorkResult.from_error(worker.index, error)
+                    if pending:
+                        worker = worker.reassign(pending.pop(), limits)
+                        workers[worker.connection] = worker
                     else:
                         worker.stop()
         finally:
-            for worker in busy.values():
+            for worker in workers.values():
                 worker.stop()
 
 
@@ -91,7 +93,7 @@ class _Limits:
 
     seconds: float
     memory_mb: int | None
-    shielded: tuple[signal.Signals, ...]
+    blocked_signals: tuple[signal.Signals, ...]
 
     @property
     def hint(self) -> str:
@@ -111,41 +113,43 @@ class _Worker:
     deadline: float
 
     @staticmethod
-    def start(task: tuple[int, Work], limits: _Limits) -> "_Worker":
+    def start(item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
         context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _blocked(limits.shielded):
+        own_end, child_end = context.Pipe()
+        process = context.Process(target=_worker_loop, args=(child_end,), daemon=True)
+        with _block_signals(limits.blocked_signals):
             process.start()
-        theirs.close()
-        ours.send((task[1], limits.memory_mb))
-        return _Worker(process, ours, task[0], time.monotonic() + limits.seconds)
+        child_end.close()
+        own_end.send((item[1], limits.memory_mb))
+        return _Worker(process, own_end, item[0], time.monotonic() + limits.seconds)
 
-    def collect(self, limits: _Limits) -> Fault | None:
+    def collect(self, limits: _Limits) -> WorkError | None:
         """What ended the current piece of work, or None."""
         if not self.connection.poll():
             self.stop()
-            return Fault(f"timed out: more than {limits.seconds:g} s (time_limit_s)")
+            return WorkError(f"timed out: more than {limits.seconds:g} s (time_limit_s)")
         try:
             return self.connection.recv()
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode
-            said = f"crashed: its process ended with exit code {code}"
+            message = f"crashed: its process ended with exit code {code}"
             if code != -signal.SIGKILL:
-                return Fault(said + limits.hint)
-            time.sleep(KILL_S)  # if we are next, the piece has not failed: say nothing
+                return WorkError(message + limits.hint)
+            time.sleep(KILL_GRACE_S)  # if we are next, the piece has not failed: say nothing
             # not `memory_limit_mb`, which ends otherwise: the machine had no memory left
-            return Fault(f"{said}; fewer INDUSTNERF_WORKERS leave more memory to each", lost=True)
+            return WorkError(
+                f"{message}; fewer INDUSTNERF_WORKERS leave more memory to each", lost=True
+            )
 
-    def next(self, task: tuple[int, Work], limits: _Limits) -> "_Worker":
+    def reassign(self, item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
         """This worker at another piece of work, or a fresh one if it is dead."""
         try:
-            self.connection.send((task[1], limits.memory_mb))
+            self.connection.send((item[1], limits.memory_mb))
         except OSError:  # nobody is at the other end
             self.stop()
-            return _Worker.start(task, limits)
-        self.index, self.deadline = task[0], time.monotonic() + limits.seconds
+            return _Worker.start(item, limits)
+        self.index, self.deadline = item[0], time.monotonic() + limits.seconds
         return self
 
     def stop(self) -> None:
@@ -154,28 +158,28 @@ class _Worker:
 
 
 @contextmanager
-def _blocked(signals: tuple[signal.Signals, ...]) -> Iterator[None]:
+def _block_signals(signals: tuple[signal.Signals, ...]) -> Iterator[None]:
     """What is started meanwhile inherits that these signals wait, and so they never arrive."""
     resource_tracker.ensure_running()  # multiprocessing starts it else, and then unblocks SIGTERM
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, old_mask)
 
 
-def _serve(connection: Connection) -> None:
+def _worker_loop(connection: Connection) -> None:
     die_with_parent(signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends us
     while True:
         try:
-            work, memory_mb = connection.recv()
+            work_item, memory_mb = connection.recv()
         except EOFError:
             return
-        connection.send(attempt(work, memory_mb))
+        connection.send(run_work_item(work_item, memory_mb))
 
 
-def die_with_parent(how: signal.Signals = signal.SIGTERM) -> None:
+def die_with_parent(signum: signal.Signals = signal.SIGTERM) -> None:
     """Ask Linux to send this process the signal `how` when its parent dies; elsewhere do nothing.
 
     `dvc` that is killed leaves its stage running, and the next `dvc repro` would start a second.
@@ -183,6 +187,6 @@ def die_with_parent(how: signal.Signals = signal.SIGTERM) -> None:
     import ctypes
 
     try:
-        ctypes.CDLL(None).prctl(1, int(how))  # PR_SET_PDEATHSIG
+        ctypes.CDLL(None).prctl(1, int(signum))  # PR_SET_PDEATHSIG
     except (AttributeError, OSError):
         return

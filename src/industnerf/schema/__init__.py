@@ -2,15 +2,14 @@
 
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import (
+    BetaSchedule,
     IndustnerfSettings,
     LevelSettings,
-    ReliefSettings,
-    SchoolSettings,
-    SoftnessSettings,
-    StartSettings,
+    PretrainingSettings,
+    SdfInitSettings,
+    SdfSettings,
     WarmUpSettings,
 )
-from industnerf.schema.learning import AugmentSettings, TrainingSettings
 from industnerf.schema.methods import (
     AtlasNetSettings,
     CarveSettings,
@@ -24,9 +23,7 @@ from industnerf.schema.methods import (
     SampleSettings,
     TsdfSettings,
 )
-from industnerf.schema.parts import CleanParams, PartsParams
-from industnerf.schema.rules import require
-from industnerf.schema.study import (
+from industnerf.schema.params import (
     EvaluateParams,
     Params,
     ReconstructParams,
@@ -34,11 +31,14 @@ from industnerf.schema.study import (
     SplitParams,
     TrainParams,
 )
+from industnerf.schema.parts import PartsParams, RepairParams
+from industnerf.schema.training import AugmentSettings, TrainingSettings
+from industnerf.schema.validators import require
 from industnerf.schema.views import (
     CalibrationParams,
     JitterParams,
     LightParams,
-    PhotoParams,
+    PhotorealisticParams,
     SensorParams,
     ViewsParams,
 )
@@ -46,9 +46,9 @@ from industnerf.schema.views import (
 __all__ = [
     "AtlasNetSettings",
     "AugmentSettings",
+    "BetaSchedule",
     "CalibrationParams",
     "CarveSettings",
-    "CleanParams",
     "EvaluateParams",
     "HullRgbSettings",
     "HullSettings",
@@ -61,19 +61,19 @@ __all__ = [
     "OccupancySettings",
     "Params",
     "PartsParams",
-    "PhotoParams",
+    "PhotorealisticParams",
+    "PretrainingSettings",
     "R2n2Settings",
     "ReconstructParams",
-    "ReliefSettings",
+    "RepairParams",
     "ReportParams",
     "RetrievalSettings",
     "SampleSettings",
-    "SchoolSettings",
+    "SdfInitSettings",
+    "SdfSettings",
     "SensorParams",
-    "SoftnessSettings",
     "SpaceCarvingSettings",
     "SplitParams",
-    "StartSettings",
     "TrainParams",
     "TrainingSettings",
     "TsdfSettings",

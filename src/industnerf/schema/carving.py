@@ -3,20 +3,20 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from industnerf.schema.rules import CountOr0, Rule, Share, at_least, within
+from industnerf.schema.validators import Fraction, NonNegativeInt, Rule, at_least, in_interval
 
-BLOCKS = Rule(lambda n: 32 <= n <= 512 and n % 8 == 0, "a multiple of 8 in [32, 512]")
+CARVING_GRID_RES = Rule(lambda n: 32 <= n <= 512 and n % 8 == 0, "a multiple of 8 in [32, 512]")
 
 
 @dataclass(frozen=True)
 class SpaceCarvingSettings:
     """The lattice, and what a cell must show to its views in order to stay."""
 
-    grid_res: Annotated[int, BLOCKS]
-    threshold: Share
-    footprint: Annotated[float, within("(0, 8]", " cells")]
-    facing: Annotated[float, within("[-1, 1)")]
-    outliers: Annotated[float, within("[0, 0.5)")]
-    views: Annotated[int, at_least(2)]
-    sweeps: CountOr0
-    least_filled: Share
+    grid_res: Annotated[int, CARVING_GRID_RES]
+    color_threshold: Fraction
+    voxel_footprint: Annotated[float, in_interval("(0, 8]", " cells")]
+    min_view_cosine: Annotated[float, in_interval("[-1, 1)")]
+    outlier_fraction: Annotated[float, in_interval("[0, 0.5)")]
+    min_views: Annotated[int, at_least(2)]
+    max_sweeps: NonNegativeInt
+    min_silhouette_coverage: Fraction

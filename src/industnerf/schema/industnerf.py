@@ -5,30 +5,32 @@ from typing import Annotated, Literal
 
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.readings import Readings
-from industnerf.schema.rules import (
-    Count,
-    CountOr0,
+from industnerf.schema.validators import (
+    Fraction,
     GridRes,
     ImagePx,
-    Positive,
-    PositiveOr0,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    PositiveInt,
     Rule,
-    Share,
     at_least,
-    one_or_more,
+    in_interval,
+    non_empty,
     require,
-    within,
 )
 
-SIXES = Rule(lambda count: count > 0 and count % 6 == 0, "a multiple of 6: sine, cosine, 3 axes")
-Spacings = Annotated[float, within("(0, 4]", " spacings")]
+MULTIPLE_OF_6 = Rule(
+    lambda count: count > 0 and count % 6 == 0, "a multiple of 6: sine, cosine, 3 axes"
+)
+SpacingUnits = Annotated[float, in_interval("(0, 4]", " spacings")]
 
 
 @dataclass(frozen=True)
 class LevelSettings:
     """One resolution of the cloud, from coarse to fine."""
 
-    steps: CountOr0
+    steps: NonNegativeInt
     image_px: ImagePx
     points: Annotated[int, at_least(1000)]
 
@@ -37,7 +39,7 @@ class LevelSettings:
 class WarmUpSettings:
     """Steps on a grid of half the resolution, before the first level."""
 
-    steps: CountOr0
+    steps: NonNegativeInt
     image_px: ImagePx
 
 
@@ -45,154 +47,177 @@ class WarmUpSettings:
 class NetworkSettings:
     """E and N of section 3.1."""
 
-    use: bool
-    features: Count
-    width: Count
+    enabled: bool
+    feature_channels: PositiveInt
+    encoder_width: PositiveInt
     rgb_skip: bool
-    channels: Annotated[int, SIXES]
-    magnitude: Positive
-    base: Positive
-    hidden: Count
-    layers: Count
-    every: Count
-    views: Count
-    rate: Positive
-    straight_rate: Positive
-    encoder_rate: Positive
-    gain: Positive
-    pruned: Share
+    encoding_channels: Annotated[int, MULTIPLE_OF_6]
+    encoding_alpha: PositiveFloat
+    encoding_beta: PositiveFloat
+    hidden_dim: PositiveInt
+    hidden_layers: PositiveInt
+    encoder_update_interval: PositiveInt
+    encoder_update_views: PositiveInt
+    lr: PositiveFloat
+    skip_lr: PositiveFloat
+    encoder_lr: PositiveFloat
+    density_scale: PositiveFloat
+    prune_fraction: Fraction
 
 
 @dataclass(frozen=True)
-class SchoolSettings:
+class PretrainingSettings:
     """What E and N learn from other parts: R14 `shared`."""
 
-    parts: Count
-    terms: Count
+    parts: PositiveInt
+    epochs: PositiveInt
 
 
 @dataclass(frozen=True)
 class ResidualSettings:
     """What is learned for each point by itself: an addition to the paper."""
 
-    use: bool
-    density_rate: PositiveOr0
-    colour_rate: PositiveOr0
+    enabled: bool
+    density_lr: NonNegativeFloat
+    color_lr: NonNegativeFloat
 
 
 @dataclass(frozen=True)
-class SoftnessSettings:
+class BetaSchedule:
     """Of a surface that is given by distances: R4."""
 
-    first: Positive
-    last: Positive
-    shown: Positive
+    start: PositiveFloat
+    end: PositiveFloat
+    render: PositiveFloat
 
     def __post_init__(self) -> None:
-        require(self.last <= self.first, "last", self.last, f"at most first, {self.first:g}")
+        require(self.end <= self.start, "end", self.end, f"at most start, {self.start:g}")
 
 
 @dataclass(frozen=True)
-class StartSettings(SpaceCarvingSettings):
+class SdfInitSettings(SpaceCarvingSettings):
     """Of a relief that starts at the photo hull."""
 
-    use: bool
-    deepest: Positive
+    enabled: bool
+    initial_max_depth: PositiveFloat
 
 
 @dataclass(frozen=True)
-class ReliefSettings:
+class SdfSettings:
     """A surface carved out of the visual hull: an addition to the paper."""
 
-    use: bool
-    start: StartSettings
-    rate: Positive
-    back: Share
-    back_in_doubt: Share
-    back_within: PositiveOr0
-    slack: Annotated[float, at_least(1)]
-    fill_every: CountOr0
-    fill_from: Annotated[float, within("[0, 1]")]
+    enabled: bool
+    init: SdfInitSettings
+    lr: PositiveFloat
+    relax_rate: Fraction
+    relax_rate_low_confidence: Fraction
+    relax_max_depth: NonNegativeFloat
+    max_depth_factor: Annotated[float, at_least(1)]
+    median_filter_interval: NonNegativeInt
+    median_filter_start: Annotated[float, in_interval("[0, 1]")]
 
     def __post_init__(self) -> None:
-        require(self.use or not self.start.use, "start.use", True, "false where use is false")
+        require(
+            self.enabled or not self.init.enabled,
+            "init.enabled",
+            True,
+            "false where enabled is false",
+        )
 
 
 @dataclass(frozen=True)
-class RecolourSettings:
-    """Colours alone, once the surface is found: an addition to the paper."""
+class ColorRefinementSettings:
+    """Colors alone, once the surface is found: an addition to the paper."""
 
-    steps: CountOr0
-    rate: Positive
+    steps: NonNegativeInt
+    lr: PositiveFloat
 
 
 @dataclass(frozen=True)
 class FusionSettings:
-    """Of the depths that all views see: reading `fused` of R11."""
+    """Of the depths that all views see: reading `tsdf_fusion` of R11."""
 
     grid_res: GridRes
     truncation: Annotated[float, at_least(1, " cell")]
-    points: Count
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class IndustnerfSettings:
     readings: Readings
     grid_res: GridRes
-    grid_points: CountOr0
+    max_grid_points: NonNegativeInt
     warm_up: WarmUpSettings
-    levels: Annotated[list[LevelSettings], one_or_more("level")]
-    refine: Literal["sampled", "divided"]
-    carve: bool
-    tolerance: Share
+    levels: Annotated[list[LevelSettings], non_empty("level")]
+    refine: Literal["inverse_transform", "subdivide"]
+    silhouette_carving: bool
+    background_tolerance: Fraction
     network: NetworkSettings
-    school: SchoolSettings
+    pretraining: PretrainingSettings
     residual: ResidualSettings
-    softness: SoftnessSettings
-    relief: ReliefSettings
-    recolour: RecolourSettings
-    initial: float
-    ceiling: float
-    rays: Count
-    step: Spacings
-    fine_step: Spacings
+    beta: BetaSchedule
+    sdf: SdfSettings
+    color_refinement: ColorRefinementSettings
+    density_bias: float
+    max_raw_density: float
+    rays_per_step: PositiveInt
+    step_size: SpacingUnits
+    fine_step_size: SpacingUnits
     surface_px: ImagePx
-    radius: Annotated[float, within("(0, 8]", " spacings")]
-    neighbours: Annotated[int, within("[1, 64]")]
-    stop: Share
-    emptiness: PositiveOr0
-    veil: PositiveOr0
-    depth: PositiveOr0
-    noise: Share
-    least_confidence: Share
+    neighbor_radius: Annotated[float, in_interval("(0, 8]", " spacings")]
+    neighbors: Annotated[int, in_interval("[1, 64]")]
+    early_stop_transmittance: Fraction
+    opacity_weight: NonNegativeFloat
+    binary_opacity_weight: NonNegativeFloat
+    depth_weight: NonNegativeFloat
+    image_noise: Fraction
+    min_confidence: Fraction
     fusion: FusionSettings
-    spacing: Annotated[float, within("(0, 1)")]
+    surface_spacing: Annotated[float, in_interval("(0, 1)")]
 
     def __post_init__(self) -> None:
-        learns = self.network.use or self.residual.use
-        require(learns, "network.use", False, "true, or residual.use: else nothing is learned")
+        is_learned = self.network.enabled or self.residual.enabled
+        require(
+            is_learned,
+            "network.enabled",
+            False,
+            "true, or residual.enabled: else nothing is learned",
+        )
         steps = self.levels[0].steps
         require(steps >= 1, "levels[0].steps", steps, "at least 1: else nothing is learned")
-        halved = not self.warm_up.steps or self.grid_res % 2 == 0
-        require(halved, "grid_res", self.grid_res, "even: the warm-up has half of it")
-        cut = self.grid_points == 0 or self.carve
-        require(cut, "grid_points", self.grid_points, "0 where carve is false")
-        fits = not self.relief.use or self._has_grid_of_distances()
-        wanted = "readings.activation distance, carve and residual.use true, network.use false"
-        require(fits, "relief.use", True, f"false without {wanted}, refine divided")
-        alone = not self.recolour.steps or self._points_alone()
-        wanted = "0 without residual.use true and network.use false"
-        require(alone, "recolour.steps", self.recolour.steps, wanted)
-        bounded = self.readings.activation == "distance" or self.initial < self.ceiling
-        require(bounded, "initial", self.initial, "below ceiling")
+        can_halve = not self.warm_up.steps or self.grid_res % 2 == 0
+        require(can_halve, "grid_res", self.grid_res, "even: the warm-up has half of it")
+        is_carved = self.max_grid_points == 0 or self.silhouette_carving
+        require(
+            is_carved,
+            "max_grid_points",
+            self.max_grid_points,
+            "0 where silhouette_carving is false",
+        )
+        is_sdf_valid = not self.sdf.enabled or self._has_sdf_grid()
+        requirement = (
+            "readings.density_activation sdf, silhouette_carving and residual.enabled true, "
+            "network.enabled false"
+        )
+        require(is_sdf_valid, "sdf.enabled", True, f"false without {requirement}, refine subdivide")
+        is_refinable = not self.color_refinement.steps or self._has_free_points()
+        requirement = "0 without residual.enabled true and network.enabled false"
+        require(is_refinable, "color_refinement.steps", self.color_refinement.steps, requirement)
+        is_bounded = (
+            self.readings.density_activation == "sdf" or self.density_bias < self.max_raw_density
+        )
+        require(is_bounded, "density_bias", self.density_bias, "below max_raw_density")
 
-    def _points_alone(self) -> bool:
+    def _has_free_points(self) -> bool:
         """Whether the field is what each point learns by itself."""
-        return self.residual.use and not self.network.use
+        return self.residual.enabled and not self.network.enabled
 
-    def _has_grid_of_distances(self) -> bool:
+    def _has_sdf_grid(self) -> bool:
         """Whether each point has a distance of its own, and stays in its place in a grid."""
-        stays = self.refine == "divided" or len(self.levels) == 1
+        has_fixed_grid = self.refine == "subdivide" or len(self.levels) == 1
         return (
-            self.readings.activation == "distance" and self.carve and self._points_alone() and stays
+            self.readings.density_activation == "sdf"
+            and self.silhouette_carving
+            and self._has_free_points()
+            and has_fixed_grid
         )

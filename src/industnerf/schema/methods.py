@@ -5,18 +5,18 @@ from typing import Annotated, Literal
 
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import IndustnerfSettings
-from industnerf.schema.learning import AugmentSettings, Frame, TrainingSettings
-from industnerf.schema.rules import (
-    Count,
+from industnerf.schema.training import AugmentSettings, OutputAxes, TrainingSettings
+from industnerf.schema.validators import (
+    Fraction,
     GridRes,
     ImagePx,
-    InnerShare,
-    PositiveOr0,
+    NonNegativeFloat,
+    OpenFraction,
+    PositiveInt,
     Rule,
-    Share,
     at_least,
+    in_interval,
     require,
-    within,
 )
 
 Size = Literal["full", "cpu", "tiny"]
@@ -28,11 +28,11 @@ PHASES = Rule(lambda shares: len(shares) == 3 and min(shares) > 0, "three positi
 class R2n2Settings:
     size: Size
     image_px: ImagePx
-    divisor: Annotated[int, DIVISOR]
-    pictures: Count
-    views: Count
-    threshold: InnerShare
-    points: Count
+    channel_divisor: Annotated[int, DIVISOR]
+    train_views: PositiveInt
+    max_views: PositiveInt
+    threshold: OpenFraction
+    points: PositiveInt
     training: TrainingSettings
     augment: AugmentSettings
 
@@ -40,18 +40,18 @@ class R2n2Settings:
 @dataclass(frozen=True)
 class AtlasNetSettings:
     size: Size
-    frame: Frame
+    output_axes: OutputAxes
     image_px: ImagePx
-    views: Count
-    width: Count
-    latent: Count
-    hidden: Count
-    patches: Count
-    patch_points: Count
-    grid: Annotated[int, at_least(2)]
-    answers: Count
-    points: Count
-    phases: Annotated[list[float], PHASES]
+    train_views: PositiveInt
+    encoder_width: PositiveInt
+    latent_dim: PositiveInt
+    hidden_dim: PositiveInt
+    patches: PositiveInt
+    patch_points: PositiveInt
+    grid_res: Annotated[int, at_least(2)]
+    eval_views: PositiveInt
+    points: PositiveInt
+    phase_fractions: Annotated[list[float], PHASES]
     training: TrainingSettings
     augment: AugmentSettings
 
@@ -59,66 +59,66 @@ class AtlasNetSettings:
 @dataclass(frozen=True)
 class OccupancySettings:
     size: Size
-    frame: Frame
+    output_axes: OutputAxes
     image_px: Annotated[int, at_least(32, " px")]
-    views: Count
-    encoder_width: Count
-    code: Count
-    decoder_width: Count
-    blocks: Count
-    padding: PositiveOr0
-    pool: Count
-    queries: Count
+    train_views: PositiveInt
+    encoder_width: PositiveInt
+    latent_dim: PositiveInt
+    decoder_width: PositiveInt
+    decoder_blocks: PositiveInt
+    padding: NonNegativeFloat
+    points_per_part: PositiveInt
+    points_subsample: PositiveInt
     training: TrainingSettings
     augment: AugmentSettings
-    answers: Count
-    threshold: InnerShare
-    cells: Count
-    subdivisions: Annotated[int, within("[0, 4]")]
-    points: Count
+    eval_views: PositiveInt
+    threshold: OpenFraction
+    resolution_0: PositiveInt
+    upsampling_steps: Annotated[int, in_interval("[0, 4]")]
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class HullSettings:
-    cell_px: Annotated[float, within("(0, 8]", " px")]
-    points: Count
+    cell_px: Annotated[float, in_interval("(0, 8]", " px")]
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class HullRgbSettings:
     hull: HullSettings
-    tolerance: Share
+    background_tolerance: Fraction
 
 
 @dataclass(frozen=True)
 class CarveSettings(SpaceCarvingSettings):
-    tolerance: Share
-    points: Count
+    background_tolerance: Fraction
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class TsdfSettings:
     grid_res: GridRes
     truncation: Annotated[float, at_least(1, " cell")]
-    points: Count
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class SampleSettings:
-    points: Count
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class RetrievalSettings:
-    views: Count
+    views: PositiveInt
     image_px: ImagePx
-    points: Count
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
 class MeanShapeSettings:
     grid_res: Annotated[int, at_least(2)]
-    points: Count
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
@@ -144,11 +144,16 @@ class MethodSettings:
     def __post_init__(self) -> None:
         for name in ("industnerf", "industnerf_plus", "industnerf_depth", "nerf"):
             encoder, key = getattr(self, name).readings.encoder, f"{name}.readings.encoder"
-            require(encoder != "shared", key, encoder, "another: industnerf_shared has that one")
-        learns, name = self.industnerf_shared, "industnerf_shared"
-        encoder, steps = learns.readings.encoder, learns.warm_up.steps
-        require(encoder == "shared", f"{name}.readings.encoder", encoder, "shared")
+            require(
+                encoder != "pretrained", key, encoder, "another: industnerf_shared has that one"
+            )
+        shared_settings, name = self.industnerf_shared, "industnerf_shared"
+        encoder, steps = shared_settings.readings.encoder, shared_settings.warm_up.steps
+        require(encoder == "pretrained", f"{name}.readings.encoder", encoder, "pretrained")
         require(
-            learns.network.use, f"{name}.network.use", False, "true: E and N are what is learned"
+            shared_settings.network.enabled,
+            f"{name}.network.enabled",
+            False,
+            "true: E and N are what is learned",
         )
         require(steps >= 1, f"{name}.warm_up.steps", steps, "at least 1: E learns in warm-ups")

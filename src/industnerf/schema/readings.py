@@ -3,40 +3,42 @@
 from dataclasses import dataclass, field, fields
 from typing import Literal
 
-PoseReading = Literal["intended", "printed", "nerf", "identity"]
-FrameReading = Literal["camera", "world", "pose"]
-PoolReading = Literal["confident", "all", "mean_variance", "mean", "surest", "max"]
-ActivationReading = Literal["distance", "cut_exp", "relu", "softplus"]
-PlaceReading = Literal["jitter", "centre"]
-TargetReading = Literal["sigma", "visible"]
-WeightReading = Literal["inverse", "inverse_square", "tapered", "tent"]
-ScaleReading = Literal["max", "unit", "contrast"]
+PositionEncodingReading = Literal["intended", "printed", "nerf", "identity"]
+EncodingFrameReading = Literal["camera", "world", "camera_center"]
+ViewPoolingReading = Literal[
+    "confidence_weighted", "all", "mean_variance", "mean", "argmax_confidence", "max"
+]
+ActivationReading = Literal["sdf", "truncated_exp", "relu", "softplus"]
+SamplePositionReading = Literal["jitter", "center"]
+SamplingDensityReading = Literal["density", "visible_density"]
+InterpolationReading = Literal["inverse", "inverse_square", "modified_shepard", "trilinear"]
+ColorScaleReading = Literal["max", "unit", "contrast"]
 TransmittanceReading = Literal["shared", "own"]
-SignalReading = Literal["sources", "left_out"]
-CloudReading = Literal["confident", "surface", "fused"]
-EncoderReading = Literal["per_part", "shared", "frozen", "none"]
+TargetViewsReading = Literal["same_as_source", "disjoint"]
+ExtractionReading = Literal["confident_points", "surface_points", "tsdf_fusion"]
+EncoderReading = Literal["per_part", "pretrained", "frozen", "none"]
 OpacityReading = Literal["without", "with"]
-ReduceReading = Literal["max", "sum"]
+SampleReductionReading = Literal["max", "sum"]
 
 
 @dataclass(frozen=True)
 class Readings:
     """One choice for every ambiguity; R12 and R13 have no key: every way is scored."""
 
-    pose: PoseReading = field(metadata={"number": "R1"})
-    frame: FrameReading = field(metadata={"number": "R2"})
-    views: PoolReading = field(metadata={"number": "R3"})
-    activation: ActivationReading = field(metadata={"number": "R4"})
-    place: PlaceReading = field(metadata={"number": "R5"})
-    target: TargetReading = field(metadata={"number": "R6"})
-    weights: WeightReading = field(metadata={"number": "R7"})
-    scale: ScaleReading = field(metadata={"number": "R8"})
+    position_encoding: PositionEncodingReading = field(metadata={"number": "R1"})
+    encoding_frame: EncodingFrameReading = field(metadata={"number": "R2"})
+    view_pooling: ViewPoolingReading = field(metadata={"number": "R3"})
+    density_activation: ActivationReading = field(metadata={"number": "R4"})
+    sample_position: SamplePositionReading = field(metadata={"number": "R5"})
+    sampling_density: SamplingDensityReading = field(metadata={"number": "R6"})
+    interpolation: InterpolationReading = field(metadata={"number": "R7"})
+    color_scale: ColorScaleReading = field(metadata={"number": "R8"})
     transmittance: TransmittanceReading = field(metadata={"number": "R9"})
-    signal: SignalReading = field(metadata={"number": "R10"})
-    cloud: CloudReading = field(metadata={"number": "R11"})
+    target_views: TargetViewsReading = field(metadata={"number": "R10"})
+    extraction: ExtractionReading = field(metadata={"number": "R11"})
     encoder: EncoderReading = field(metadata={"number": "R14"})
     opacity: OpacityReading = field(metadata={"number": "R15"})
-    samples: ReduceReading = field(metadata={"number": "R16"})
+    sample_reduction: SampleReductionReading = field(metadata={"number": "R16"})
 
 
-NUMBERS: dict[str, str] = {each.name: each.metadata["number"] for each in fields(Readings)}
+READING_IDS: dict[str, str] = {each.name: each.metadata["number"] for each in fields(Readings)}

@@ -3,92 +3,95 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from industnerf.schema.rules import (
-    Count,
-    CountOr0,
-    PositiveOr0,
+from industnerf.schema.validators import (
+    Fraction,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveInt,
     Rule,
-    Share,
     at_least,
-    one_or_more,
+    in_interval,
+    non_empty,
     require,
-    within,
 )
 
-COLOUR = Rule(
-    lambda rgb: len(rgb) == 3 and all(0 <= c <= 1 for c in rgb), "three numbers in [0, 1]"
-)
+COLOR = Rule(lambda rgb: len(rgb) == 3 and all(0 <= c <= 1 for c in rgb), "three numbers in [0, 1]")
 DIRECTION = Rule(lambda xyz: len(xyz) == 3 and any(xyz), "three numbers, not all 0")
-Spread = Annotated[float, within("[0, 0.5]")]
-SpreadDeg = Annotated[float, within("[0, 180]")]
+HalfFraction = Annotated[float, in_interval("[0, 0.5]")]
+HalfTurnDeg = Annotated[float, in_interval("[0, 180]")]
 
 
 @dataclass(frozen=True)
 class LightParams:
-    ambient: PositiveOr0
+    ambient: NonNegativeFloat
     directions: list[Annotated[list[float], DIRECTION]]
     intensities: list[float]
-    sway_deg: Annotated[float, within("[0, 90]")]
-    flicker: Share
+    rotation_jitter_deg: Annotated[float, in_interval("[0, 90]")]
+    intensity_jitter: Fraction
 
     def __post_init__(self) -> None:
-        lamps, given = len(self.directions), self.intensities
-        fits = len(given) == lamps
-        require(fits, "intensities", given, f"one number for each of the {lamps} directions")
+        num_lights, intensities = len(self.directions), self.intensities
+        is_complete = len(intensities) == num_lights
+        require(
+            is_complete,
+            "intensities",
+            intensities,
+            f"one number for each of the {num_lights} directions",
+        )
 
 
 @dataclass(frozen=True)
-class PhotoParams:
+class PhotorealisticParams:
     """Read with `views.shading: photo` alone."""
 
-    lamp_deg: Annotated[float, within("[0, 90)")]
-    shadow_samples: Count
+    light_half_angle_deg: Annotated[float, in_interval("[0, 90)")]
+    shadow_samples: PositiveInt
 
 
 @dataclass(frozen=True)
 class JitterParams:
     """How the cameras really stand; recorded truly."""
 
-    distance: Spread
-    aim: Spread
-    roll_deg: SpreadDeg
-    focal: Spread
+    distance: HalfFraction
+    look_at: HalfFraction
+    roll_deg: HalfTurnDeg
+    focal: HalfFraction
 
 
 @dataclass(frozen=True)
 class CalibrationParams:
     """How wrong the recorded training cameras are; the pictures do not change."""
 
-    rotation_deg: SpreadDeg
-    position: Spread
-    focal: Spread
+    rotation_deg: HalfTurnDeg
+    position: HalfFraction
+    focal: HalfFraction
 
 
 @dataclass(frozen=True)
 class SensorParams:
     """What the camera makes of the light."""
 
-    blur_px: Annotated[float, within("[0, 32]")]
-    noise: Annotated[float, within("[0, 1]")]
-    jpeg_quality: Annotated[int, within("[0, 95]", "; 0 is off")]
+    blur_px: Annotated[float, in_interval("[0, 32]")]
+    noise: Annotated[float, in_interval("[0, 1]")]
+    jpeg_quality: Annotated[int, in_interval("[0, 95]", "; 0 is off")]
 
 
 @dataclass(frozen=True)
 class ViewsParams:
-    count: Count
-    held_out: CountOr0
+    count: PositiveInt
+    held_out: NonNegativeInt
     resolution: Annotated[int, at_least(8, " px")]
-    fov_deg: Annotated[float, within("(0, 120)")]
+    fov_deg: Annotated[float, in_interval("(0, 120)")]
     radius: float
-    rig: Literal["sphere", "rings", "hemisphere"]
-    elevations_deg: Annotated[list[Annotated[float, within("(-90, 90)")]], one_or_more("angle")]
-    background: Literal["white", "grey", "black", "random"]
-    albedo: Annotated[list[float], COLOUR]
-    shading: Literal["matte", "photo"]
+    rig: Literal["sphere", "turntable", "hemisphere"]
+    elevations_deg: Annotated[list[Annotated[float, in_interval("(-90, 90)")]], non_empty("angle")]
+    background: Literal["white", "gray", "black", "random"]
+    albedo: Annotated[list[float], COLOR]
+    shading: Literal["matte", "photorealistic"]
     light: LightParams
-    photo: PhotoParams
-    crease_deg: Annotated[float, within("[0, 180]")]
-    edge_samples: Count
+    photorealistic: PhotorealisticParams
+    crease_deg: Annotated[float, in_interval("[0, 180]")]
+    edge_samples: PositiveInt
     jitter: JitterParams
     calibration: CalibrationParams
     sensor: SensorParams

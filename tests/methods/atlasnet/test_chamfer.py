@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from industnerf.methods.atlasnet.chamfer import chamfer, nearest_by_distances, nearest_by_trees
+from industnerf.methods.atlasnet.chamfer import chamfer, nearest_brute_force, nearest_kdtree
 
 
 def clouds(n=40, m=60, batch=3, dtype=torch.float32):
@@ -48,5 +48,5 @@ def test_its_gradient_is_that_of_small_steps():
 def test_trees_and_distances_agree():
     a, b = clouds(500, 700)
     # Where two candidates differ by less than a float32's rounding, either may be named: none here.
-    for one, other in zip(nearest_by_trees(a, b), nearest_by_distances(a, b), strict=True):
+    for one, other in zip(nearest_kdtree(a, b), nearest_brute_force(a, b), strict=True):
         assert torch.equal(one, other)

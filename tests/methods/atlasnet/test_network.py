@@ -8,8 +8,8 @@ from industnerf.methods.atlasnet.network import (
     Decoder,
     PatchLinear,
     PointNet,
-    decoder_of,
-    image_encoder_of,
+    build_decoder,
+    build_image_encoder,
 )
 from tests.methods.test_conformance import merged
 
@@ -38,7 +38,7 @@ def test_the_decoder_has_the_published_layers(full):
     norms = 2 * (1024 + 512 + 512 + 512)
     assert sum(layers) + norms == 1_059_843
     with torch.device("meta"):
-        assert count(decoder_of(full)) == 25 * 1_059_843
+        assert count(build_decoder(full)) == 25 * 1_059_843
 
 
 def test_the_image_encoder_has_the_published_layers(full):
@@ -49,7 +49,7 @@ def test_the_image_encoder_has_the_published_layers(full):
         stages += before * after * 9 + 3 * after * after * 9 + before * after + 5 * 2 * after
     assert stem + stages + 513_000 == 11_689_512  # as torchvision counts ResNet-18
     with torch.device("meta"):
-        encoder = image_encoder_of(full)
+        encoder = build_image_encoder(full)
         assert count(encoder) == stem + stages + 512 * 1024 + 1024
         x = torch.zeros(2, 3, full.image_px, full.image_px)
         assert nn.Sequential(*list(encoder)[:-3])(x).shape == (2, 512, 7, 7)  # what is pooled
@@ -71,7 +71,7 @@ def test_the_point_encoder_has_the_published_layers(full):
 def test_full_gives_2500_points(full):
     with torch.device("meta"):
         uv = torch.zeros(25, 2, 2, 100)
-        assert decoder_of(full)(torch.zeros(2, 1024), uv).shape == (2, 2500, 3)
+        assert build_decoder(full)(torch.zeros(2, 1024), uv).shape == (2, 2500, 3)
 
 
 def layer(linear, patch):

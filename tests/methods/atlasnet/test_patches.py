@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from industnerf.methods.atlasnet.patches import grid, sampled
+from industnerf.methods.atlasnet.patches import grid, sample_patches
 
 
 @pytest.mark.parametrize("side", [2, 5])
@@ -27,13 +27,13 @@ def plates(*sizes_and_heights, side=5):
 
 
 def test_patches_have_points_by_their_area():
-    points = sampled(*plates(((1, 1), 0.0), ((3, 1), 1.0)), 20000, np.random.default_rng(0))
+    points = sample_patches(*plates(((1, 1), 0.0), ((3, 1), 1.0)), 20000, np.random.default_rng(0))
     # 4 standard deviations of 20 000 draws are 1.2 %
     assert (points[:, 2] == 1).mean() == pytest.approx(0.75, abs=0.013)
 
 
 def test_points_are_even_over_a_patch():
-    points = sampled(*plates(((3, 1), 0.0)), 40000, np.random.default_rng(0))
+    points = sample_patches(*plates(((3, 1), 0.0)), 40000, np.random.default_rng(0))
     counts, _, _ = np.histogram2d(*points[:, :2].T, bins=(6, 2), range=[(0, 3), (0, 1)])
     # 12 bins of 3333 draws, each +- 55: within 5 of these
     assert np.abs(counts - 40000 / 12).max() < 275

@@ -15,7 +15,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.sampling import sample_surface
 from industnerf.methods import load_method
 from industnerf.methods.atlasnet import run
-from industnerf.methods.base import Example, hand_over
+from industnerf.methods.base import Example, load_inputs
 from industnerf.schema import AugmentSettings
 from tests.methods.test_conformance import merged
 
@@ -26,83 +26,85 @@ METHOD = load_method("atlasnet")
 def settings():
     """So few steps that nothing is learned, and both kinds of phases are there."""
     smoke = merged("params.yaml", "conf/experiment/smoke.yaml").method.atlasnet
-    training = replace(smoke.training, steps=14, batch=2, validate_every=2)
+    training = replace(smoke.training, max_steps=14, batch_size=2, val_interval=2)
     return replace(smoke, patch_points=8, training=training)
 
 
 @pytest.fixture
-def examples(photographed):
-    part, views = photographed / "part", photographed / "views"
+def examples(rendered_part):
+    part, views = rendered_part / "part", rendered_part / "views"
     return [Example(name, part, views, METHOD.inputs) for name in ("a", "b", "c")]
 
 
 @pytest.fixture
-def watched(monkeypatch):
+def traced_training(monkeypatch):
     """Each phase's net before and after, by the name of its checkpoint; `stop` names a phase."""
-    seen, stop = {}, set()
+    calls, stop = {}, set()
     train = run.train
 
     def copy(net):
         return {name: weights.detach().clone() for name, weights in net.named_parameters()}
 
-    def watch(net, loss, parts, plan, seed, checkpoint):
+    def traced_train(net, loss, parts, plan, seed, checkpoint):
         if checkpoint.stem in stop:
             raise KeyboardInterrupt
         before = copy(net)
         trained = train(net, loss, parts, plan, seed, checkpoint)
-        seen[checkpoint.stem] = before, copy(net), plan
+        calls[checkpoint.stem] = before, copy(net), plan
         return trained
 
-    monkeypatch.setattr(run, "train", watch)
-    return seen, stop
+    monkeypatch.setattr(run, "train", traced_train)
+    return calls, stop
 
 
-def test_each_phase_teaches_what_it_should(examples, settings, tmp_path, watched):
-    seen, _ = watched
+def test_each_phase_teaches_what_it_should(examples, settings, tmp_path, traced_training):
+    calls, _ = traced_training
     METHOD.fit(examples, settings, 0, tmp_path)
-    assert list(seen) == ["auto_encoder", "encoder", "together"]
-    for name, (before, after, _) in seen.items():
+    assert list(calls) == ["auto_encoder", "encoder", "together"]
+    for name, (before, after, _) in calls.items():
         moved = {part.partition(".")[0] for part in before if (before[part] != after[part]).any()}
         assert moved == ({"encoder"} if name == "encoder" else {"encoder", "decoder"})
     for one, other in (("auto_encoder", "encoder"), ("encoder", "together")):
-        last, first = seen[one][1], seen[other][0]
+        last, first = calls[one][1], calls[other][0]
         assert all(torch.equal(last[part], first[part]) for part in last if "decoder" in part)
-    assert all(torch.equal(seen["encoder"][1][k], v) for k, v in seen["together"][0].items())
+    assert all(torch.equal(calls["encoder"][1][k], v) for k, v in calls["together"][0].items())
 
 
 def test_phases_share_the_steps_and_the_last_learns_slowly(settings):
-    plans = run.planned(replace(settings, training=replace(settings.training, steps=700)))
-    assert [plan.steps for plan in plans] == [300, 300, 100]
+    plans = run.phase_settings(replace(settings, training=replace(settings.training, max_steps=700)))
+    assert [plan.max_steps for plan in plans] == [300, 300, 100]
     rate = settings.training.rate
-    assert [plan.rate for plan in plans] == [rate, rate, pytest.approx(rate / 10)]
+    assert [plan.lr for plan in plans] == [rate, rate, pytest.approx(rate / 10)]
     drops = settings.training.drops
-    assert [plan.drops for plan in plans] == [drops, drops, drops[:1]]
+    assert [plan.lr_milestones for plan in plans] == [drops, drops, drops[:1]]
 
 
-def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_path, watched):
-    _, stop = watched
-    whole = METHOD.fit(examples, settings, 0, tmp_path / "whole")
+def test_an_interrupted_training_ends_in_the_same_bytes(
+    examples, settings, tmp_path, traced_training
+):
+    _, stop = traced_training
+    uninterrupted = METHOD.fit(examples, settings, 0, tmp_path / "whole")
     stop.add("encoder")
     with pytest.raises(KeyboardInterrupt):
         METHOD.fit(examples, settings, 0, tmp_path / "cut")
     stop.clear()
     torch.rand(1)  # what others draw meanwhile is no matter
     resumed = METHOD.fit(examples, settings, 0, tmp_path / "cut")
-    assert list(resumed.arrays) == list(whole.arrays)
-    for name, array in whole.arrays.items():
+    assert list(resumed.arrays) == list(uninterrupted.arrays)
+    for name, array in uninterrupted.arrays.items():
         assert resumed.arrays[name].tobytes() == array.tobytes(), name
-    np.testing.assert_array_equal(resumed.history.loss, whole.history.loss)
+    np.testing.assert_array_equal(resumed.train_history.loss, uninterrupted.train_history.loss)
 
 
 def test_the_state_tells_how_all_phases_went(examples, settings, tmp_path):
     state = METHOD.fit(examples, settings, 0, tmp_path)
-    assert (state.parts, state.size, state.steps) == (2, "tiny", 14)  # one is set apart
-    assert state.history.levels == {"auto_encoder": 0, "encoder": 6, "together": 12}
-    assert state.history.steps.tolist() == list(range(14))
-    assert state.validation.steps.tolist() == [1, 3, 5, 7, 9, 11, 13]
+    assert (state.num_parts, state.size, state.steps) == (2, "tiny", 14)  # one is set apart
+    assert state.train_history.levels == {"auto_encoder": 0, "encoder": 6, "together": 12}
+    assert state.train_history.steps.tolist() == list(range(14))
+    assert state.val_history.steps.tolist() == [1, 3, 5, 7, 9, 11, 13]
     trained = [array for name, array in state.arrays.items() if "running" not in name]
     batches = sum("num_batches" in name for name in state.arrays)
-    assert state.parameters == sum(array.size for array in trained) - batches
+    assert state.num_parameters == sum(array.size for array in trained) - batches
 
 
 @pytest.mark.parametrize("unsettled", ["auto_encoder", "encoder", "together"])
@@ -111,71 +113,71 @@ def test_it_is_settled_if_both_trainings_on_pictures_are(
 ):
     train = run.train
 
-    def pretend(net, loss, parts, plan, seed, checkpoint):
+    def fake_train(net, loss, parts, plan, seed, checkpoint):
         trained = train(net, loss, parts, plan, seed, checkpoint)
-        return replace(trained, settled=checkpoint.stem != unsettled)
+        return replace(trained, has_converged=checkpoint.stem != unsettled)
 
-    monkeypatch.setattr(run, "train", pretend)
-    assert METHOD.fit(examples, settings, 0, tmp_path).settled == (unsettled == "auto_encoder")
+    monkeypatch.setattr(run, "train", fake_train)
+    assert METHOD.fit(examples, settings, 0, tmp_path).converged == (unsettled == "auto_encoder")
 
 
-def test_there_is_an_answer_to_each_view_asked(photographed, examples, settings, tmp_path):
+def test_there_is_an_answer_to_each_view_asked(rendered_part, examples, settings, tmp_path):
     state = METHOD.fit(examples, settings, 0, tmp_path)
-    given = hand_over(METHOD, photographed / "part", photographed / "views")
-    result = METHOD.reconstruct(given, replace(settings, answers=5), state, 0)
-    answers = [result.points_mm, *result.others_mm]
-    assert [len(points) for points in answers] == 5 * [settings.points]
-    assert len({points.tobytes() for points in answers}) == 5
+    inputs = load_inputs(METHOD, rendered_part / "part", rendered_part / "views")
+    result = METHOD.reconstruct(inputs, replace(settings, eval_views=5), state, 0)
+    clouds = [result.points_mm, *result.extra_clouds_mm]
+    assert [len(points) for points in clouds] == 5 * [settings.points]
+    assert len({points.tobytes() for points in clouds}) == 5
 
 
 def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
-    wild = replace(settings, training=replace(settings.training, rate=1e30))
+    settings_diverging = replace(settings, training=replace(settings.training, lr=1e30))
     with pytest.raises(ReconstructionFailed, match=r"not finite.*training.rate is 1e\+30, lower"):
-        METHOD.fit(examples, wild, 0, tmp_path)
+        METHOD.fit(examples, settings_diverging, 0, tmp_path)
 
 
-def test_the_last_phase_learns_with_the_statistics_it_answers_with(
+def test_the_last_phase_learns_with_the_statistics_it_predicts_with(
     examples, settings, tmp_path, monkeypatch
 ):
-    loss, learning = run.Lessons.from_pictures, []
+    loss, is_training = run.AtlasNetDataset.METHOD_NAME, []
 
-    def watch(lessons, net, which, rng):
+    def record(dataset, net, batch, rng):
         if net.training:
             norms = [module for module in net.modules() if isinstance(module, _BatchNorm)]
-            learning.append({norm.training for norm in norms})
-        return loss(lessons, net, which, rng)
+            is_training.append({norm.training for norm in norms})
+        return loss(dataset, net, batch, rng)
 
-    monkeypatch.setattr(run.Lessons, "from_pictures", watch)
+    monkeypatch.setattr(run.AtlasNetDataset, "METHOD_NAME", record)
     METHOD.fit(examples, settings, 0, tmp_path)
-    assert learning == 6 * [{True}] + 2 * [{False}]
+    assert is_training == 6 * [{True}] + 2 * [{False}]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_cpu_sizes_learn_one_part_by_heart(root, photographed, examples, tmp_path, seed):
+def test_the_cpu_sizes_learn_one_part_by_heart(root, rendered_part, examples, tmp_path, seed):
     settings = load_params(root / "params.yaml").method.atlasnet
-    training = replace(settings.training, steps=700, batch=4, rate=2e-3, validate_every=50)
-    plain = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0)
-    settings = replace(settings, views=4, answers=4, patch_points=24, training=training)
+    training = replace(settings.training, max_steps=700, batch_size=4, lr=2e-3, val_interval=50)
+    plain = AugmentSettings(roll_deg=0.0, zoom=0.0, color_jitter=0.0, noise=0.0)
+    settings = replace(settings, train_views=4, eval_views=4, patch_points=24, training=training)
     state = METHOD.fit(examples[:1], replace(settings, augment=plain), seed, tmp_path)
-    given = hand_over(METHOD, photographed / "part", photographed / "views")
-    found = METHOD.reconstruct(given, settings, state, seed)
-    mesh = load_mesh(photographed / "part")
+    inputs = load_inputs(METHOD, rendered_part / "part", rendered_part / "views")
+    points_found = METHOD.reconstruct(inputs, settings, state, seed)
+    mesh = load_mesh(rendered_part / "part")
     truth, _ = sample_surface(mesh.vertices, mesh.faces, 20000, np.random.default_rng(0))
     size = np.linalg.norm(np.ptp(truth, axis=0))
-    for points in (found.points_mm, *found.others_mm):
+    for points in (points_found.points_mm, *points_found.extra_clouds_mm):
         # Both ways, in the mean: a ball of the mean extent is 5.5 and 8 % of the diagonal off.
-        away = [cKDTree(truth).query(points)[0], cKDTree(points).query(truth)[0]]
-        assert max(x.mean() for x in away) < 0.03 * size
+        distance = [cKDTree(truth).query(points)[0], cKDTree(points).query(truth)[0]]
+        assert max(x.mean() for x in distance) < 0.03 * size
 
 
 def test_what_is_said_in_the_axes_of_a_view_comes_back_to_the_parts(examples, settings, tmp_path):
     state = METHOD.fit(examples, settings, 0, tmp_path)
     images = np.random.default_rng(0).integers(0, 256, (2, *2 * [settings.image_px], 3), np.uint8)
-    turns = Rotation.from_euler("xyz", [[0.4, -0.7, 1.1], [0, 0, 0]]).as_matrix()
-    straight = run.clouds(images, np.tile(np.eye(3), (2, 1, 1)), settings, state, 0)
-    turned = run.clouds(images, turns, settings, state, 0)
+    rotations = Rotation.from_euler("xyz", [[0.4, -0.7, 1.1], [0, 0, 0]]).as_matrix()
+    straight = run.predict_clouds(images, np.tile(np.eye(3), (2, 1, 1)), settings, state, 0)
+    turned = run.predict_clouds(images, rotations, settings, state, 0)
     # the same triangles are drawn from: rounding may tip a draw at the border of two, seldom
-    near = np.isclose(turned[0] @ turns[0], straight[0], rtol=0, atol=1e-6)
+    near = np.isclose(turned[0] @ rotations[0], straight[0], rtol=0, atol=1e-6)
     assert near.all(axis=1).mean() > 0.99
     np.testing.assert_array_equal(turned[1], straight[1])

@@ -32,17 +32,17 @@ def test_an_image_shifted_by_a_stride_shifts_its_features_by_one():
 
 def test_views_are_encoded_at_once_as_one_by_one():
     """As a GPU does; each with its own background."""
-    behind, net = torch.rand(2, 3, 1, 1, dtype=torch.float64), encoder(rgb_skip=True)
-    each = [net(image[None], colour) for image, colour in zip(images(), behind, strict=True)]
-    torch.testing.assert_close(net(images(), behind), torch.cat(each), rtol=0, atol=1e-12)
+    backgrounds, net = torch.rand(2, 3, 1, 1, dtype=torch.float64), encoder(rgb_skip=True)
+    each = [net(image[None], color) for image, color in zip(images(), backgrounds, strict=True)]
+    torch.testing.assert_close(net(images(), backgrounds), torch.cat(each), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("axis", [2, 3])
 def test_symmetric_kernels_mirror_features_with_the_image(axis):
-    """Only if each texel's kernels are centred on the pixels that it stands for."""
+    """Only if each texel's kernels are centered on the pixels that it stands for."""
     net = encoder(rgb_skip=True)
     with torch.no_grad():
-        for layer in (net.first, net.second, net.last):
+        for layer in (net.conv1, net.conv2, net.conv3):
             layer.weight += layer.weight.flip(axis)
     taken = images()
     torch.testing.assert_close(
@@ -58,15 +58,15 @@ def test_a_texel_sees_no_further_than_stated():
     assert seen.amax(dim=0).tolist() == [6 * STRIDE + 7, 8 * STRIDE + 7]
 
 
-def test_the_skip_is_the_mean_colour_and_contrast_of_each_texel():
+def test_the_skip_is_the_mean_color_and_contrast_of_each_texel():
     taken = images()
-    found = encoder(rgb_skip=True)(taken, WHITE)
-    assert found.shape[1] == encoder(rgb_skip=True).channels == encoder().channels + 4
+    actual = encoder(rgb_skip=True)(taken, WHITE)
+    assert actual.shape[1] == encoder(rgb_skip=True).out_channels == encoder().out_channels + 4
     mean = taken[0, :, 8:12, 20:24].mean(dim=(1, 2))
-    torch.testing.assert_close(found[0, 5:8, 2, 5], mean, rtol=0, atol=1e-14)
+    torch.testing.assert_close(actual[0, 5:8, 2, 5], mean, rtol=0, atol=1e-14)
     darkest = taken[0, :, 8:12, 20:24].amin(dim=0)  # the channel that is farthest from white
-    torch.testing.assert_close(found[0, 8, 2, 5], (1 - darkest).mean(), rtol=0, atol=1e-14)
-    torch.testing.assert_close(found[:, :5], encoder()(taken, WHITE), rtol=0, atol=0)
+    torch.testing.assert_close(actual[0, 8, 2, 5], (1 - darkest).mean(), rtol=0, atol=1e-14)
+    torch.testing.assert_close(actual[:, :5], encoder()(taken, WHITE), rtol=0, atol=0)
 
 
 @pytest.mark.parametrize(("height", "width"), [(48, 64), (45, 63), (46, 61), (5, 4)])
@@ -74,22 +74,22 @@ def test_texels_cover_the_image_whatever_its_size(height, width):
     """A linear image keeps its slope and its place, but for a border's half pixel."""
     u = (torch.arange(width, dtype=torch.float64) + 0.5) / width
     ramp = u.expand(1, 3, height, width)
-    colour = encoder(rgb_skip=True)(ramp, WHITE)[0, 5]
-    texels = colour.shape[1]
-    assert colour.shape == (-(-height // STRIDE), -(-width // STRIDE))
+    color = encoder(rgb_skip=True)(ramp, WHITE)[0, 5]
+    texels = color.shape[1]
+    assert color.shape == (-(-height // STRIDE), -(-width // STRIDE))
     expected = (torch.arange(texels, dtype=torch.float64) + 0.5) / texels
     # Where the image is stretched, its border is repeated over less than half a pixel's width.
     atol = 1e-12 if width % STRIDE == 0 else 0.5 / width / STRIDE
-    torch.testing.assert_close(colour[0], expected, rtol=0, atol=atol)
-    torch.testing.assert_close(colour[0, 1:-1], expected[1:-1], rtol=0, atol=1e-12)
+    torch.testing.assert_close(color[0], expected, rtol=0, atol=atol)
+    torch.testing.assert_close(color[0, 1:-1], expected[1:-1], rtol=0, atol=1e-12)
 
 
 def test_before_its_background_an_image_is_told_by_how_it_differs():
-    """Another background and an image as much brighter: the same features but for the colours."""
+    """Another background and an image as much brighter: the same features but for the colors."""
     net, taken = encoder(rgb_skip=True), images() / 2
-    here, there = net(taken, WHITE / 2), net(taken + 0.25, WHITE / 2 + 0.25)
-    torch.testing.assert_close(here[:, :5], there[:, :5], rtol=0, atol=1e-12)
-    torch.testing.assert_close(here[:, 8], there[:, 8], rtol=0, atol=1e-12)
+    on_first, on_second = net(taken, WHITE / 2), net(taken + 0.25, WHITE / 2 + 0.25)
+    torch.testing.assert_close(on_first[:, :5], on_second[:, :5], rtol=0, atol=1e-12)
+    torch.testing.assert_close(on_first[:, 8], on_second[:, 8], rtol=0, atol=1e-12)
     assert not net(WHITE.expand(1, 3, 48, 64), WHITE)[:, 8].any()
 
 

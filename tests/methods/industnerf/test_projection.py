@@ -9,10 +9,10 @@ from torch.nn.functional import avg_pool2d
 
 from industnerf.geometry import cameras
 from industnerf.methods.industnerf.projection import (
-    camera_frame,
-    in_view,
+    is_in_view,
     project,
     sample_features,
+    world_to_camera,
 )
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -36,7 +36,7 @@ def uv_within(count: int, margin: float) -> torch.Tensor:
 
 
 def ramps() -> torch.Tensor:
-    """Two linear images, at the pixels' centres."""
+    """Two linear images, at the pixels' centers."""
     v, u = torch.tensor(np.mgrid[:HEIGHT, :WIDTH] + 0.5)
     return torch.stack([3 * u - v + 7, 0.5 * v + u])
 
@@ -50,8 +50,8 @@ def test_projection_is_that_of_the_cameras(seed):
     # The same sums in another order: lengths of 10 are rounded by 1e-15, and 600 px of focal
     # length magnify that.  Times depth, for near depth 0 a coordinate is as large as you like.
     np.testing.assert_allclose(depth, expected_depth, rtol=0, atol=1e-13)
-    found = uv * depth[:, None]
-    np.testing.assert_allclose(found, expected_uv * expected_depth[:, None], rtol=0, atol=1e-10)
+    actual = uv * depth[:, None]
+    np.testing.assert_allclose(actual, expected_uv * expected_depth[:, None], rtol=0, atol=1e-10)
 
 
 @given(SEEDS)
@@ -59,32 +59,32 @@ def test_the_camera_frame_undoes_camera_to_world(seed):
     rng = np.random.default_rng(seed)
     c2w, camera = torch.tensor(random_pose(rng)), torch.tensor(rng.uniform(-5, 5, (20, 3)))
     world = camera @ c2w[:3, :3].T + c2w[:3, 3]
-    torch.testing.assert_close(camera_frame(world, c2w), camera, rtol=0, atol=1e-13)
+    torch.testing.assert_close(world_to_camera(world, c2w), camera, rtol=0, atol=1e-13)
 
 
 def test_in_view_is_inside_the_image_and_in_front():
     uv = torch.tensor([[0.0, 0], [23.9, 15.9], [24, 8], [8, 16], [-0.1, 8], [8, -0.1], [8, 8]])
     depth = torch.tensor([1.0, 1, 1, 1, 1, 1, -1])
-    assert in_view(uv, depth, WIDTH, HEIGHT).tolist() == [True, True] + [False] * 5
+    assert is_in_view(uv, depth, WIDTH, HEIGHT).tolist() == [True, True] + [False] * 5
 
 
-def test_the_cameras_own_centre_is_in_no_view_and_has_finite_features():
+def test_the_cameras_own_center_is_in_no_view_and_has_finite_features():
     uv, depth = project(torch.zeros(20, 3), torch.tensor(K).float(), torch.eye(4))
-    assert not in_view(uv, depth, 640, 480).any()
+    assert not is_in_view(uv, depth, 640, 480).any()
     assert sample_features(torch.rand(2, 8, 8), uv, 640, 480).isfinite().all()
 
 
 @pytest.mark.parametrize("coarser", [1, 2, 4])
 def test_a_linear_image_is_sampled_exactly(coarser):
-    """So is its average over squares, which is linear through the squares' centres."""
-    uv = uv_within(100, coarser / 2)  # within the outermost centres
-    found = sample_features(avg_pool2d(ramps(), coarser), uv, WIDTH, HEIGHT)
+    """So is its average over squares, which is linear through the squares' centers."""
+    uv = uv_within(100, coarser / 2)  # within the outermost centers
+    actual = sample_features(avg_pool2d(ramps(), coarser), uv, WIDTH, HEIGHT)
     u, v = uv.T
     expected = torch.stack([3 * u - v + 7, 0.5 * v + u], dim=1)
-    torch.testing.assert_close(found, expected, rtol=0, atol=1e-12)
+    torch.testing.assert_close(actual, expected, rtol=0, atol=1e-12)
 
 
-def test_beyond_the_outermost_centres_the_border_goes_on():
+def test_beyond_the_outermost_centers_the_border_goes_on():
     uv = torch.tensor([[0.0, 8], [-1e9, 8], [24, 8], [8, 0], [8, 1e9]], dtype=torch.float64)
     nearest = torch.tensor([[0.5, 8], [0.5, 8], [23.5, 8], [8, 0.5], [8, 15.5]]).double()
     torch.testing.assert_close(

@@ -4,96 +4,106 @@ import numpy as np
 import pytest
 import torch
 
-from industnerf.geometry.cameras import pixel_centres, project, unproject
-from industnerf.methods.industnerf.levels import grid, spacing_of
+from industnerf.geometry.cameras import pixel_centers, project, unproject
+from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
 from industnerf.methods.industnerf.rerender import rerender
-from industnerf.methods.industnerf.scene import eyes
-from industnerf.rendering.points import Points
+from industnerf.methods.industnerf.scene import torch_cameras
+from industnerf.rendering.points import PointGrid
 from industnerf.rendering.render import Renderer
-from tests.methods.industnerf.scenes import CENTRE, CPU, REACH, around
+from tests.methods.industnerf.synthetic_scenes import CENTER, CPU, SCENE_RADIUS, orbit_cameras
 
-SPACING = spacing_of(16, 0)
+SPACING = grid_spacing(16, 0)
 SIDE = 40
-BEHIND = torch.tensor([[1.0, 0.5, 0.0], [0.2, 0.2, 0.2], [0.0, 1.0, 0.5]])
+BACKGROUNDS = torch.tensor([[1.0, 0.5, 0.0], [0.2, 0.2, 0.2], [0.0, 1.0, 0.5]])
 
 
 def a_field(radius: float = 0.5, density: float = 400.0):
-    """A ball of points in a colour each, opaque; the other points are empty."""
-    points = Points(grid(SPACING, CPU), 1.1 * SPACING, 8, "inverse_square")
+    """A ball of points in a color each, opaque; the other points are empty."""
+    points = PointGrid(initial_grid(SPACING, CPU), 1.1 * SPACING, 8, "inverse_square")
     sigma = torch.where(points.positions.norm(dim=1) < radius, density, 0.0)
     side = 1 + SPACING
     renderer = Renderer(points, (-side,) * 3, (side,) * 3, SPACING, 0.01)
     return renderer, sigma, points.positions.clamp(-1, 1) / 2 + 0.5
 
 
-def pictures(density: float = 400.0):
-    looking = eyes(around(3, SIDE), CENTRE, REACH, CPU)
+def render_field(density: float = 400.0):
+    cameras = torch_cameras(orbit_cameras(3, SIDE), CENTER, SCENE_RADIUS, CPU)
     renderer, sigma, rgb = a_field(density=density)
-    return looking, rerender(looking, BEHIND, renderer, sigma, rgb, REACH), (renderer, sigma, rgb)
+    return (
+        cameras,
+        rerender(cameras, BACKGROUNDS, renderer, sigma, rgb, SCENE_RADIUS),
+        (renderer, sigma, rgb),
+    )
 
 
 def test_every_pixel_is_as_the_renderer_has_it():
     """Also those beside the footprint, which are not rendered at all."""
-    looking, taken, (renderer, sigma, rgb) = pictures(density=8.0)  # half through at the rim
-    cameras, uv = around(3, SIDE), torch.tensor(pixel_centres(SIDE, SIDE)).float()
+    torch_cams, rendering, (renderer, sigma, rgb) = render_field(
+        density=8.0
+    )  # half through at the rim
+    cameras, uv = orbit_cameras(3, SIDE), torch.tensor(pixel_centers(SIDE, SIDE)).float()
     for view in range(3):
         views = torch.full((len(uv),), view)
-        rays = looking.rays(views, uv, torch.full((len(uv),), 0.5))
-        seen = renderer.look(rays, sigma, rgb)
-        colour = seen.over(BEHIND[views]).reshape(SIDE, SIDE, 3).numpy()
-        opacity = 1 - seen.through.reshape(SIDE, SIDE).numpy()
+        rays = torch_cams.rays(views, uv, torch.full((len(uv),), 0.5))
+        output = renderer.render(rays, sigma, rgb)
+        color = output.composite_over(BACKGROUNDS[views]).reshape(SIDE, SIDE, 3).numpy()
+        opacity = 1 - output.transmittance.reshape(SIDE, SIDE).numpy()
         assert 0.05 < opacity.mean() < 0.5
-        met = (rays.origins + seen.median[:, None] * rays.directions).double().numpy()
-        depth = project(met * REACH + CENTRE, cameras.K[view], cameras.c2w[view])[1]
-        depth[seen.median.numpy() < 0] = 0
+        hits = (rays.origins + output.median_depth[:, None] * rays.directions).double().numpy()
+        depth = project(hits * SCENE_RADIUS + CENTER, cameras.K[view], cameras.c2w[view])[1]
+        depth[output.median_depth.numpy() < 0] = 0
         # float32 of 120 mm
-        np.testing.assert_allclose(taken.depth_mm[view].ravel(), depth, rtol=0, atol=1e-3)
+        np.testing.assert_allclose(rendering.depth_mm[view].ravel(), depth, rtol=0, atol=1e-3)
         # levels are rounded to the nearest of 255
-        np.testing.assert_allclose(taken.rgb[view] / 255, colour, rtol=0, atol=0.51 / 255)
-        np.testing.assert_allclose(taken.opacity[view] / 255, opacity, rtol=0, atol=0.51 / 255)
+        np.testing.assert_allclose(rendering.rgb[view] / 255, color, rtol=0, atol=0.51 / 255)
+        np.testing.assert_allclose(rendering.opacity[view] / 255, opacity, rtol=0, atol=0.51 / 255)
 
 
 def test_depth_leads_back_to_the_surface_in_the_world():
-    _, taken, _ = pictures()
-    cameras = around(3, SIDE)
+    _, rendering, _ = render_field()
+    cameras = orbit_cameras(3, SIDE)
     for view in range(3):
-        depth = taken.depth_mm[view].ravel().astype(float)
+        depth = rendering.depth_mm[view].ravel().astype(float)
         hit = depth > 0
-        uv = pixel_centres(SIDE, SIDE)[hit]
+        uv = pixel_centers(SIDE, SIDE)[hit]
         world = unproject(uv, depth[hit], cameras.K[view], cameras.c2w[view])
-        out = np.linalg.norm(world - CENTRE, axis=1) / REACH
-        # the outermost points are up to a cell's diagonal inside, what they colour goes on for
+        distance = np.linalg.norm(world - CENTER, axis=1) / SCENE_RADIUS
+        # the outermost points are up to a cell's diagonal inside, what they color goes on for
         # a radius, and half of the light is lost half a step sooner or later
-        assert (out < 0.5 + 1.6 * SPACING).all()
-        assert (out > 0.5 - 2.3 * SPACING).all()
+        assert (distance < 0.5 + 1.6 * SPACING).all()
+        assert (distance > 0.5 - 2.3 * SPACING).all()
 
 
 def test_where_half_of_the_light_passes_there_is_no_depth():
-    _, taken, _ = pictures(density=8.0)
-    np.testing.assert_array_equal(taken.depth_mm > 0, taken.opacity >= 128)
+    _, rendering, _ = render_field(density=8.0)
+    np.testing.assert_array_equal(rendering.depth_mm > 0, rendering.opacity >= 128)
 
 
 @pytest.mark.parametrize("softer", [0.5, 20.0])
 def test_no_pixel_that_either_surface_reaches_is_left_out(softer):
-    """A ball of distances, of which the median is asked with another softness than the colour."""
-    looking = eyes(around(1, SIDE), CENTRE, REACH, CPU)
+    """A ball of distances, of which the median is asked with another softness than the color."""
+    cameras = torch_cameras(orbit_cameras(1, SIDE), CENTER, SCENE_RADIUS, CPU)
     renderer, _, rgb = a_field()
     distance = renderer.points.positions.norm(dim=1) - 0.5
     renderer.beta = 0.2 * SPACING
     renderer.median_beta = softer * renderer.beta
-    taken = rerender(looking, BEHIND[:1], renderer, distance, rgb, REACH)
-    uv = torch.tensor(pixel_centres(SIDE, SIDE)).float()
-    rays = looking.rays(torch.zeros(len(uv), dtype=torch.int64), uv, torch.full((len(uv),), 0.5))
-    seen = renderer.look(rays, distance, rgb)
-    np.testing.assert_array_equal(taken.depth_mm.ravel() > 0, seen.median.numpy() > 0)
-    np.testing.assert_allclose(taken.opacity.ravel() / 255, 1 - seen.through, atol=0.51 / 255)
+    rendering = rerender(cameras, BACKGROUNDS[:1], renderer, distance, rgb, SCENE_RADIUS)
+    uv = torch.tensor(pixel_centers(SIDE, SIDE)).float()
+    rays = cameras.rays(torch.zeros(len(uv), dtype=torch.int64), uv, torch.full((len(uv),), 0.5))
+    output = renderer.render(rays, distance, rgb)
+    np.testing.assert_array_equal(rendering.depth_mm.ravel() > 0, output.median_depth.numpy() > 0)
+    np.testing.assert_allclose(
+        rendering.opacity.ravel() / 255, 1 - output.transmittance, atol=0.51 / 255
+    )
 
 
 def test_an_empty_field_is_background():
-    looking = eyes(around(3, SIDE), CENTRE, REACH, CPU)
+    cameras = torch_cameras(orbit_cameras(3, SIDE), CENTER, SCENE_RADIUS, CPU)
     renderer, sigma, rgb = a_field()
-    taken = rerender(looking, BEHIND, renderer, torch.zeros_like(sigma), rgb, REACH)
-    assert not taken.depth_mm.any()
-    assert not taken.opacity.any()
-    levels = (BEHIND * 255).round().numpy().astype(np.uint8)
-    np.testing.assert_array_equal(taken.rgb, np.broadcast_to(levels[:, None, None], (3, 40, 40, 3)))
+    rendering = rerender(cameras, BACKGROUNDS, renderer, torch.zeros_like(sigma), rgb, SCENE_RADIUS)
+    assert not rendering.depth_mm.any()
+    assert not rendering.opacity.any()
+    levels = (BACKGROUNDS * 255).round().numpy().astype(np.uint8)
+    np.testing.assert_array_equal(
+        rendering.rgb, np.broadcast_to(levels[:, None, None], (3, 40, 40, 3))
+    )

@@ -6,19 +6,19 @@ from math import sqrt
 import pytest
 from scipy.spatial import cKDTree
 
-from industnerf.methods.industnerf.run import Work, run
+from industnerf.methods.industnerf.pipeline import Reconstructor, run
 from industnerf.schema import IndustnerfSettings
-from tests.methods.industnerf.outcomes import SOLIDS, Recorder, bytes_of, errors
-from tests.methods.industnerf.scenes import REACH, posed, settings
+from tests.methods.industnerf.results import SOLIDS, RecordingCallback, errors, result_bytes
+from tests.methods.industnerf.synthetic_scenes import SCENE_RADIUS, make_posed_images, settings
 
 RES, PX = 10, 48
-CELL = 2 * REACH / RES  # of the first grid, mm
+CELL = 2 * SCENE_RADIUS / RES  # of the first grid, mm
 LEVELS = [
     {"steps": 30, "image_px": PX},
     {"steps": 20, "image_px": PX, "points": 3000},
     {"steps": 20, "image_px": PX, "points": 4000},
 ]
-BEGUN = [("level 0", 30), ("level 1", 20), ("level 2", 20)]
+STARTED_LEVELS = [("level 0", 30), ("level 1", 20), ("level 2", 20)]
 # the method; how it refines; how far from an old point a new one is at most, in old spacings:
 # anywhere in a cell that has one, or in the middle of an eighth of the old one's own cell
 KINDS = {
@@ -30,43 +30,48 @@ every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 def three_levels(kind: str, **changes) -> IndustnerfSettings:
-    method, others, _ = KINDS[kind]
-    more = {"rays": 512, "surface_px": PX, "spacing": 0.05} | others | changes
+    method, method_changes, _ = KINDS[kind]
+    all_changes = {"rays": 512, "surface_px": PX, "spacing": 0.05} | method_changes | changes
     return settings(
-        method, **{"readings": {"activation": "distance"}, "levels": LEVELS} | more, grid_res=RES
+        method,
+        **{"readings": {"activation": "distance"}, "levels": LEVELS} | all_changes,
+        grid_res=RES,
     )
 
 
 @every_kind
 def test_each_level_refines_the_last_and_the_last_has_the_surface(kind):
     """Within half a first cell, 3 mm: steps are few, and a surface still is 1 mm soft."""
-    watch, placed = Recorder(), []
-    work = Work(posed(SOLIDS["ball"], 24, PX), three_levels(kind), 1, watch)
-    while not work.finished:
-        placed.append((work.training.points.positions, work.training.spacing))
-        work.train()
-        work.listen()
-    assert watch.begun == BEGUN
-    assert len(placed) == 3
-    for (old, spacing), (new, finer) in pairwise(placed):
+    callback, levels = RecordingCallback(), []
+    reconstructor = Reconstructor(
+        make_posed_images(SOLIDS["ball"], 24, PX), three_levels(kind), 1, callback
+    )
+    while not reconstructor.is_finished:
+        levels.append((reconstructor.trainer.points.positions, reconstructor.trainer.spacing))
+        reconstructor.train()
+        reconstructor.advance_level()
+    assert callback.started_levels == STARTED_LEVELS
+    assert len(levels) == 3
+    for (old, spacing), (new, finer) in pairwise(levels):
         assert finer == spacing / 2 if kind != "drawn" else finer < 0.51 * spacing
-        away, _ = cKDTree(old.numpy()).query(new.numpy())
-        assert away.max() < 1.05 * KINDS[kind][2] * spacing
-    outcome = work.outcome()
-    assert outcome.first_steps == {"level 0": 0, "level 1": 30, "level 2": 50}
-    away, covered, _ = errors(SOLIDS["ball"], outcome, CELL)
-    assert away < CELL / 2
-    assert covered > 0.99
+        distances, _ = cKDTree(old.numpy()).query(new.numpy())
+        assert distances.max() < 1.05 * KINDS[kind][2] * spacing
+    result = reconstructor.result()
+    assert result.level_starts == {"level 0": 0, "level 1": 30, "level 2": 50}
+    distances, coverage, _ = errors(SOLIDS["ball"], result, CELL)
+    assert distances < CELL / 2
+    assert coverage > 0.99
 
 
 @pytest.mark.parametrize("kind", ["divided", "relief"])
 def test_a_run_goes_on_from_any_of_three_levels_to_the_same_bytes(kind):
-    few = [{"steps": 3, "image_px": 32}] * 3
+    short_levels = [{"steps": 3, "image_px": 32}] * 3
     readings = {"activation": "distance", "encoder": "frozen"}
-    given, ways = posed(SOLIDS["ball"], 4, 32), three_levels(kind, levels=few, readings=readings)
-    watch = Recorder()
-    whole = bytes_of(run(given, ways, 1, watch))
-    levels = [state["level"] for state in watch.states]
+    images = make_posed_images(SOLIDS["ball"], 4, 32)
+    config = three_levels(kind, levels=short_levels, readings=readings)
+    callback = RecordingCallback()
+    complete = result_bytes(run(images, config, 1, callback))
+    levels = [state["level"] for state in callback.states]
     assert levels == [0, 0, 0, 1, 1, 1, 2, 2, 2]
     for step in (1, 2, 3, 5, 6, 8):
-        assert bytes_of(run(given, ways, 1, None, watch.states[step])) == whole
+        assert result_bytes(run(images, config, 1, None, callback.states[step])) == complete

@@ -12,9 +12,9 @@ LEVEL = 0.1
 BALL = 1.5  # coarse cells: a ball of this radius has a coarse lattice point inside
 
 
-def ball(centre, radius):
+def ball(center, radius):
     """Signed distance, in fine cells, high inside."""
-    return lambda at: radius - np.linalg.norm(at - np.array(centre), axis=-1)
+    return lambda at: radius - np.linalg.norm(at - np.array(center), axis=-1)
 
 
 def ring(at):
@@ -46,7 +46,7 @@ SOLIDS = {
 }
 
 
-class Asked:
+class RecordingField:
     """A field that remembers where it was asked."""
 
     def __init__(self, field):
@@ -68,14 +68,14 @@ def surface(values):
 @pytest.mark.parametrize("name", SOLIDS)
 def test_the_surface_is_that_of_all_lattice_points(name):
     values, _ = mise(SOLIDS[name], LEVEL, CELLS, SUBDIVISIONS)
-    for found, true in zip(surface(values), surface(dense(SOLIDS[name])), strict=True):
-        np.testing.assert_array_equal(found, true)
+    for result, true in zip(surface(values), surface(dense(SOLIDS[name])), strict=True):
+        np.testing.assert_array_equal(result, true)
     np.testing.assert_array_equal(values > LEVEL, dense(SOLIDS[name]) > LEVEL)
 
 
 @pytest.mark.parametrize("name", SOLIDS)
 def test_no_point_is_asked_for_twice_and_all_are_counted(name):
-    field = Asked(SOLIDS[name])
+    field = RecordingField(SOLIDS[name])
     values, count = mise(field, LEVEL, CELLS, SUBDIVISIONS)
     at = np.concatenate(field.at)
     assert len(np.unique(at, axis=0)) == len(at) == count
@@ -98,7 +98,7 @@ def test_without_a_surface_only_the_coarse_lattice_is_asked():
 
 
 def test_an_island_inside_one_coarse_cell_is_missed():
-    """The price: a ball of half a coarse cell about its centre."""
+    """The price: a ball of half a coarse cell about its center."""
     values, _ = mise(ball((10, 10, 10), 2), LEVEL, CELLS, SUBDIVISIONS)
     assert not (values > LEVEL).any()
 

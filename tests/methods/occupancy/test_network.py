@@ -10,7 +10,7 @@ from industnerf.schema import OccupancySettings
 from tests.methods.test_conformance import merged
 
 
-def numbers(net: nn.Module) -> int:
+def num_parameters(net: nn.Module) -> int:
     return sum(p.numel() for p in net.parameters())
 
 
@@ -29,9 +29,9 @@ def test_it_has_as_many_numbers_as_published(full, published):
     norm = 2 * layer  # a scale and a shift from the code
     block = 2 * norm + 2 * layer
     decoder = (3 * 256 + 256) + 5 * block + norm + (256 + 1)
-    assert numbers(full.decoder) == decoder == 2_106_625
-    assert numbers(full.encoder) == 11_176_512 + (512 * 256 + 256) == 11_307_840
-    assert numbers(full) == 13_414_465
+    assert num_parameters(full.decoder) == decoder == 2_106_625
+    assert num_parameters(full.encoder) == 11_176_512 + (512 * 256 + 256) == 11_307_840
+    assert num_parameters(full) == 13_414_465
     assert published.size == "full"
 
 
@@ -55,7 +55,7 @@ def test_the_norm_is_over_all_points_of_all_images_and_the_code_scales_and_shift
     for linear in (norm.scale, norm.shift):
         nn.init.normal_(linear.weight)
     x, code = torch.randn(3, 50, 5), torch.randn(3, 4)
-    found = norm(x, code).detach().numpy()
+    result = norm(x, code).detach().numpy()
     for channel in range(5):
         values = x[..., channel].numpy().astype(float)
         normed = (values - values.mean()) / np.sqrt(values.var() + 1e-5)
@@ -64,7 +64,7 @@ def test_the_norm_is_over_all_points_of_all_images_and_the_code_scales_and_shift
             shift = float(norm.shift.weight.detach()[channel].double() @ code[image].double())
             # float32 sums of 150 values of about 1
             np.testing.assert_allclose(
-                found[image, :, channel], scale * normed[image] + shift, rtol=0, atol=2e-5
+                result[image, :, channel], scale * normed[image] + shift, rtol=0, atol=2e-5
             )
 
 
@@ -105,12 +105,12 @@ def test_each_image_and_each_point_is_answered_for_itself():
 def test_images_are_taken_relative_to_imagenet(full):
     mean = torch.tensor([0.485, 0.456, 0.406]).view(1, 3, 1, 1)
     deviation = torch.tensor([0.229, 0.224, 0.225]).view(1, 3, 1, 1)
-    seen = []
-    hook = full.encoder.register_forward_pre_hook(lambda net, given: seen.append(given[0]))
+    normalized = []
+    hook = full.encoder.register_forward_pre_hook(lambda net, inputs: normalized.append(inputs[0]))
     with torch.no_grad():
         full.encode(
             (mean + torch.tensor([0.0, 1.0]).view(2, 1, 1, 1) * deviation).expand(2, 3, 32, 32)
         )
     hook.remove()
-    torch.testing.assert_close(seen[0][0], torch.zeros(3, 32, 32), rtol=0, atol=1e-6)
-    torch.testing.assert_close(seen[0][1], torch.ones(3, 32, 32), rtol=0, atol=1e-6)
+    torch.testing.assert_close(normalized[0][0], torch.zeros(3, 32, 32), rtol=0, atol=1e-6)
+    torch.testing.assert_close(normalized[0][1], torch.ones(3, 32, 32), rtol=0, atol=1e-6)

@@ -10,32 +10,32 @@ import trimesh
 from industnerf.methods.base import Example
 from industnerf.schema import AugmentSettings, R2n2Settings, TrainingSettings
 
-STILL = AugmentSettings(roll_deg=0.0, zoom=0.0, colour=0.0, noise=0.0)
+NO_AUGMENTATION = AugmentSettings(roll_deg=0.0, zoom=0.0, color_jitter=0.0, noise=0.0)
 
 
 @pytest.fixture
 def settings() -> R2n2Settings:
     """Pictures of 16 px, and six steps."""
     training = TrainingSettings(
-        steps=6,
-        batch=2,
-        rate=1e-3,
-        drops=[0.5],
+        max_steps=6,
+        batch_size=2,
+        lr=1e-3,
+        lr_milestones=[0.5],
         weight_decay=0.0,
-        validation=0.3,
-        validate_every=2,
+        val_fraction=0.3,
+        val_interval=2,
         patience=9,
     )
     return R2n2Settings(
         size="tiny",
         image_px=16,
-        divisor=32,
-        pictures=4,
-        views=3,
+        channel_divisor=32,
+        train_views=4,
+        max_views=3,
         threshold=0.4,
         points=500,
         training=training,
-        augment=replace(STILL, colour=0.1),
+        augment=replace(NO_AUGMENTATION, color_jitter=0.1),
     )
 
 

@@ -9,41 +9,45 @@ batch norms keep their statistics in the last of the three trainings.
 from collections.abc import Sequence
 from pathlib import Path
 
-from industnerf.artifacts.state import State
-from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
+from industnerf.artifacts.state import ModelState
+from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
 from industnerf.schema import AtlasNetSettings
 
 
-def fit(examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path) -> State:
+def fit(
+    examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
+) -> ModelState:
     """Weights of the image encoder and the decoder, after three trainings."""
     # late: a report that names the method need not wait for torch
-    from industnerf.methods.atlasnet.run import learned
+    from industnerf.methods.atlasnet.run import train_phases
 
-    return learned(examples, settings, seed, scratch)
+    return train_phases(examples, settings, seed, scratch)
 
 
 def reconstruct(
-    given: Given, settings: AtlasNetSettings, state: State, seed: int
+    inputs: MethodInputs, settings: AtlasNetSettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """An answer to each of `settings.answers` views, evenly chosen."""
-    from industnerf.learning.frames import turns_of
-    from industnerf.learning.pictures import evenly, scaled
-    from industnerf.methods.answers import answered
-    from industnerf.methods.atlasnet.run import clouds
+    from industnerf.learning.axis_alignment import axis_rotations
+    from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
+    from industnerf.methods.atlasnet.run import predict_clouds
+    from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 
-    chosen = evenly(len(given.rgb), settings.answers)
-    images = scaled(given.rgb[chosen], settings.image_px)
-    turns = turns_of(given.cameras[chosen], settings.frame)
-    return answered(clouds(images, turns, settings, state, seed), given.frame, state)
+    view_indices = evenly_spaced_indices(len(inputs.rgb), settings.eval_views)
+    images = resize_images(inputs.rgb[view_indices], settings.image_px)
+    rotations = axis_rotations(inputs.cameras[view_indices], settings.output_axes)
+    return predictions_to_reconstruction(
+        predict_clouds(images, rotations, settings, state, seed), inputs.part_frame, state
+    )
 
 
 METHODS = {
     "atlasnet": Method(
         "atlasnet",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.FRAME, Input.OTHER_MESHES}),
+        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
         reconstruct,
         fit,
-        random=True,
+        is_stochastic=True,
     )
 }

@@ -12,19 +12,19 @@ def chamfer(a: Float[Tensor, "b n 3"], b: Float[Tensor, "b m 3"]) -> Float[Tenso
 
     Which point is nearest is found without a gradient: it changes by jumps.
     """
-    find = nearest_by_trees if a.device.type == "cpu" else nearest_by_distances
-    there, back = find(a.detach(), b.detach())
-    return _apart(a, b, there) + _apart(b, a, back)
+    nearest = nearest_kdtree if a.device.type == "cpu" else nearest_brute_force
+    a_to_b, b_to_a = nearest(a.detach(), b.detach())
+    return _mean_squared_distance(a, b, a_to_b) + _mean_squared_distance(b, a, b_to_a)
 
 
-def _apart(
-    a: Float[Tensor, "b n 3"], b: Float[Tensor, "b m 3"], which: Int[Tensor, "b n"]
+def _mean_squared_distance(
+    a: Float[Tensor, "b n 3"], b: Float[Tensor, "b m 3"], index: Int[Tensor, "b n"]
 ) -> Float[Tensor, ""]:
-    met = b.gather(1, which[..., None].expand(-1, -1, 3))
-    return (a - met).square().sum(dim=2).mean()
+    nearest = b.gather(1, index[..., None].expand(-1, -1, 3))
+    return (a - nearest).square().sum(dim=2).mean()
 
 
-def nearest_by_trees(
+def nearest_kdtree(
     a: Float[Tensor, "b n 3"], b: Float[Tensor, "b m 3"]
 ) -> tuple[Int[Tensor, "b n"], Int[Tensor, "b m"]]:
     """For each point of a cloud the nearest of the other's.
@@ -34,12 +34,12 @@ def nearest_by_trees(
     """
     trees = [[cKDTree(cloud) for cloud in clouds.numpy()] for clouds in (a, b)]
     pairs = list(zip(*trees, strict=True))
-    there = np.stack([mine.query(other.data)[1] for other, mine in pairs])
-    back = np.stack([other.query(mine.data)[1] for other, mine in pairs])
-    return torch.from_numpy(there), torch.from_numpy(back)
+    a_to_b = np.stack([tree_b.query(tree_a.data)[1] for tree_a, tree_b in pairs])
+    b_to_a = np.stack([tree_a.query(tree_b.data)[1] for tree_a, tree_b in pairs])
+    return torch.from_numpy(a_to_b), torch.from_numpy(b_to_a)
 
 
-def nearest_by_distances(
+def nearest_brute_force(
     a: Float[Tensor, "b n 3"], b: Float[Tensor, "b m 3"]
 ) -> tuple[Int[Tensor, "b n"], Int[Tensor, "b m"]]:
     """The same, for a GPU, by differences: the expanded square loses half of the digits."""

@@ -19,13 +19,15 @@ POINT_WIDTHS = (64, 128)  # of the first layers of PointNet
 
 
 class PatchLinear(nn.Module):
-    """A linear layer for each patch, all at once, initialised as `nn.Linear` is."""
+    """A linear layer for each patch, all at once, initialized as `nn.Linear` is."""
 
-    def __init__(self, patches: int, before: int, after: int) -> None:
+    def __init__(self, patches: int, in_features: int, out_features: int) -> None:
         super().__init__()
-        bound = 1 / math.sqrt(before)
-        self.weight = nn.Parameter(torch.empty(patches, after, before).uniform_(-bound, bound))
-        self.bias = nn.Parameter(torch.empty(patches * after).uniform_(-bound, bound))
+        bound = 1 / math.sqrt(in_features)
+        self.weight = nn.Parameter(
+            torch.empty(patches, out_features, in_features).uniform_(-bound, bound)
+        )
+        self.bias = nn.Parameter(torch.empty(patches * out_features).uniform_(-bound, bound))
 
     def forward(self, x: Float[Tensor, "patches before n"]) -> Float[Tensor, "patches after n"]:
         return torch.baddbmm(self.bias.view(*self.weight.shape[:2], 1), self.weight, x)
@@ -49,8 +51,8 @@ class Decoder(nn.Module):
         self.patches = patches
         self.first = PatchLinear(patches, 2, latent)
         layers: list[nn.Module] = [PatchNorm(patches, latent)]
-        for before in (latent, hidden, hidden):
-            layers += [PatchLinear(patches, before, hidden), PatchNorm(patches, hidden)]
+        for in_features in (latent, hidden, hidden):
+            layers += [PatchLinear(patches, in_features, hidden), PatchNorm(patches, hidden)]
         self.rest = nn.Sequential(*layers, PatchLinear(patches, hidden, 3))
 
     def forward(
@@ -89,7 +91,9 @@ class AtlasNet(nn.Module):
     def __init__(self, encoder: nn.Module, decoder: Decoder) -> None:
         super().__init__()
         self.encoder, self.decoder = encoder, decoder
-        self.frozen = False  # batch norms keep their statistics while all else learns
+        self.has_frozen_batch_norm = (
+            False  # batch norms keep their statistics while all else learns
+        )
 
     def train(self, mode: bool = True) -> "AtlasNet":
         """For training or for evaluation; frozen batch norms are always for evaluation.
@@ -98,21 +102,21 @@ class AtlasNet(nn.Module):
         """
         super().train(mode)
         for module in self.modules():
-            if self.frozen and isinstance(module, _BatchNorm):
+            if self.has_frozen_batch_norm and isinstance(module, _BatchNorm):
                 module.eval()
         return self
 
     def forward(
-        self, seen: Float[Tensor, "b ..."], uv: Float[Tensor, "patches 2 b n"]
+        self, inputs: Float[Tensor, "b ..."], uv: Float[Tensor, "patches 2 b n"]
     ) -> Float[Tensor, "b patches_n 3"]:
-        return self.decoder(self.encoder(seen), uv)
+        return self.decoder(self.encoder(inputs), uv)
 
 
-def decoder_of(settings: AtlasNetSettings) -> Decoder:
+def build_decoder(settings: AtlasNetSettings) -> Decoder:
     """A new decoder."""
-    return Decoder(settings.patches, settings.latent, settings.hidden)
+    return Decoder(settings.patches, settings.latent_dim, settings.hidden_dim)
 
 
-def image_encoder_of(settings: AtlasNetSettings) -> ResNet18:
+def build_image_encoder(settings: AtlasNetSettings) -> ResNet18:
     """A new encoder of pictures."""
-    return ResNet18(settings.latent, settings.width)
+    return ResNet18(settings.latent_dim, settings.encoder_width)

@@ -15,7 +15,7 @@ def grid(side: int) -> tuple[Float[np.ndarray, "n 2"], Int[np.ndarray, "m 3"]]:
     return np.stack([u.ravel(), v.ravel()], axis=1), faces
 
 
-def sampled(
+def sample_patches(
     vertices: Float[np.ndarray, "patches n 3"],
     faces: Int[np.ndarray, "m 3"],
     count: int,
@@ -25,5 +25,7 @@ def sampled(
 
     Patches may overlap; where they do there are more points, for nothing tells which one to drop.
     """
-    starts = np.arange(len(vertices))[:, None, None] * vertices.shape[1]
-    return sample_surface(vertices.reshape(-1, 3), (faces + starts).reshape(-1, 3), count, rng)[0]
+    vertex_offsets = np.arange(len(vertices))[:, None, None] * vertices.shape[1]
+    return sample_surface(
+        vertices.reshape(-1, 3), (faces + vertex_offsets).reshape(-1, 3), count, rng
+    )[0]

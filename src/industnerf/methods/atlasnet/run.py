@@ -11,80 +11,103 @@ from jaxtyping import Float, UInt8
 from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
-from industnerf.artifacts.state import State
+from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.learning.augment import as_tensor
-from industnerf.learning.training import Trained, set_apart, state_of, train
-from industnerf.learning.weights import load_arrays, seeded
-from industnerf.methods.atlasnet.lessons import Lessons
-from industnerf.methods.atlasnet.network import AtlasNet, PointNet, decoder_of, image_encoder_of
-from industnerf.methods.atlasnet.patches import grid, sampled
+from industnerf.learning.augment import images_to_tensor
+from industnerf.learning.training import TrainResult, model_state, train, train_val_split
+from industnerf.learning.weights import load_arrays, torch_seed
+from industnerf.methods.atlasnet.dataset import AtlasNetDataset
+from industnerf.methods.atlasnet.network import (
+    AtlasNet,
+    PointNet,
+    build_decoder,
+    build_image_encoder,
+)
+from industnerf.methods.atlasnet.patches import grid, sample_patches
 from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings, TrainingSettings
 from industnerf.seeds import generator, seed_for
 
 PHASES = ("auto_encoder", "encoder", "together")
-LAST_RATE = 0.1  # of the last phase, where all that has learned already learns on
+LAST_PHASE_LR_FACTOR = 0.1  # of the last phase, where all that has learned already learns on
 
 
-def learned(
+def train_phases(
     examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """The net for pictures, trained as published: training/launcher.py of the authors' code."""
     torch.set_num_threads(1)  # folds are what runs side by side
-    lessons = Lessons(examples, settings, generator(seed, "lessons"))
-    reader, net = new_nets(settings, seed)
-    parts = set_apart([one.part_id for one in examples], settings.training.validation)
-    plans = dict(zip(PHASES, planned(settings), strict=True))
+    dataset = AtlasNetDataset(examples, settings, generator(seed, "lessons"))
+    autoencoder, net = new_nets(settings, seed)
+    split = train_val_split([one.part_id for one in examples], settings.training.val_fraction)
+    settings_by_phase = dict(zip(PHASES, phase_settings(settings), strict=True))
 
-    def phase(name: str, what: AtlasNet) -> Trained:
-        teach = lessons.from_points if what is reader else lessons.from_pictures
-        own = seed_for(seed, "phase", name)
-        return train(what, partial(teach, what), parts, plans[name], own, scratch / f"{name}.pt")
+    def phase(name: str, model: AtlasNet) -> TrainResult:
+        loss = dataset.autoencoder_loss if model is autoencoder else dataset.image_loss
+        phase_seed = seed_for(seed, "phase", name)
+        return train(
+            model,
+            partial(loss, model),
+            split,
+            settings_by_phase[name],
+            phase_seed,
+            scratch / f"{name}.pt",
+        )
 
-    phases = [phase("auto_encoder", reader)]
+    phases = [phase("auto_encoder", autoencoder)]
     # its weights alone: the statistics of its batch norms follow what the new encoder says
     net.decoder.requires_grad_(False)
     phases.append(phase("encoder", net))
     net.decoder.requires_grad_(True)
     # A batch of few parts has statistics of its own: a net that learns to live with those may
     # answer far off with the running ones.  In the end it learns with the ones it answers with.
-    net.frozen = True
+    net.has_frozen_batch_norm = True
     phases.append(phase("together", net))
-    return kept(net, settings, len(parts[0]), phases)
+    return merged_state(net, settings, len(split[0]), phases)
 
 
 def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]:
     """One that reads points and one that reads pictures; they share their decoder."""
-    with seeded(seed):
-        decoder = decoder_of(settings)
-        nets = [AtlasNet(PointNet(settings.latent), decoder)]
-        nets.append(AtlasNet(image_encoder_of(settings), decoder))
-    reader, net = (one.to(device()) for one in nets)
-    return reader, net
+    with torch_seed(seed):
+        decoder = build_decoder(settings)
+        nets = [AtlasNet(PointNet(settings.latent_dim), decoder)]
+        nets.append(AtlasNet(build_image_encoder(settings), decoder))
+    autoencoder, net = (one.to(device()) for one in nets)
+    return autoencoder, net
 
 
-def planned(settings: AtlasNetSettings) -> list[TrainingSettings]:
+def phase_settings(settings: AtlasNetSettings) -> list[TrainingSettings]:
     """The settings of each phase, which share the steps; in the last, rates fall but once."""
-    whole, total = settings.training, sum(settings.phases)
-    steps = [max(1, round(whole.steps * share / total)) for share in settings.phases]
-    plans = [replace(whole, steps=count) for count in steps]
-    return [*plans[:2], replace(plans[2], rate=LAST_RATE * whole.rate, drops=whole.drops[:1])]
+    training, total = settings.training, sum(settings.phase_fractions)
+    steps = [
+        max(1, round(training.max_steps * share / total)) for share in settings.phase_fractions
+    ]
+    phases = [replace(training, max_steps=count) for count in steps]
+    return [
+        *phases[:2],
+        replace(
+            phases[2],
+            lr=LAST_PHASE_LR_FACTOR * training.lr,
+            lr_milestones=training.lr_milestones[:1],
+        ),
+    ]
 
 
-def kept(net: nn.Module, settings: AtlasNetSettings, parts: int, phases: list[Trained]) -> State:
+def merged_state(
+    net: nn.Module, settings: AtlasNetSettings, num_parts: int, phases: list[TrainResult]
+) -> ModelState:
     """What is kept of a net and of its trainings, one after the other."""
     starts = np.cumsum([0] + [one.steps for one in phases])
-    whole = Trained(
+    combined = TrainResult(
         int(starts[-1]),
-        all(one.settled for one in phases[1:]),
-        _joined([one.history for one in phases], starts),
-        _joined([one.validation for one in phases], starts),
+        all(one.has_converged for one in phases[1:]),
+        _concatenated([one.train_history for one in phases], starts),
+        _concatenated([one.val_history for one in phases], starts),
     )
-    return state_of(net, whole, parts, settings.size)
+    return model_state(net, combined, num_parts, settings.size)
 
 
-def _joined(histories: list[History], starts: np.ndarray) -> History:
+def _concatenated(histories: list[History], starts: np.ndarray) -> History:
     return History(
         np.concatenate([one.steps + at for one, at in zip(histories, starts[:-1], strict=True)]),
         np.concatenate([one.loss for one in histories]),
@@ -92,11 +115,11 @@ def _joined(histories: list[History], starts: np.ndarray) -> History:
     )
 
 
-def clouds(
+def predict_clouds(
     images: UInt8[np.ndarray, "n px px 3"],
-    turns: Float[np.ndarray, "n 3 3"],
+    rotations: Float[np.ndarray, "n 3 3"],
     settings: AtlasNetSettings,
-    state: State,
+    state: ModelState,
     seed: int,
 ) -> list[Float[np.ndarray, "points 3"]]:
     """The answer to each image: area-uniform points of all patches, in the unit cube.
@@ -104,16 +127,16 @@ def clouds(
     What the net gives for an image is points @ its turn.
     """
     torch.set_num_threads(1)
-    net = AtlasNet(image_encoder_of(settings), decoder_of(settings)).to(device()).eval()
+    net = AtlasNet(build_image_encoder(settings), build_decoder(settings)).to(device()).eval()
     load_arrays(net, state.arrays)
-    uv, faces = grid(settings.grid)
+    uv, faces = grid(settings.grid_res)
     squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
     rng = np.random.default_rng(seed)
-    shown = as_tensor(images, device())
-    meshes = (_vertices(net, image, squares, settings.patches) for image in shown)
+    tensors = images_to_tensor(images, device())
+    meshes = (_vertices(net, image, squares, settings.patches) for image in tensors)
     return [
-        sampled(vertices @ turn.T, faces, settings.points, rng)
-        for vertices, turn in zip(meshes, turns, strict=True)
+        sample_patches(vertices @ rotation.T, faces, settings.points, rng)
+        for vertices, rotation in zip(meshes, rotations, strict=True)
     ]
 
 

@@ -10,35 +10,33 @@ from jaxtyping import Bool, Float
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
-from industnerf.geometry.silhouettes import TOUCHED, part_in
-from industnerf.methods.base import Given, Input, Method, Reconstruction, Scope
+from industnerf.geometry.silhouettes import BOUNDARY_OFFSET_PX, foreground_mask
+from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Scope
 from industnerf.methods.hull.octree import refine
 from industnerf.methods.hull.silhouettes import distance_images
-from industnerf.methods.hull.surface import SEGMENT, draw
+from industnerf.methods.hull.surface import SEGMENT_LENGTH, sample_hull_surface
 from industnerf.schema import HullRgbSettings, HullSettings
 
-HINT = (
-    "; it is seen where a pixel differs from the background by more than method.hull_rgb.tolerance"
-)
+HINT = "; it is seen where a pixel differs from the background by more than method.hull_rgb.background_tolerance"
 
 
 def reconstruct_from_masks(
-    given: Given, settings: HullSettings, state: None, seed: int
+    inputs: MethodInputs, settings: HullSettings, state: None, seed: int
 ) -> Reconstruction:
     """The hull of the true masks."""
-    return Reconstruction(hull(given.mask, given.cameras, settings, seed, grown_px=0.0))
+    return Reconstruction(hull(inputs.mask, inputs.cameras, settings, seed, dilation_px=0.0))
 
 
-def reconstruct_from_colour(
-    given: Given, settings: HullRgbSettings, state: None, seed: int
+def reconstruct_from_color(
+    inputs: MethodInputs, settings: HullRgbSettings, state: None, seed: int
 ) -> Reconstruction:
     """The hull of all pixels that differ from the background.
 
-    A part of the background's own colour is taken for background and cut away.
+    A part of the background's own color is taken for background and cut away.
     """
-    mask = part_in(given.rgb, given.background, settings.tolerance)
+    mask = foreground_mask(inputs.rgb, inputs.background, settings.background_tolerance)
     return Reconstruction(
-        hull(mask, given.cameras, settings.hull, seed, grown_px=TOUCHED, hint=HINT)
+        hull(mask, inputs.cameras, settings.hull, seed, dilation_px=BOUNDARY_OFFSET_PX, hint=HINT)
     )
 
 
@@ -48,7 +46,7 @@ def hull(
     settings: HullSettings,
     seed: int,
     *,
-    grown_px: float,
+    dilation_px: float,
     hint: str = "",
 ) -> Float[np.ndarray, "points 3"]:
     """Area-uniform points (mm) on the surface of the hull of `mask`.
@@ -61,21 +59,21 @@ def hull(
             f"{len(blank)} of {len(mask)} views show no part, the first of them view {blank[0]} "
             f"of those that were given{hint}"
         )
-    seen = distance_images(mask, cameras, grown_px)
-    families = refine(seen, settings.cell_px, SEGMENT)
-    points = draw(seen, families, settings.points, np.random.default_rng(seed))
-    return seen.centre + seen.radius_mm * points.astype(np.float64)
+    silhouettes = distance_images(mask, cameras, dilation_px)
+    nodes = refine(silhouettes, settings.cell_px, SEGMENT_LENGTH)
+    points = sample_hull_surface(silhouettes, nodes, settings.points, np.random.default_rng(seed))
+    return silhouettes.center + silhouettes.radius_mm * points.astype(np.float64)
 
 
 METHODS = {
     "hull": Method(
-        "hull", Scope.PART, frozenset({Input.MASK}), reconstruct_from_masks, random=True
+        "hull", Scope.PART, frozenset({Input.MASK}), reconstruct_from_masks, is_stochastic=True
     ),
     "hull_rgb": Method(
         "hull_rgb",
         Scope.PART,
         frozenset({Input.RGB, Input.BACKGROUND}),
-        reconstruct_from_colour,
-        random=True,
+        reconstruct_from_color,
+        is_stochastic=True,
     ),
 }

@@ -1,8 +1,8 @@
 """Silhouettes as distance images, and how points in space are read from them.
 
 Unit frame: the region of interest is the ball of radius 1 about the origin.  Distances in an
-image are in px, positive inside the silhouette; (u, v) count from the first pixel's centre, so
-they are half a pixel less than the suite's, and whole numbers are pixel centres.
+image are in px, positive inside the silhouette; (u, v) count from the first pixel's center, so
+they are half a pixel less than the suite's, and whole numbers are pixel centers.
 
 All is float32: a coordinate below 4096 px is known to 1/4000 px, a position in the unit frame
 to 1e-7, where the smallest cell in use is some 1e-4.
@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Float32
 
-from industnerf.geometry.cameras import Cameras, framed_ball, projections_from_ball
-from industnerf.geometry.silhouettes import outlines
+from industnerf.geometry.cameras import Cameras, common_view_ball, unit_ball_projections
+from industnerf.geometry.silhouettes import silhouette_distances
 
-REACH = 1.2  # no cell in use has its centre farther than this from the origin
+MAX_CELL_DISTANCE = 1.2  # no cell in use has its center farther than this from the origin
 
 
 @dataclass(frozen=True)
@@ -25,29 +25,31 @@ class Silhouettes:
 
     distance: Float32[np.ndarray, "views h w"]  # px, never more than NEAR either way
     projection: Float32[np.ndarray, "views 3 4"]  # (x, y, z, 1) to (u d, v d, d), d the depth
-    stretch: Float32[np.ndarray, "views"]  # a step s at the depth d spans at most stretch s / d px
-    pixel: float  # the step that spans a pixel of the nearest view at the ball's near end
-    centre: Float[np.ndarray, "3"]  # of the region of interest, mm
+    max_focal_px: Float32[
+        np.ndarray, "views"
+    ]  # a step s at the depth d spans at most stretch s / d px
+    pixel_size: float  # the step that spans a pixel of the nearest view at the ball's near end
+    center: Float[np.ndarray, "3"]  # of the region of interest, mm
     radius_mm: float
 
 
 def distance_images(
-    mask: Bool[np.ndarray, "views h w"], cameras: Cameras, grown_px: float
+    mask: Bool[np.ndarray, "views h w"], cameras: Cameras, dilation_px: float
 ) -> Silhouettes:
     """Distance images of `mask`, whose outlines run `grown_px` outside the part's."""
-    centre, radius_mm = framed_ball(cameras)
+    center, radius_mm = common_view_ball(cameras)
     K = cameras.K.copy()
     K[:, :2, 2] -= 0.5
-    away = np.linalg.norm(cameras.eyes - centre, axis=1) / radius_mm
+    camera_distance = np.linalg.norm(cameras.centers - center, axis=1) / radius_mm
     focal = cameras.K[:, [0, 1], [0, 1]].max(axis=1)
     # d(u, v) of a step s at the angle a off the axis is at most f s / (depth cos a)
-    slant = np.arcsin(np.minimum(REACH / away, 0.99))
+    slant = np.arcsin(np.minimum(MAX_CELL_DISTANCE / camera_distance, 0.99))
     return Silhouettes(
-        outlines(mask) - np.float32(grown_px),
-        projections_from_ball(replace(cameras, K=K), centre, radius_mm),
+        silhouette_distances(mask) - np.float32(dilation_px),
+        unit_ball_projections(replace(cameras, K=K), center, radius_mm),
         (focal / np.cos(slant)).astype(np.float32),
-        float(((away - 1) / focal).min()),
-        centre,
+        float(((camera_distance - 1) / focal).min()),
+        center,
         radius_mm,
     )
 
@@ -55,7 +57,7 @@ def distance_images(
 def bilinear(
     image: Float32[np.ndarray, "h w"], u: Float32[np.ndarray, "n"], v: Float32[np.ndarray, "n"]
 ) -> Float32[np.ndarray, "n"]:
-    """`image` between its pixels' centres; outside its frame it goes on as it ends."""
+    """`image` between its pixels' centers; outside its frame it goes on as it ends."""
     height, width = image.shape
     u, v = u.clip(0, width - 1.001), v.clip(0, height - 1.001)
     left, top = u.astype(np.int32), v.astype(np.int32)

@@ -10,59 +10,59 @@ import numpy as np
 from jaxtyping import Float32, Int
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.hull.octree import OCTANTS, Families
+from industnerf.methods.hull.octree import OCTANTS, OctreeNodes
 from industnerf.methods.hull.silhouettes import Silhouettes, bilinear
 
-SEGMENT = 0.5  # length in sides of a cell
-PER_POINT = 22  # segments drawn for a point: some 5 % cross
-SELDOM = 1e-3  # if fewer cross, there is hardly any hull, and no end of drawing
+SEGMENT_LENGTH = 0.5  # length in sides of a cell
+SEGMENTS_PER_POINT = 22  # segments drawn for a point: some 5 % cross
+MIN_CROSSING_RATE = 1e-3  # if fewer cross, there is hardly any hull, and no end of drawing
 
 
-def draw(
-    seen: Silhouettes, families: Families, count: int, rng: np.random.Generator
+def sample_hull_surface(
+    silhouettes: Silhouettes, nodes: OctreeNodes, count: int, rng: np.random.Generator
 ) -> Float32[np.ndarray, "n 3"]:
     """`count` independent points, uniform over the surface, in the unit frame.
 
     Fewer if there is hardly any surface; raises ReconstructionFailed if there is none.
     """
-    segments = int(np.clip(PER_POINT * count, 1 << 14, 1 << 21))
-    found = np.empty((0, 3), np.float32)
-    while families.count and len(found) < count:
-        more = crossings(seen, families, segments, rng)
-        found = np.concatenate([found, more])
-        if len(more) < SELDOM * segments:
+    segments = int(np.clip(SEGMENTS_PER_POINT * count, 1 << 14, 1 << 21))
+    points = np.empty((0, 3), np.float32)
+    while nodes.num_open and len(points) < count:
+        new_points = surface_crossings(silhouettes, nodes, segments, rng)
+        points = np.concatenate([points, new_points])
+        if len(new_points) < MIN_CROSSING_RATE * segments:
             break
-    if not len(found):
+    if not len(points):
         raise ReconstructionFailed(
-            f"no surface: {families.count} cells are neither inside nor outside, and no segment "
+            f"no surface: {nodes.num_open} cells are neither inside nor outside, and no segment "
             "in them crosses one; the silhouettes have no outline, or no volume in common"
         )
-    return rng.permutation(found)[:count]
+    return rng.permutation(points)[:count]
 
 
-def crossings(
-    seen: Silhouettes, families: Families, segments: int, rng: np.random.Generator
+def surface_crossings(
+    silhouettes: Silhouettes, nodes: OctreeNodes, segments: int, rng: np.random.Generator
 ) -> Float32[np.ndarray, "n 3"]:
     """Where the surface is crossed by `segments` that start in random children, if these are open.
 
     They come sorted by cell.
     """
-    child = np.sort(rng.integers(8 * len(families.open), size=segments))
-    child = child[np.unpackbits(families.open)[child] > 0]
-    side = np.float32(families.side / 2)
-    corner = 2 * families.parents[child >> 3] + OCTANTS[child & 7]
+    child = np.sort(rng.integers(8 * len(nodes.open_children), size=segments))
+    child = child[np.unpackbits(nodes.open_children)[child] > 0]
+    side = np.float32(nodes.side / 2)
+    corner = 2 * nodes.parents[child >> 3] + OCTANTS[child & 7]
     start = (corner + rng.random((len(child), 3), np.float32)) * side - np.float32(1)
     step = rng.standard_normal((len(child), 3), np.float32)
-    step *= (np.float32(SEGMENT) * side / np.linalg.norm(step, axis=1))[:, None]
-    before, after = clearance(seen, families, child, np.stack([start, start + step]))
+    step *= (np.float32(SEGMENT_LENGTH) * side / np.linalg.norm(step, axis=1))[:, None]
+    before, after = silhouette_distance(silhouettes, nodes, child, np.stack([start, start + step]))
     crosses = (before > 0) != (after > 0)
     share = before[crosses] / (before[crosses] - after[crosses])
     return start[crosses] + share[:, None] * step[crosses]
 
 
-def clearance(
-    seen: Silhouettes,
-    families: Families,
+def silhouette_distance(
+    silhouettes: Silhouettes,
+    nodes: OctreeNodes,
     child: Int[np.ndarray, "n"],
     points: Float32[np.ndarray, "ends n 3"],
 ) -> Float32[np.ndarray, "ends n"]:
@@ -71,15 +71,17 @@ def clearance(
     Only the views that the child (8 * family + octant) is open in are asked; of the others the
     points are inside.
     """
-    least = np.full(points.shape[:2], np.inf, np.float32)
-    bit, byte = np.uint8(128) >> (child & 7).astype(np.uint8), np.zeros_like(families.open)
-    for view, (members, bits) in enumerate(families.views):
+    min_depth = np.full(points.shape[:2], np.inf, np.float32)
+    bit, byte = np.uint8(128) >> (child & 7).astype(np.uint8), np.zeros_like(nodes.open_children)
+    for view, (members, bits) in enumerate(nodes.views):
         byte[members] = bits
-        at = np.flatnonzero(byte[child >> 3] & bit)
+        selected = np.flatnonzero(byte[child >> 3] & bit)
         byte[members] = 0
-        matrix = seen.projection[view]
-        for deep, end in zip(least, points, strict=True):
-            u, v, depth = matrix[:, :3] @ end[at].T + matrix[:, 3:]
-            inside = bilinear(seen.distance[view], u / depth, v / depth) * depth
-            deep[at] = np.minimum(deep[at], inside / seen.stretch[view])
-    return least
+        matrix = silhouettes.projection[view]
+        for view_depth, end in zip(min_depth, points, strict=True):
+            u, v, depth = matrix[:, :3] @ end[selected].T + matrix[:, 3:]
+            inside = bilinear(silhouettes.distance[view], u / depth, v / depth) * depth
+            view_depth[selected] = np.minimum(
+                view_depth[selected], inside / silhouettes.max_focal_px[view]
+            )
+    return min_depth

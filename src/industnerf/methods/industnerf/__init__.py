@@ -1,9 +1,9 @@
 """IndustNeRF, the paper's method: a point cloud whose radiance re-renders the source views.
 
 `industnerf` is the paper; `industnerf_plus` the same code with other settings, which also takes
-the background's colour; `industnerf_depth` is given depth beside the images, which the paper names
+the background's color; `industnerf_depth` is given depth beside the images, which the paper names
 as future work; `industnerf_shared` has an E that learned from other parts; `nerf` is a baseline,
-again with other settings: free densities and colours at the nodes of a grid.  The flow of figure 2,
+again with other settings: free densities and colors at the nodes of a grid.  The flow of figure 2,
 a file a step: levels (3.1, 3.2), sources and field (4), training (3.3), witnesses and extraction
 (3.4); `run` strings them together.
 """
@@ -18,125 +18,132 @@ import numpy as np
 from industnerf.artifacts.candidates import Candidates
 from industnerf.artifacts.history import History
 from industnerf.artifacts.renderings import Renderings
-from industnerf.artifacts.state import State
-from industnerf.geometry.cameras import framed_ball
+from industnerf.artifacts.state import ModelState
+from industnerf.geometry.cameras import common_view_ball
 from industnerf.methods.base import (
     Example,
-    Given,
     Input,
     Method,
+    MethodInputs,
     Reconstruction,
     Scope,
-    hand_over,
+    load_inputs,
 )
 from industnerf.schema import IndustnerfSettings
 from industnerf.seeds import seed_for
 
 
 def reconstruct(
-    given: Given, settings: IndustnerfSettings, state: None, seed: int
+    inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
     """The paper's method, or the plain baseline: images and cameras, nothing else."""
-    return _reconstruct(given, settings, seed)
+    return _reconstruct(inputs, settings, seed)
 
 
 def reconstruct_plus(
-    given: Given, settings: IndustnerfSettings, state: None, seed: int
+    inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
-    """The same, told of the colour behind the part."""
-    return _reconstruct(given, settings, seed, background=given.background)
+    """The same, told of the color behind the part."""
+    return _reconstruct(inputs, settings, seed, background=inputs.background)
 
 
 def reconstruct_depth(
-    given: Given, settings: IndustnerfSettings, state: None, seed: int
+    inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
     """The paper's method, given depth as well."""
-    return _reconstruct(given, settings, seed, depth=given.depth_mm)
+    return _reconstruct(inputs, settings, seed, depth=inputs.depth_mm)
 
 
 def fit(
     examples: Sequence[Example], settings: IndustnerfSettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """E and N's start, from the images of some of `examples`: by hash, whatever they look like."""
-    from industnerf.methods.industnerf.school import schooled
+    from industnerf.methods.industnerf.pretraining import pretrain
 
-    order = sorted(examples, key=lambda example: seed_for(0, "school", example.part_id))
-    chosen = order[: settings.school.parts]
-    given = [hand_over(METHODS["industnerf_shared"], one.part, one.views) for one in chosen]
-    return schooled([_posed(one) for one in given], settings, seed, scratch)
+    ordered = sorted(examples, key=lambda example: seed_for(0, "school", example.part_id))
+    chosen = ordered[: settings.pretraining.parts]
+    inputs = [
+        load_inputs(METHODS["industnerf_shared"], example_inputs.part, example_inputs.views)
+        for example_inputs in chosen
+    ]
+    return pretrain(
+        [_posed_images(example_inputs) for example_inputs in inputs], settings, seed, scratch
+    )
 
 
 def reconstruct_shared(
-    given: Given, settings: IndustnerfSettings, state: State, seed: int
+    inputs: MethodInputs, settings: IndustnerfSettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """The paper's method with an E that has learned from other parts, and N's start."""
-    return _reconstruct(given, settings, seed, learned=state.arrays)
+    return _reconstruct(inputs, settings, seed, pretrained=state.arrays)
 
 
-def _posed(given: Given, background: np.ndarray | None = None, depth: np.ndarray | None = None):
-    from industnerf.methods.industnerf.scene import Posed
+def _posed_images(
+    inputs: MethodInputs, background: np.ndarray | None = None, depth: np.ndarray | None = None
+):
+    from industnerf.methods.industnerf.scene import PosedImages
 
-    centre, radius = framed_ball(given.cameras)
-    return Posed(given.rgb, given.cameras, background, centre, radius, depth)
+    center, radius = common_view_ball(inputs.cameras)
+    return PosedImages(inputs.rgb, inputs.cameras, background, center, radius, depth)
 
 
 def _reconstruct(
-    given: Given,
+    inputs: MethodInputs,
     settings: IndustnerfSettings,
     seed: int,
     *,
     background: np.ndarray | None = None,
     depth: np.ndarray | None = None,
-    learned: Mapping[str, np.ndarray] | None = None,
+    pretrained: Mapping[str, np.ndarray] | None = None,
 ) -> Reconstruction:
     # late: a report that names the method need not wait for torch
-    from industnerf.methods.industnerf.run import run
+    from industnerf.methods.industnerf.pipeline import run
 
-    outcome = run(_posed(given, background, depth), settings, seed, learned=learned)
+    result = run(_posed_images(inputs, background, depth), settings, seed, pretrained=pretrained)
     return Reconstruction(
-        outcome.points.astype(np.float64),
-        outcome.colours,
-        outcome.confidence.astype(np.float64),
-        parameters=outcome.parameters,
-        steps=outcome.steps,
-        view=outcome.view,
-        render=_held_out(given, outcome, background),
-        candidates=Candidates(outcome.candidates, outcome.certainty),
+        result.points.astype(np.float64),
+        result.colors,
+        result.confidence.astype(np.float64),
+        num_parameters=result.num_parameters,
+        steps=result.steps,
+        view=result.view,
+        render=_held_out_renderer(inputs, result, background),
+        candidates=Candidates(result.candidates, result.candidate_confidence),
         history=History(
-            np.arange(outcome.steps), np.array(outcome.losses, float), outcome.first_steps
+            np.arange(result.steps), np.array(result.losses, float), result.level_starts
         ),
-        remarks=outcome.remarks,
+        warnings=result.warnings,
     )
 
 
-def _held_out(
-    given: Given, outcome: Any, background: np.ndarray | None
+def _held_out_renderer(
+    inputs: MethodInputs, result: Any, background: np.ndarray | None
 ) -> Callable[[], Renderings] | None:
     """Draws the views that nobody was given, before the mean of the backgrounds that are known."""
-    if not len(given.held_out):
+    if not len(inputs.held_out):
         return None
-    behind = outcome.background if background is None else background
-    every = np.tile(behind.mean(0), (len(given.held_out), 1))
-    return partial(outcome.pictures, given.held_out, every)
+    color = result.background if background is None else background
+    backgrounds = np.tile(color.mean(0), (len(inputs.held_out), 1))
+    return partial(result.render_views, inputs.held_out, backgrounds)
 
 
 METHODS = {
     "industnerf": Method(
-        "industnerf", Scope.PART, frozenset({Input.RGB}), reconstruct, random=True
+        "industnerf", Scope.PART, frozenset({Input.RGB}), reconstruct, is_stochastic=True
     ),
     "industnerf_plus": Method(
         "industnerf_plus",
         Scope.PART,
         frozenset({Input.RGB, Input.BACKGROUND}),
         reconstruct_plus,
-        random=True,
+        is_stochastic=True,
     ),
     "industnerf_depth": Method(
         "industnerf_depth",
         Scope.PART,
         frozenset({Input.RGB, Input.DEPTH}),
         reconstruct_depth,
-        random=True,
+        is_stochastic=True,
     ),
     "industnerf_shared": Method(
         "industnerf_shared",
@@ -144,7 +151,7 @@ METHODS = {
         frozenset({Input.RGB}),
         reconstruct_shared,
         fit,
-        random=True,
+        is_stochastic=True,
     ),
-    "nerf": Method("nerf", Scope.PART, frozenset({Input.RGB}), reconstruct, random=True),
+    "nerf": Method("nerf", Scope.PART, frozenset({Input.RGB}), reconstruct, is_stochastic=True),
 }

@@ -1,6 +1,6 @@
 """E of the paper's 3.1: a small convolutional network from a view to its feature map.
 
-Kernels of stride 2 have even sides.  An odd one would be centred on the first of the two pixels
+Kernels of stride 2 have even sides.  An odd one would be centered on the first of the two pixels
 that it stands for, and two of them would shift the features by 1.5 px against the image.
 """
 
@@ -23,35 +23,35 @@ class Encoder(nn.Module):
     The initial weights come from torch's global generator.
     """
 
-    def __init__(self, features: int, width: int, rgb_skip: bool) -> None:
+    def __init__(self, feature_channels: int, width: int, rgb_skip: bool) -> None:
         super().__init__()
         # photographs do not end in black: the border is repeated, not zero
-        ways = {"padding_mode": "replicate", "bias": False}
-        self.first = nn.Conv2d(3, width, 6, stride=2, padding=2, **ways)
-        self.second = nn.Conv2d(width, width, 4, stride=2, padding=1, **ways)
-        self.last = nn.Conv2d(width, features, 3, padding=1, **ways)
+        conv_options = {"padding_mode": "replicate", "bias": False}
+        self.conv1 = nn.Conv2d(3, width, 6, stride=2, padding=2, **conv_options)
+        self.conv2 = nn.Conv2d(width, width, 4, stride=2, padding=1, **conv_options)
+        self.conv3 = nn.Conv2d(width, feature_channels, 3, padding=1, **conv_options)
         self.rgb_skip = rgb_skip
-        self.channels = features + 4 * rgb_skip
+        self.out_channels = feature_channels + 4 * rgb_skip
 
     def forward(
-        self, images: Float[Tensor, "v 3 h w"], behind: Float[Tensor, "*one_or_v 3 1 1"]
+        self, images: Float[Tensor, "v 3 h w"], background: Float[Tensor, "*one_or_v 3 1 1"]
     ) -> Float[Tensor, "v c th tw"]:
         """Features of images in [0, 1], a texel for every 4 x 4 px.
 
         A side that is no multiple of 4 px is first stretched to the next one, so that the
         texels cover the image exactly, as `sample_features` takes it.
         """
-        images = stretched(images)
-        against = images - behind
-        features = self.last(relu(self.second(relu(self.first(against)))))
+        images = resize_to_stride(images)
+        difference = images - background
+        features = self.conv3(relu(self.conv2(relu(self.conv1(difference)))))
         if not self.rgb_skip:
             return features
-        contrast = against.abs().amax(dim=1, keepdim=True)
+        contrast = difference.abs().amax(dim=1, keepdim=True)
         return cat([features, avg_pool2d(cat([images, contrast], dim=1), STRIDE)], dim=1)
 
 
-def stretched(images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v 3 sh sw"]:
+def resize_to_stride(images: Float[Tensor, "v 3 h w"]) -> Float[Tensor, "v 3 sh sw"]:
     """The images with their sides stretched to the next multiple of STRIDE px."""
-    sides = images.shape[-2:]
-    whole = tuple(-(-side // STRIDE) * STRIDE for side in sides)
-    return images if whole == sides else interpolate(images, whole, mode="bilinear")
+    size = images.shape[-2:]
+    target_size = tuple(-(-side // STRIDE) * STRIDE for side in size)
+    return images if target_size == size else interpolate(images, target_size, mode="bilinear")

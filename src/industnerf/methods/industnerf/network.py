@@ -1,4 +1,4 @@
-"""N of eq. (4): from a point's features and encoding to density and colour.  Reading R4."""
+"""N of eq. (4): from a point's features and encoding to density and color.  Reading R4."""
 
 import math
 from itertools import pairwise
@@ -12,8 +12,8 @@ from torch.nn.utils import prune
 
 from industnerf.schema.readings import ActivationReading
 
-PURE = 0.02  # colours start this far from 0 and 1, where no gradient leads away
-CUT = math.exp(-6)  # what `cut_exp` takes off: raw values of -6 and less have no density
+COLOR_EPS = 0.02  # colors start this far from 0 and 1, where no gradient leads away
+EXP_OFFSET = math.exp(-6)  # what `cut_exp` takes off: raw values of -6 and less have no density
 
 
 @final
@@ -22,54 +22,61 @@ class Network(nn.Module):
 
     The straight way learns soon what a single input tells, such as that a view sees background.
     It and the last layer start at zero weights: every point has the raw density `initial` and the
-    colour that it is given.  The other initial weights come from torch's global generator.  Raw
+    color that it is given.  The other initial weights come from torch's global generator.  Raw
     densities count `gain` times, for they range farther than outputs of a network easily do.
     """
 
-    def __init__(self, inputs: int, hidden: int, layers: int, initial: float, gain: float) -> None:
+    def __init__(
+        self,
+        in_channels: int,
+        hidden_dim: int,
+        hidden_layers: int,
+        density_bias: float,
+        density_scale: float,
+    ) -> None:
         super().__init__()
-        widths = [inputs, *[hidden] * layers]
-        body: list[nn.Module] = []
-        for width, following in pairwise(widths):
-            body += [nn.Linear(width, following), nn.ReLU()]
-        self.body = nn.Sequential(*body)
+        widths = [in_channels, *[hidden_dim] * hidden_layers]
+        layers: list[nn.Module] = []
+        for width, next_width in pairwise(widths):
+            layers += [nn.Linear(width, next_width), nn.ReLU()]
+        self.body = nn.Sequential(*layers)
         self.head = nn.Linear(widths[-1], 4)
-        self.straight = nn.Linear(inputs, 4, bias=False)
-        nn.init.zeros_(self.straight.weight)
+        self.skip = nn.Linear(in_channels, 4, bias=False)
+        nn.init.zeros_(self.skip.weight)
         nn.init.zeros_(self.head.weight)
         nn.init.zeros_(self.head.bias)
         with torch.no_grad():
-            self.head.bias[0] = initial / gain
-        self._gain = gain
+            self.head.bias[0] = density_bias / density_scale
+        self._density_scale = density_scale
 
-    def prune(self, share: float) -> None:
+    def prune(self, fraction: float) -> None:
         """The `share` of all weights that are the smallest are 0 from now on; biases stay."""
         layers = [(layer, "weight") for layer in self.modules() if isinstance(layer, nn.Linear)]
-        prune.global_unstructured(layers, prune.L1Unstructured, amount=share)
+        prune.global_unstructured(layers, prune.L1Unstructured, amount=fraction)
 
     @property
-    def pruned(self) -> int:
+    def num_pruned(self) -> int:
         """How many weights are 0 for good."""
         masks = [mask for name, mask in self.named_buffers() if name.endswith("_mask")]
         return sum(int((mask == 0).sum()) for mask in masks)
 
-    def deep_parameters(self) -> list[nn.Parameter]:
+    def mlp_parameters(self) -> list[nn.Parameter]:
         """All but those of the straight way."""
         return [*self.body.parameters(), *self.head.parameters()]
 
     def forward(
-        self, inputs: Float[Tensor, "n i"], colours: Float[Tensor, "n 3"]
+        self, inputs: Float[Tensor, "n i"], colors: Float[Tensor, "n 3"]
     ) -> tuple[Float[Tensor, "n"], Float[Tensor, "n 3"]]:
         """N of eq. (4), of pi(F, P, X) and PosE side by side.
 
-        Raw density, for `activate`, and colour in (0, 1), which starts at `colours`.
+        Raw density, for `activate`, and color in (0, 1), which starts at `colors`.
         """
-        raw = self.head(self.body(inputs)) + self.straight(inputs)
-        return raw[:, 0] * self._gain, (raw[:, 1:] + colours.logit(eps=PURE)).sigmoid()
+        raw = self.head(self.body(inputs)) + self.skip(inputs)
+        return raw[:, 0] * self._density_scale, (raw[:, 1:] + colors.logit(eps=COLOR_EPS)).sigmoid()
 
 
 def activate(
-    raw: Float[Tensor, "*n"], reading: ActivationReading, unit: float, ceiling: float
+    raw: Float[Tensor, "*n"], reading: ActivationReading, length_unit: float, max_raw_density: float
 ) -> Float[Tensor, "*n"]:
     """Density (1/length) of raw density; what follows is in 1/`unit`, a length.
 
@@ -83,14 +90,14 @@ def activate(
     raw value.
     """
     match reading:
-        case "distance":
-            return raw * unit
-        case "cut_exp":
-            density = (raw.clamp(max=ceiling).exp() - CUT).clamp(min=0)
+        case "sdf":
+            return raw * length_unit
+        case "truncated_exp":
+            density = (raw.clamp(max=max_raw_density).exp() - EXP_OFFSET).clamp(min=0)
         case "relu":
             density = raw.clamp(min=0)
         case "softplus":
             density = softplus(raw)
         case _:
             assert_never(reading)
-    return density / unit
+    return density / length_unit

@@ -1,7 +1,7 @@
 """Points in a camera's frame and in its image, and features of the image at them.
 
 Conventions of `geometry.cameras`, in torch: OpenCV axes, pixel (0, 0) is the top-left corner,
-the first centre is (0.5, 0.5).  Lengths are in any one unit.
+the first center is (0.5, 0.5).  Lengths are in any one unit.
 """
 
 import torch
@@ -10,7 +10,9 @@ from torch import Tensor
 from torch.nn.functional import grid_sample
 
 
-def camera_frame(points: Float[Tensor, "n 3"], c2w: Float[Tensor, "4 4"]) -> Float[Tensor, "n 3"]:
+def world_to_camera(
+    points: Float[Tensor, "n 3"], c2w: Float[Tensor, "4 4"]
+) -> Float[Tensor, "n 3"]:
     """World points in the frame of the camera."""
     return (points - c2w[:3, 3]) @ c2w[:3, :3]
 
@@ -22,12 +24,12 @@ def project(
 
     A point of depth 0 has no pixel: its coordinates are not finite, and `in_view` says no.
     """
-    camera = camera_frame(points, c2w)
-    image = camera @ K.T
-    return image[:, :2] / image[:, 2:], camera[:, 2]
+    camera = world_to_camera(points, c2w)
+    homogeneous = camera @ K.T
+    return homogeneous[:, :2] / homogeneous[:, 2:], camera[:, 2]
 
 
-def in_view(
+def is_in_view(
     uv: Float[Tensor, "n 2"], depth: Float[Tensor, "n"], width: int, height: int
 ) -> Bool[Tensor, "n"]:
     """Whether a point is in front of the camera and projects into the image."""
@@ -38,10 +40,10 @@ def in_view(
 def sample_features(
     features: Float[Tensor, "c h w"], uv: Float[Tensor, "n 2"], width: int, height: int
 ) -> Float[Tensor, "n c"]:
-    """pi(F, P, X) of eq. (4): features at `uv`, bilinear between the texels' centres.
+    """pi(F, P, X) of eq. (4): features at `uv`, bilinear between the texels' centers.
 
     `uv` are px of the image, `width` x `height` its size.  The feature map may be coarser: it
-    covers the whole image, and each texel its share.  Beyond the outermost centres, and outside
+    covers the whole image, and each texel its share.  Beyond the outermost centers, and outside
     the image, the border goes on, so every value is finite.
     """
     size = torch.tensor([width, height], dtype=uv.dtype, device=uv.device)

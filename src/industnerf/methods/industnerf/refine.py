@@ -7,78 +7,92 @@ from pykdtree.kdtree import KDTree
 from torch import Tensor
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf.beside import finer_surface
-from industnerf.methods.industnerf.distribution import density_to_sample, effective_cells
-from industnerf.methods.industnerf.levels import (
+from industnerf.methods.industnerf.density_pdf import effective_cells, sampling_density
+from industnerf.methods.industnerf.point_levels import (
     WARM_UP,
-    Layer,
-    divided,
-    name_of,
-    near_any,
-    on_grid,
-    sampled,
+    PointLevel,
+    grid_mean,
+    level_name,
+    sample_points,
+    subdivide,
+    within_radius,
 )
-from industnerf.methods.industnerf.training import Training
-from industnerf.methods.industnerf.witnesses import Testimony
+from industnerf.methods.industnerf.trainer import Trainer
+from industnerf.methods.industnerf.view_confidence import ViewConfidence
+from industnerf.methods.industnerf_plus.narrow_band import subdivide_narrow_band
 
-SEEN = 0.1  # confidence from which on a point counts as seen
+MIN_SEEN_CONFIDENCE = 0.1  # confidence from which on a point counts as seen
 
 
-def refined(training: Training, told: Testimony | None, generator: torch.Generator) -> Layer:
+def refine_points(
+    trainer: Trainer, view_confidence: ViewConfidence | None, generator: torch.Generator
+) -> PointLevel:
     """The points that follow on those of `training`, of which the views said what was `told`.
 
     The warm-up's are divided into the first grid; so are all others where `refine` says so.  Of
     a relief those beside its surface are.  Raises ReconstructionFailed if no view is
     sure of any, of which a relief asks nothing.
     """
-    ways, old = training.ways, training.points.positions
-    field = training.field
-    if training.relief:
-        return finer_surface(old, field.raw.detach(), field.rgb.detach(), training.spacing)
-    sigma = training.density()
-    spacing = training.spacing / 2
-    if ways.refine == "divided" or training.level == WARM_UP:
-        near = near_any(old, told.confidence >= SEEN, 1.01 * training.spacing)
-        points = divided(old[near & (sigma > 0)], training.spacing)
+    settings, old_points = trainer.settings, trainer.points.positions
+    field = trainer.field
+    if trainer.sdf_constraints:
+        return subdivide_narrow_band(
+            old_points, field.raw.detach(), field.rgb.detach(), trainer.spacing
+        )
+    sigma = trainer.density()
+    spacing = trainer.spacing / 2
+    if settings.refine == "subdivide" or trainer.level == WARM_UP:
+        is_near = within_radius(
+            old_points, view_confidence.confidence >= MIN_SEEN_CONFIDENCE, 1.01 * trainer.spacing
+        )
+        points = subdivide(old_points[is_near & (sigma > 0)], trainer.spacing)
     else:
-        points, spacing = _drawn(training, told, sigma, generator)
+        points, spacing = _sample_new_points(trainer, view_confidence, sigma, generator)
     if not len(points):
         raise ReconstructionFailed(
-            f"after {name_of(training.level)} no view is surer than {SEEN} of a point that has a "
+            f"after {level_name(trainer.level)} no view is surer than {MIN_SEEN_CONFIDENCE} of a point that has a "
             "density: are there steps enough, and do the cameras agree on where the part is?"
         )
-    which = nearest(old, points)
-    return Layer(
+    source_indices = nearest_indices(old_points, points)
+    return PointLevel(
         points,
         spacing,
-        (field.raw.detach()[which], field.rgb.detach()[which]) if ways.residual.use else None,
-        told.of_views[:, which],
+        (field.raw.detach()[source_indices], field.rgb.detach()[source_indices])
+        if settings.residual.enabled
+        else None,
+        view_confidence.per_view[:, source_indices],
     )
 
 
-def _drawn(
-    training: Training,
-    told: Testimony,
-    sigma: Float32[Tensor, "m"],
+def _sample_new_points(
+    trainer: Trainer,
+    view_confidence: ViewConfidence,
+    point_density: Float32[Tensor, "m"],
     generator: torch.Generator,
 ) -> tuple[Float32[Tensor, "n 3"], float]:
     """The old points that have a density, and new ones drawn by it; and their spacing.
 
     That is at most the half of the old: where matter is thin, its points come closer.
     """
-    ways, old = training.ways, training.points.positions
-    cells = round(2 / training.spacing)
-    density = density_to_sample(
-        on_grid(old, sigma, cells), on_grid(old, told.confidence, cells), ways.readings.target
+    settings, old_points = trainer.settings, trainer.points.positions
+    cells = round(2 / trainer.spacing)
+    density = sampling_density(
+        grid_mean(old_points, point_density, cells),
+        grid_mean(old_points, view_confidence.confidence, cells),
+        settings.readings.sampling_density,
     )
-    count = ways.levels[training.level + 1].points
-    fresh = sampled(density, count, generator, ways.readings.place)
-    apart = (effective_cells(density) / count) ** (1 / 3) * 2 / cells
-    return torch.cat([old[sigma > 0], fresh]), min(apart, training.spacing / 2)
+    count = settings.levels[trainer.level + 1].points
+    new_points = sample_points(density, count, generator, settings.readings.sample_position)
+    mean_spacing = (effective_cells(density) / count) ** (1 / 3) * 2 / cells
+    return torch.cat([old_points[point_density > 0], new_points]), min(
+        mean_spacing, trainer.spacing / 2
+    )
 
 
-def nearest(points: Float32[Tensor, "m 3"], queries: Float32[Tensor, "q 3"]) -> Int64[Tensor, "q"]:
+def nearest_indices(
+    points: Float32[Tensor, "m 3"], queries: Float32[Tensor, "q 3"]
+) -> Int64[Tensor, "q"]:
     """Which of `points` is nearest to every query."""
-    known, asked = (places.double().cpu().numpy() for places in (points, queries))
-    found = KDTree(known).query(asked)[1].astype(np.int64)
-    return torch.from_numpy(found).to(points.device)
+    positions, query_positions = (cloud.double().cpu().numpy() for cloud in (points, queries))
+    indices = KDTree(positions).query(query_positions)[1].astype(np.int64)
+    return torch.from_numpy(indices).to(points.device)

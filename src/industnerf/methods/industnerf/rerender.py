@@ -6,45 +6,47 @@ from jaxtyping import Float32
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
-from industnerf.methods.industnerf.pixels import footprint
-from industnerf.methods.industnerf.scene import Eyes
-from industnerf.rendering.distance import density
+from industnerf.methods.industnerf.ray_sampler import footprint
+from industnerf.methods.industnerf.scene import TorchCameras
 from industnerf.rendering.render import Renderer
+from industnerf.rendering.sdf_density import density
 
 
 @torch.no_grad()
 def rerender(
-    eyes: Eyes,
+    cameras: TorchCameras,
     background: Float32[Tensor, "n 3"],
     renderer: Renderer,
     values: Float32[Tensor, "m"],
     rgb: Float32[Tensor, "m 3"],
     radius: float,
 ) -> Renderings:
-    """Colour, opacity, and depth along z in the unit of `radius`, which is that of the unit ball.
+    """Color, opacity, and depth along z in the unit of `radius`, which is that of the unit ball.
 
     Depth is 0 where no surface is met.
     """
-    n, height, width = len(eyes), eyes.height, eyes.width
-    colour = background[:, None, None].expand(n, height, width, 3).clone()
+    n, height, width = len(cameras), cameras.height, cameras.width
+    color = background[:, None, None].expand(n, height, width, 3).clone()
     depth = torch.zeros(n, height, width, device=values.device)
     opacity = torch.zeros_like(depth)
-    reach = renderer.points.reach
-    softest = max(renderer.beta, renderer.median_beta)
-    dense = density(values, softest) > 0
-    shown = footprint(renderer.points.positions[dense], reach, eyes, max(height, width))
-    for pixels in shown.nonzero().split(renderer.at_once):
+    support_radius = renderer.points.support_radius
+    max_beta = max(renderer.beta, renderer.median_beta)
+    has_density = density(values, max_beta) > 0
+    visible = footprint(
+        renderer.points.positions[has_density], support_radius, cameras, max(height, width)
+    )
+    for pixels in visible.nonzero().split(renderer.chunk_size):
         view, row, column = pixels.unbind(1)
         uv = torch.stack([column, row], dim=1) + 0.5
-        rays = eyes.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
-        seen = renderer.look(rays, values, rgb)
-        colour[view, row, column] = seen.over(background[view])
-        ahead = (rays.directions * eyes.c2w[view, :3, 2]).sum(dim=1)
-        hit = seen.median > 0
-        depth[view, row, column] = torch.where(hit, seen.median * ahead * radius, 0.0)
-        opacity[view, row, column] = 1 - seen.through
-    return Renderings(_levels(colour), depth.cpu().numpy().astype(np.float32), _levels(opacity))
+        rays = cameras.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
+        output = renderer.render(rays, values, rgb)
+        color[view, row, column] = output.composite_over(background[view])
+        axis_cosine = (rays.directions * cameras.c2w[view, :3, 2]).sum(dim=1)
+        hit = output.median_depth > 0
+        depth[view, row, column] = torch.where(hit, output.median_depth * axis_cosine * radius, 0.0)
+        opacity[view, row, column] = 1 - output.transmittance
+    return Renderings(_to_uint8(color), depth.cpu().numpy().astype(np.float32), _to_uint8(opacity))
 
 
-def _levels(values: Tensor) -> np.ndarray:
+def _to_uint8(values: Tensor) -> np.ndarray:
     return (values.clamp(0, 1) * 255).round().to(torch.uint8).cpu().numpy()

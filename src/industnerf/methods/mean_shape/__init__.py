@@ -11,28 +11,36 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import cKDTree
 
-from industnerf.artifacts.state import State
+from industnerf.artifacts.state import ModelState
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.methods.answers import answered
-from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Role, Scope
+from industnerf.methods.base import (
+    Example,
+    Input,
+    Method,
+    MethodInputs,
+    Reconstruction,
+    Role,
+    Scope,
+)
+from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.schema import MeanShapeSettings
 
-ASKED = 1024  # points of each surface that levels are compared by
+NUM_SAMPLES = 1024  # points of each surface that levels are compared by
 
 
 def fit(
     examples: Sequence[Example], settings: MeanShapeSettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """The share of parts that each voxel of the unit cube belongs to, and where to cut it."""
-    from industnerf.learning.targets import surface_points, voxels
+    from industnerf.learning.targets import surface_points, voxelize
 
     rng = np.random.default_rng(seed)
     meshes = [example.mesh for example in examples]
-    mean = np.mean([voxels(*mesh, settings.grid_res, rng) for mesh in meshes], axis=0)
-    surfaces = [surface_points(*mesh, ASKED, rng) for mesh in meshes]
-    return State(
+    mean = np.mean([voxelize(*mesh, settings.grid_res, rng) for mesh in meshes], axis=0)
+    surfaces = [surface_points(*mesh, NUM_SAMPLES, rng) for mesh in meshes]
+    return ModelState(
         {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, surfaces, rng))},
-        parts=len(examples),
+        num_parts=len(examples),
     )
 
 
@@ -47,13 +55,13 @@ def best_level(
     common, and the tables measure surfaces.
     """
     shares = np.unique(mean)
-    between = (shares[1:] + shares[:-1]) / 2 if len(shares) > 1 else shares - 0.5
+    candidate_levels = (shares[1:] + shares[:-1]) / 2 if len(shares) > 1 else shares - 0.5
 
-    def away(level: float) -> float:
-        points = cut(mean, level, ASKED, rng)
+    def mean_distance(level: float) -> float:
+        points = level_set_points(mean, level, NUM_SAMPLES, rng)
         return float(np.mean([chamfer(points, surface) for surface in surfaces]))
 
-    return float(min(between, key=away))
+    return float(min(candidate_levels, key=mean_distance))
 
 
 def chamfer(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
@@ -61,7 +69,7 @@ def chamfer(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
     return float(cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean())
 
 
-def cut(
+def level_set_points(
     mean: Float[np.ndarray, "n n n"], level: float, count: int, rng: np.random.Generator
 ) -> Float[np.ndarray, "_ 3"]:
     """Area-uniform points where the mean crosses `level`, in the unit cube."""
@@ -70,22 +78,22 @@ def cut(
 
 
 def reconstruct(
-    given: Given, settings: MeanShapeSettings, state: State, seed: int
+    inputs: MethodInputs, settings: MeanShapeSettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """Area-uniform points of the mean shape, at the part's place and scale."""
     mean, level = state.arrays["mean"], float(state.arrays["level"])
-    points = cut(mean, level, settings.points, np.random.default_rng(seed))
-    return answered([points], given.frame, state)
+    points = level_set_points(mean, level, settings.points, np.random.default_rng(seed))
+    return predictions_to_reconstruction([points], inputs.part_frame, state)
 
 
 METHODS = {
     "mean_shape": Method(
         "mean_shape",
         Scope.DATASET,
-        frozenset({Input.FRAME, Input.OTHER_MESHES}),
+        frozenset({Input.PART_FRAME, Input.OTHER_MESHES}),
         reconstruct,
         fit,
         role=Role.NULL,
-        random=True,
+        is_stochastic=True,
     )
 }

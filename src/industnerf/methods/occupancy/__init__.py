@@ -8,14 +8,14 @@ in what it says.  The encoder starts at random: published weights cannot be had 
 from collections.abc import Sequence
 from pathlib import Path
 
-from industnerf.artifacts.state import State
-from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
+from industnerf.artifacts.state import ModelState
+from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
 from industnerf.schema import OccupancySettings
 
 
 def fit(
     examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """The weights that are best on the validation parts."""
     # late: a report that names the method need not wait for torch
     from industnerf.methods.occupancy.run import fit
@@ -24,21 +24,21 @@ def fit(
 
 
 def reconstruct(
-    given: Given, settings: OccupancySettings, state: State, seed: int
+    inputs: MethodInputs, settings: OccupancySettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """One answer for each of `settings.answers` views: points of the surface that it shows."""
     from industnerf.methods.occupancy.run import reconstruct
 
-    return reconstruct(given, settings, state, seed)
+    return reconstruct(inputs, settings, state, seed)
 
 
 METHODS = {
     "occupancy": Method(
         "occupancy",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.FRAME, Input.OTHER_MESHES}),
+        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
         reconstruct,
         fit,
-        random=True,
+        is_stochastic=True,
     )
 }

@@ -25,45 +25,45 @@ def mise(field: Field, level: float, cells: int, subdivisions: int) -> tuple[Val
     """
     stride = 2**subdivisions
     values, known = np.zeros((cells + 1,) * 3), np.zeros((cells + 1,) * 3, bool)
-    _ask(field, stride, values, known, ~known)
+    _evaluate(field, stride, values, known, ~known)
     for _ in range(subdivisions):
         stride //= 2
-        values, known = _halved(values), _between(known)
-        while (wanted := _corners(_mixed(values > level)) & ~known).any():
-            _ask(field, stride, values, known, wanted)
+        values, known = _upsampled(values), _upsampled_mask(known)
+        while (needed := _cell_points(_active_cells(values > level)) & ~known).any():
+            _evaluate(field, stride, values, known, needed)
     return values, int(known.sum())
 
 
-def _ask(field: Field, stride: int, values: Values, known: Known, wanted: Known) -> None:
-    values[wanted] = field(stride * np.argwhere(wanted))
-    known |= wanted
+def _evaluate(field: Field, stride: int, values: Values, known: Known, needed: Known) -> None:
+    values[needed] = field(stride * np.argwhere(needed))
+    known |= needed
 
 
-def _halved(values: Values) -> Float[np.ndarray, "m m m"]:
+def _upsampled(values: Values) -> Float[np.ndarray, "m m m"]:
     """Twice as fine; a new point has the value of a corner of the cell that it is in."""
     for axis in range(3):
         values = values.repeat(2, axis)
     return values[:-1, :-1, :-1]
 
 
-def _between(known: Known) -> Bool[np.ndarray, "m m m"]:
+def _upsampled_mask(known: Known) -> Bool[np.ndarray, "m m m"]:
     """Twice as fine; no new point is known."""
     fine = np.zeros([2 * n - 1 for n in known.shape], bool)
     fine[::2, ::2, ::2] = known
     return fine
 
 
-def _mixed(above: Bool[np.ndarray, "m m m"]) -> Bool[np.ndarray, "c c c"]:
+def _active_cells(above: Bool[np.ndarray, "m m m"]) -> Bool[np.ndarray, "c c c"]:
     """Cells of 3^3 points, sharing their faces, of which some are above and some not."""
-    some = every = above
+    any_above = all_above = above
     for axis in range(3):
-        some = np.any([np.moveaxis(some, axis, 0)[third] for third in THIRDS], axis=0)
-        every = np.all([np.moveaxis(every, axis, 0)[third] for third in THIRDS], axis=0)
-        some, every = np.moveaxis(some, 0, axis), np.moveaxis(every, 0, axis)
-    return some & ~every
+        any_above = np.any([np.moveaxis(any_above, axis, 0)[third] for third in THIRDS], axis=0)
+        all_above = np.all([np.moveaxis(all_above, axis, 0)[third] for third in THIRDS], axis=0)
+        any_above, all_above = np.moveaxis(any_above, 0, axis), np.moveaxis(all_above, 0, axis)
+    return any_above & ~all_above
 
 
-def _corners(cells: Bool[np.ndarray, "c c c"]) -> Bool[np.ndarray, "m m m"]:
+def _cell_points(cells: Bool[np.ndarray, "c c c"]) -> Bool[np.ndarray, "m m m"]:
     """The 3^3 points of every cell."""
     for axis in range(3):
         points = np.zeros([n + (i == axis) * (n + 1) for i, n in enumerate(cells.shape)], bool)

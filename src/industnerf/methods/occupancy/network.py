@@ -12,7 +12,7 @@ from industnerf.learning.resnet import ResNet18
 from industnerf.schema import OccupancySettings
 
 # of ImageNet, r g b; the published encoder takes its images relative to these
-MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
 class ConditionalNorm(nn.Module):
@@ -75,13 +75,13 @@ class OccupancyNet(nn.Module):
 
     def __init__(self, settings: OccupancySettings) -> None:
         super().__init__()
-        self.encoder = ResNet18(settings.code, settings.encoder_width)
-        self.decoder = Decoder(settings.code, settings.decoder_width, settings.blocks)
+        self.encoder = ResNet18(settings.latent_dim, settings.encoder_width)
+        self.decoder = Decoder(settings.latent_dim, settings.decoder_width, settings.decoder_blocks)
 
     def encode(self, images: Float[Tensor, "b 3 px px"]) -> Float[Tensor, "b code"]:
         """What each image, with values in [0, 1], shows."""
-        mean, deviation = (images.new_tensor(x).view(3, 1, 1) for x in (MEAN, DEVIATION))
-        return self.encoder((images - mean) / deviation)
+        mean, std = (images.new_tensor(x).view(3, 1, 1) for x in (MEAN, STD))
+        return self.encoder((images - mean) / std)
 
     def forward(
         self, images: Float[Tensor, "b 3 px px"], points: Float[Tensor, "b n 3"]

@@ -9,42 +9,44 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from industnerf.artifacts.state import State
+from industnerf.artifacts.state import ModelState
 from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.learning.augment import as_tensor
-from industnerf.learning.frames import turns_of
-from industnerf.learning.pictures import evenly, scaled
-from industnerf.learning.training import set_apart, state_of, train
-from industnerf.learning.weights import load_arrays, seeded
-from industnerf.methods.answers import answered
-from industnerf.methods.base import Example, Given, Reconstruction
-from industnerf.methods.occupancy.lesson import Lesson
+from industnerf.learning.augment import images_to_tensor
+from industnerf.learning.axis_alignment import axis_rotations
+from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
+from industnerf.learning.training import model_state, train, train_val_split
+from industnerf.learning.weights import load_arrays, torch_seed
+from industnerf.methods.base import Example, MethodInputs, Reconstruction
+from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
+from industnerf.methods.occupancy.dataset import OccupancyDataset
 from industnerf.methods.occupancy.mise import mise
 from industnerf.methods.occupancy.network import OccupancyNet
 from industnerf.schema import OccupancySettings
 from industnerf.seeds import generator
 
-AT_ONCE = 16384  # points that the net is asked about in one go
+POINT_BATCH = 16384  # points that the net is asked about in one go
 
 
 def fit(
     examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """Train on the parts that are not set apart; same seed, same bytes on a CPU."""
     torch.set_num_threads(1)  # folds are what runs side by side
-    lesson = Lesson.of(examples, settings, generator(seed, "lessons"))
-    with seeded(seed):
+    dataset = OccupancyDataset.of(examples, settings, generator(seed, "lessons"))
+    with torch_seed(seed):
         net = OccupancyNet(settings).to(device())
-    parts = set_apart([example.part_id for example in examples], settings.training.validation)
+    split = train_val_split(
+        [example.part_id for example in examples], settings.training.val_fraction
+    )
     checkpoint = scratch / "occupancy.pt"
-    done = train(net, partial(lesson.loss, net), parts, settings.training, seed, checkpoint)
-    return state_of(net, done, len(parts[0]), settings.size)
+    result = train(net, partial(dataset.loss, net), split, settings.training, seed, checkpoint)
+    return model_state(net, result, len(split[0]), settings.size)
 
 
 @torch.inference_mode()
 def reconstruct(
-    given: Given, settings: OccupancySettings, state: State, seed: int
+    inputs: MethodInputs, settings: OccupancySettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """One answer a view, each of area-uniform points.
 
@@ -53,17 +55,20 @@ def reconstruct(
     torch.set_num_threads(1)  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
     load_arrays(net, state.arrays)
-    chosen = evenly(len(given.rgb), settings.answers)
-    codes = net.encode(as_tensor(scaled(given.rgb[chosen], settings.image_px), device()))
-    turns, rng = turns_of(given.cameras[chosen], settings.frame), np.random.default_rng(seed)
-    clouds = [surface(net, *seen, settings, rng) for seen in zip(codes, turns, strict=True)]
-    return answered(clouds, given.frame, state)
+    view_indices = evenly_spaced_indices(len(inputs.rgb), settings.eval_views)
+    codes = net.encode(
+        images_to_tensor(resize_images(inputs.rgb[view_indices], settings.image_px), device())
+    )
+    rotations = axis_rotations(inputs.cameras[view_indices], settings.output_axes)
+    rng = np.random.default_rng(seed)
+    clouds = [surface(net, *view, settings, rng) for view in zip(codes, rotations, strict=True)]
+    return predictions_to_reconstruction(clouds, inputs.part_frame, state)
 
 
 def surface(
     net: OccupancyNet,
     code: Float[Tensor, "code"],
-    turn: Float[np.ndarray, "3 3"],
+    rotation: Float[np.ndarray, "3 3"],
     settings: OccupancySettings,
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "_ 3"]:
@@ -73,11 +78,11 @@ def surface(
     """
     level = float(np.log(settings.threshold / (1 - settings.threshold)))
     lo = np.full(3, -(1 + settings.padding) / 2)
-    spacing = (1 + settings.padding) / (settings.cells * 2**settings.subdivisions)
+    spacing = (1 + settings.padding) / (settings.resolution_0 * 2**settings.upsampling_steps)
 
     def field(corners: Int[np.ndarray, "p 3"]) -> Float[np.ndarray, "p"]:
-        points = torch.from_numpy((lo + spacing * corners) @ turn).to(code).split(AT_ONCE)
+        points = torch.from_numpy((lo + spacing * corners) @ rotation).to(code).split(POINT_BATCH)
         return torch.cat([net.decoder(some[None], code[None])[0] for some in points]).cpu().numpy()
 
-    values, _ = mise(field, level, settings.cells, settings.subdivisions)
+    values, _ = mise(field, level, settings.resolution_0, settings.upsampling_steps)
     return isosurface_points(values, level, lo, spacing, settings.points, rng)

@@ -8,35 +8,39 @@ voxels of its memory.  It learns from other parts and is not told where the came
 from collections.abc import Sequence
 from pathlib import Path
 
-from industnerf.artifacts.state import State
-from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
+from industnerf.artifacts.state import ModelState
+from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
 from industnerf.schema import R2n2Settings
 
 
-def fit(examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path) -> State:
+def fit(
+    examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path
+) -> ModelState:
     """The weights of a net that was trained on `examples`."""
-    from industnerf.methods.r2n2.teach import trained
+    from industnerf.methods.r2n2.train import fit_net
 
-    return trained(examples, settings, seed, scratch)
+    return fit_net(examples, settings, seed, scratch)
 
 
-def reconstruct(given: Given, settings: R2n2Settings, state: State, seed: int) -> Reconstruction:
+def reconstruct(
+    inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
+) -> Reconstruction:
     """Points of the surface of what the net makes of `views` pictures, in one pass.
 
     Raises ReconstructionFailed if no voxel is likely enough to be full.
     """
-    from industnerf.methods.r2n2.predict import predicted
+    from industnerf.methods.r2n2.predict import predict_part
 
-    return predicted(given, settings, state, seed)
+    return predict_part(inputs, settings, state, seed)
 
 
 METHODS = {
     "r2n2": Method(
         "r2n2",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.FRAME, Input.OTHER_MESHES}),
+        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
         reconstruct,
         fit,
-        random=True,
+        is_stochastic=True,
     )
 }

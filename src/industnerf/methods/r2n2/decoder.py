@@ -14,10 +14,10 @@ VOXELS = 32  # a side: three times twice the memory's cells
 CHANNELS = (128, 128, 64, 32)  # at 8^3, 16^3, 32^3 and once more at 32^3, as published
 CLASSES = 2  # empty, full
 
-Cells = Float[Tensor, "b c n n n"]
+VoxelFeatures = Float[Tensor, "b c n n n"]
 
 
-def unpool(x: Cells) -> Float[Tensor, "b c m m m"]:
+def unpool(x: VoxelFeatures) -> Float[Tensor, "b c m m m"]:
     """Twice as many cells a side: each value in the even corner of eight, the others 0."""
     b, c, n, _, _ = x.shape
     wide = x.new_zeros(b, c, 2 * n, 2 * n, 2 * n)
@@ -25,38 +25,40 @@ def unpool(x: Cells) -> Float[Tensor, "b c m m m"]:
     return wide
 
 
-def conv_unpooled(conv: nn.Conv3d, x: Cells) -> Float[Tensor, "b d m m m"]:
+def conv_unpooled(conv: nn.Conv3d, x: VoxelFeatures) -> Float[Tensor, "b d m m m"]:
     """`conv(unpool(x))` of a kernel of 3, without its products with 0, seven of eight."""
     weight = conv.weight.transpose(0, 1).flip(2, 3, 4)
     return F.conv_transpose3d(x, weight, conv.bias, stride=2, padding=1, output_padding=1)
 
 
-def conv3(before: int, after: int) -> nn.Conv3d:
-    return nn.Conv3d(before, after, 3, padding=1)
+def conv3(in_channels: int, out_channels: int) -> nn.Conv3d:
+    return nn.Conv3d(in_channels, out_channels, 3, padding=1)
 
 
-class Up(nn.Module):
+class UpsampleBlock(nn.Module):
     """Unpool, and two convolutions with a shortcut round them."""
 
-    def __init__(self, before: int, after: int, shortcut: nn.Module) -> None:
+    def __init__(self, in_channels: int, out_channels: int, shortcut: nn.Module) -> None:
         super().__init__()
-        self.conv_a, self.conv_b = conv3(before, after), conv3(after, after)
+        self.conv_a = conv3(in_channels, out_channels)
+        self.conv_b = conv3(out_channels, out_channels)
         self.shortcut = shortcut
 
-    def forward(self, x: Cells) -> Float[Tensor, "b d m m m"]:
+    def forward(self, x: VoxelFeatures) -> Float[Tensor, "b d m m m"]:
         y = F.leaky_relu(conv_unpooled(self.conv_a, x), SLOPE)
         return F.leaky_relu(self.conv_b(y), SLOPE) + self.shortcut(unpool(x))
 
 
-class Last(nn.Module):
+class OutputBlock(nn.Module):
     """Two convolutions; the shortcut is a third, and leads round the second alone."""
 
-    def __init__(self, before: int, after: int) -> None:
+    def __init__(self, in_channels: int, out_channels: int) -> None:
         super().__init__()
-        self.conv_a, self.conv_b = conv3(before, after), conv3(after, after)
-        self.shortcut = conv3(after, after)
+        self.conv_a = conv3(in_channels, out_channels)
+        self.conv_b = conv3(out_channels, out_channels)
+        self.shortcut = conv3(out_channels, out_channels)
 
-    def forward(self, x: Cells) -> Float[Tensor, "b d n n n"]:
+    def forward(self, x: VoxelFeatures) -> Float[Tensor, "b d n n n"]:
         y = F.leaky_relu(self.conv_a(x), SLOPE)
         return F.leaky_relu(self.conv_b(y), SLOPE) + self.shortcut(y)
 
@@ -67,9 +69,9 @@ class Decoder(nn.Sequential):
     def __init__(self, divisor: int) -> None:
         a, b, c, d = (channels // divisor for channels in CHANNELS)
         super().__init__(
-            Up(gru.CHANNELS // divisor, a, nn.Identity()),
-            Up(a, b, nn.Identity()),
-            Up(b, c, nn.Conv3d(b, c, 1)),
-            Last(c, d),
+            UpsampleBlock(gru.CHANNELS // divisor, a, nn.Identity()),
+            UpsampleBlock(a, b, nn.Identity()),
+            UpsampleBlock(b, c, nn.Conv3d(b, c, 1)),
+            OutputBlock(c, d),
             conv3(d, CLASSES),
         )

@@ -12,23 +12,25 @@ FEATURES = 1024  # of the vector, as published
 SLOPE = 0.01  # of the leaky rectifiers
 
 
-def pooled(px: int, times: int = len(CHANNELS)) -> int:
+def pooled_size(px: int, times: int = len(CHANNELS)) -> int:
     """How many of `px` pixels a side are left after so many pools: 127, 64, 33, 17, 9, 5, 3."""
     for _ in range(times):
         px = px // 2 + 1
     return px
 
 
-class Stage(nn.Module):
+class ConvBlock(nn.Module):
     """Two convolutions, a shortcut round them or none, and a pool from n to n // 2 + 1 pixels.
 
     The shortcut is added behind the second rectifier, which is unusual, but as published.
     """
 
-    def __init__(self, before: int, after: int, kernel: int, shortcut: nn.Module | None) -> None:
+    def __init__(
+        self, in_channels: int, out_channels: int, kernel: int, shortcut: nn.Module | None
+    ) -> None:
         super().__init__()
-        self.conv_a = nn.Conv2d(before, after, kernel, padding="same")
-        self.conv_b = nn.Conv2d(after, after, 3, padding="same")
+        self.conv_a = nn.Conv2d(in_channels, out_channels, kernel, padding="same")
+        self.conv_b = nn.Conv2d(out_channels, out_channels, 3, padding="same")
         self.shortcut = shortcut
 
     def forward(self, x: Float[Tensor, "b c n n"]) -> Float[Tensor, "b d m m"]:
@@ -44,13 +46,13 @@ class Encoder(nn.Sequential):
     def __init__(self, px: int, divisor: int) -> None:
         a, b, c, d, e, f = (channels // divisor for channels in CHANNELS)
         super().__init__(
-            Stage(3, a, 7, None),
-            Stage(a, b, 3, nn.Conv2d(a, b, 1)),
-            Stage(b, c, 3, nn.Conv2d(b, c, 1)),
-            Stage(c, d, 3, None),
-            Stage(d, e, 3, nn.Conv2d(d, e, 1)),
-            Stage(e, f, 3, nn.Identity()),
+            ConvBlock(3, a, 7, None),
+            ConvBlock(a, b, 3, nn.Conv2d(a, b, 1)),
+            ConvBlock(b, c, 3, nn.Conv2d(b, c, 1)),
+            ConvBlock(c, d, 3, None),
+            ConvBlock(d, e, 3, nn.Conv2d(d, e, 1)),
+            ConvBlock(e, f, 3, nn.Identity()),
             nn.Flatten(),
-            nn.Linear(f * pooled(px) ** 2, FEATURES // divisor),
+            nn.Linear(f * pooled_size(px) ** 2, FEATURES // divisor),
             nn.LeakyReLU(SLOPE),
         )

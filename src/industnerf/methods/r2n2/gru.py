@@ -4,10 +4,10 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-CELLS = 4  # a side of the grid
+GRID_SIZE = 4  # a side of the grid
 CHANNELS = 128  # of a cell, as published
 
-Grid = Float[Tensor, "b c 4 4 4"]
+HiddenGrid = Float[Tensor, "b c 4 4 4"]
 
 
 class Gate(nn.Module):
@@ -15,11 +15,11 @@ class Gate(nn.Module):
 
     def __init__(self, features: int, channels: int) -> None:
         super().__init__()
-        self.of_memory = nn.Conv3d(channels, channels, 3, padding=1)  # its bias is the gate's
-        self.of_picture = nn.Linear(features, channels * CELLS**3, bias=False)
+        self.hidden_conv = nn.Conv3d(channels, channels, 3, padding=1)  # its bias is the gate's
+        self.input_linear = nn.Linear(features, channels * GRID_SIZE**3, bias=False)
 
-    def forward(self, memory: Grid, picture: Float[Tensor, "b features"]) -> Grid:
-        return self.of_memory(memory) + self.of_picture(picture).view_as(memory)
+    def forward(self, hidden: HiddenGrid, features: Float[Tensor, "b features"]) -> HiddenGrid:
+        return self.hidden_conv(hidden) + self.input_linear(features).view_as(hidden)
 
 
 class GridGRU(nn.Module):
@@ -33,11 +33,11 @@ class GridGRU(nn.Module):
         self.channels = CHANNELS // divisor
         self.update, self.reset, self.candidate = (Gate(features, self.channels) for _ in range(3))
 
-    def forward(self, pictures: Float[Tensor, "b views features"]) -> Grid:
-        memory = pictures.new_zeros(len(pictures), self.channels, CELLS, CELLS, CELLS)
-        for picture in pictures.unbind(dim=1):
-            update = torch.sigmoid(self.update(memory, picture))
-            reset = torch.sigmoid(self.reset(memory, picture))
-            new = torch.tanh(self.candidate(reset * memory, picture))
-            memory = update * memory + (1 - update) * new
-        return memory
+    def forward(self, features: Float[Tensor, "b views features"]) -> HiddenGrid:
+        hidden = features.new_zeros(len(features), self.channels, GRID_SIZE, GRID_SIZE, GRID_SIZE)
+        for x in features.unbind(dim=1):
+            update = torch.sigmoid(self.update(hidden, x))
+            reset = torch.sigmoid(self.reset(hidden, x))
+            candidate = torch.tanh(self.candidate(reset * hidden, x))
+            hidden = update * hidden + (1 - update) * candidate
+        return hidden

@@ -4,39 +4,47 @@ import numpy as np
 import torch
 from jaxtyping import Float32
 
-from industnerf.artifacts.state import State
+from industnerf.artifacts.state import ModelState
 from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.geometry.nested import nested
-from industnerf.learning.augment import as_tensor
-from industnerf.learning.pictures import scaled
+from industnerf.geometry.view_subsets import nested_view_subset
+from industnerf.learning.augment import images_to_tensor
+from industnerf.learning.image_resize import resize_images
 from industnerf.learning.weights import load_arrays
-from industnerf.methods.answers import answered
-from industnerf.methods.base import Given, Reconstruction
+from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.methods.r2n2.decoder import VOXELS
-from industnerf.methods.r2n2.net import R2N2, new_net
+from industnerf.methods.r2n2.network import R2N2, new_net
 from industnerf.schema import R2n2Settings
 
 
-def predicted(given: Given, settings: R2n2Settings, state: State, seed: int) -> Reconstruction:
+def predict_part(
+    inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
+) -> Reconstruction:
     """One answer of all views: area-uniform points of the surface at the threshold."""
-    likely = likelihood(given, settings, rebuilt(settings, state))
-    centre, rng = np.full(3, 0.5 / VOXELS - 0.5), np.random.default_rng(seed)
-    points = isosurface_points(likely, settings.threshold, centre, 1 / VOXELS, settings.points, rng)
-    return answered([points], given.frame, state)
+    probabilities = occupancy_probabilities(inputs, settings, load_net(settings, state))
+    center, rng = np.full(3, 0.5 / VOXELS - 0.5), np.random.default_rng(seed)
+    points = isosurface_points(
+        probabilities, settings.threshold, center, 1 / VOXELS, settings.points, rng
+    )
+    return predictions_to_reconstruction([points], inputs.part_frame, state)
 
 
-def rebuilt(settings: R2n2Settings, state: State) -> R2N2:
+def load_net(settings: R2n2Settings, state: ModelState) -> R2N2:
     """The net with the weights of `state`."""
     torch.set_num_threads(1)  # parts are what runs side by side
-    net = new_net(settings.image_px, settings.divisor, seed=0)
+    net = new_net(settings.image_px, settings.channel_divisor, seed=0)
     load_arrays(net, state.arrays)
     return net.to(device()).eval()
 
 
-def likelihood(given: Given, settings: R2n2Settings, net: R2N2) -> Float32[np.ndarray, "n n n"]:
+def occupancy_probabilities(
+    inputs: MethodInputs, settings: R2n2Settings, net: R2N2
+) -> Float32[np.ndarray, "n n n"]:
     """How likely each voxel of the unit cube is full, after all of `views` views."""
     # farthest apart in space: every n-th camera of a spiral may look from the same side
-    chosen = nested(given.cameras.eyes, min(settings.views, len(given.rgb)))
-    pictures = as_tensor(scaled(given.rgb[chosen], settings.image_px), device())
-    return net.full(pictures[None])[0].cpu().numpy()
+    view_indices = nested_view_subset(
+        inputs.cameras.centers, min(settings.max_views, len(inputs.rgb))
+    )
+    images = images_to_tensor(resize_images(inputs.rgb[view_indices], settings.image_px), device())
+    return net.occupancy_probability(images[None])[0].cpu().numpy()

@@ -12,65 +12,72 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
-from industnerf.artifacts.state import State
-from industnerf.learning.pictures import scaled
-from industnerf.methods.answers import answered
-from industnerf.methods.base import Example, Given, Input, Method, Reconstruction, Scope
+from industnerf.artifacts.state import ModelState
+from industnerf.learning.image_resize import resize_images
+from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
+from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.schema import RetrievalSettings
 
 
 def fit(
     examples: Sequence[Example], settings: RetrievalSettings, seed: int, scratch: Path
-) -> State:
+) -> ModelState:
     """The features of every part's views, and points of its surface."""
     from industnerf.learning.targets import surface_points
 
     rng = np.random.default_rng(seed)
-    looks = [features(one.rgb(settings.image_px, settings.views)) for one in examples]
+    view_features = [features(one.rgb(settings.image_px, settings.views)) for one in examples]
     points = [surface_points(*one.mesh, settings.points, rng) for one in examples]
-    known = {
-        "features": np.stack(looks),
+    arrays = {
+        "features": np.stack(view_features),
         "points": np.stack(points),
-        "views": examples[0].numbers(settings.views),
+        "views": examples[0].view_indices(settings.views),
     }
-    return State(known, parts=len(examples))
+    return ModelState(arrays, num_parts=len(examples))
 
 
 def features(images: UInt8[np.ndarray, "views px px 3"]) -> Float32[np.ndarray, "views c"]:
     """Histograms of oriented gradients of every image: 9 directions, cells of 8 px."""
     from skimage.feature import hog
 
-    grey = images.mean(axis=3) / 255
+    gray = images.mean(axis=3) / 255
     cells = {"pixels_per_cell": (8, 8), "cells_per_block": (2, 2)}
-    return np.stack([hog(one, orientations=9, **cells) for one in grey]).astype(np.float32)
+    return np.stack([hog(one, orientations=9, **cells) for one in gray]).astype(np.float32)
 
 
 def reconstruct(
-    given: Given, settings: RetrievalSettings, state: State, seed: int
+    inputs: MethodInputs, settings: RetrievalSettings, state: ModelState, seed: int
 ) -> Reconstruction:
     """The surface of the part whose views are nearest, summed over the views that both have.
 
     Both have the first: `nested` and `evenly` begin with it.
     """
-    given_views = np.arange(len(given.rgb)) if given.chosen is None else given.chosen
-    _, mine, theirs = np.intersect1d(given_views, state.arrays["views"], return_indices=True)
-    looks = features(scaled(given.rgb[mine], settings.image_px))
-    nearest = int(np.argmin(distances(state.arrays["features"][:, theirs], looks)))
-    return answered([state.arrays["points"][nearest].astype(np.float64)], given.frame, state)
+    input_indices = (
+        np.arange(len(inputs.rgb)) if inputs.view_indices is None else inputs.view_indices
+    )
+    _, input_views, stored_views = np.intersect1d(
+        input_indices, state.arrays["views"], return_indices=True
+    )
+    query_features = features(resize_images(inputs.rgb[input_views], settings.image_px))
+    nearest = int(np.argmin(distances(state.arrays["features"][:, stored_views], query_features)))
+    return predictions_to_reconstruction(
+        [state.arrays["points"][nearest].astype(np.float64)], inputs.part_frame, state
+    )
 
 
 def distances(
-    theirs: Float32[np.ndarray, "parts views c"], mine: Float32[np.ndarray, "views c"]
+    part_features: Float32[np.ndarray, "parts views c"],
+    query_features: Float32[np.ndarray, "views c"],
 ) -> Float[np.ndarray, "parts"]:
     """Of every part the sum over the views of the distance between features."""
-    return np.linalg.norm(theirs - mine, axis=2).sum(axis=1)
+    return np.linalg.norm(part_features - query_features, axis=2).sum(axis=1)
 
 
 METHODS = {
     "retrieval": Method(
         "retrieval",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.FRAME, Input.OTHER_MESHES}),
+        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
         reconstruct,
         fit,
     )

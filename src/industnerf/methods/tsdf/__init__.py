@@ -6,21 +6,23 @@ Given what no camera gives, this is a bound: it shows how much of a surface so m
 import numpy as np
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.geometry.cameras import framed_ball, projections_from_ball
-from industnerf.geometry.fusion import fuse
+from industnerf.geometry.cameras import common_view_ball, unit_ball_projections
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.methods.base import Given, Input, Method, Reconstruction, Role, Scope
+from industnerf.geometry.tsdf import fuse
+from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Role, Scope
 from industnerf.schema import TsdfSettings
 
 
-def reconstruct(given: Given, settings: TsdfSettings, state: None, seed: int) -> Reconstruction:
+def reconstruct(
+    inputs: MethodInputs, settings: TsdfSettings, state: None, seed: int
+) -> Reconstruction:
     """Area-uniform points on the surface of all that is not seen empty.
 
     Raises ReconstructionFailed if there is none.
     """
-    centre, radius_mm = framed_ball(given.cameras)
-    projection = projections_from_ball(given.cameras, centre, radius_mm)
-    depth = (given.depth_mm / radius_mm).astype(np.float32)
+    center, radius_mm = common_view_ball(inputs.cameras)
+    projection = unit_ball_projections(inputs.cameras, center, radius_mm)
+    depth = (inputs.depth_mm / radius_mm).astype(np.float32)
     spacing = 2 / settings.grid_res
     values = fuse(depth, projection, settings.grid_res, settings.truncation * spacing)
     lo, rng = np.full(3, spacing / 2 - 1), np.random.default_rng(seed)
@@ -31,7 +33,7 @@ def reconstruct(given: Given, settings: TsdfSettings, state: None, seed: int) ->
             f"{(values > 0).sum()} of {settings.grid_res}^3 cells are not seen empty; a part "
             "thinner than a cell needs a larger method.tsdf.grid_res"
         )
-    return Reconstruction(centre + radius_mm * points)
+    return Reconstruction(center + radius_mm * points)
 
 
 METHODS = {
@@ -41,6 +43,6 @@ METHODS = {
         frozenset({Input.DEPTH}),
         reconstruct,
         role=Role.BOUND,
-        random=True,
+        is_stochastic=True,
     )
 }

@@ -1,0 +1,58 @@
+"""Bring a sweep of one change at a time into the document that asks about it, its points beside it.
+
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>    docs/readings.md
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>    docs/method.md
+"""
+
+import shutil
+from dataclasses import asdict
+from pathlib import Path
+
+from industnerf.artifacts.files import write_text
+from industnerf.cli import run_command
+from industnerf.config import load_params
+from industnerf.errors import BadArtifact
+from industnerf.report.docs.markdown_blocks import replace_block
+from industnerf.report.flatten_config import flatten
+from industnerf.report.publish.provenance import read_provenance
+from industnerf.report.sweeps import ablation_effects, additions_ablation
+from industnerf.report.sweeps.points import preset_of
+from industnerf.schema.readings import READING_IDS
+
+DOCUMENTS = {
+    "readings": (Path("docs/readings.md"), Path("docs/readings.csv")),
+    "ablation": (Path("docs/method.md"), Path("docs/ablation.csv")),
+}
+
+
+def main(folder: str) -> None:
+    sweep = Path(folder)
+    preset = preset_of(sweep)
+    if preset not in DOCUMENTS:
+        expected = " or ".join(f"experiment={name}" for name in DOCUMENTS)
+        raise BadArtifact(f"{sweep} is of preset {preset!r}, not of {expected}")
+    document, csv_path = DOCUMENTS[preset]
+    provenance = read_provenance(sweep)
+    text = f"{provenance['date']}, commit {provenance['commit']}.\n\n{effects_table(sweep, preset)}"
+    write_text(document, replace_block(document.read_text(encoding="utf-8"), preset, text))
+    shutil.copyfile(sweep / "sweep.csv", csv_path)
+
+
+def effects_table(sweep: Path, preset: str) -> str:
+    """The table of what the sweep found."""
+    params = load_params()
+    if preset == "ablation":
+        default_settings = flatten(asdict(params.method.industnerf_plus))
+        return additions_ablation.ablation_table(
+            ablation_effects.read_point_scores(sweep, additions_ablation.METHODS),
+            default_settings,
+            params.report,
+        )
+    default = params.method.industnerf.readings
+    return ablation_effects.readings_table(
+        ablation_effects.read_point_scores(sweep), default, READING_IDS, params.report
+    )
+
+
+if __name__ == "__main__":
+    run_command(main)

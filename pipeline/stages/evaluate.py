@@ -1,0 +1,53 @@
+"""Score every cloud against its part; a failure has a score too.  DVC stage `evaluate`."""
+
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+
+from industnerf.artifacts.cloud import cloud_files
+from industnerf.artifacts.scores import gather_scores
+from industnerf.cli import run_as_stage
+from industnerf.config import StageParams
+from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_files
+from industnerf.metrics.protocol import score_failure, score_part
+from industnerf.stage import Task, read_failures, read_index, run_stage, write_failures
+
+
+def main(
+    cfg: StageParams, method: str, parts: str, views: str, truth: str, clouds: str, out: str
+) -> None:
+    folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
+    failed = set(read_failures(Path(clouds)))
+    tasks = evaluation_tasks(cfg, folders, part_ids, failed)
+    run_stage("evaluate", tasks, Path(out), cfg.on_failure, needs_one=False)
+    unscored = read_failures(Path(out))
+    if unscored:  # without a score a part would be missing from this method's means, and no other's
+        tasks = evaluation_tasks(cfg, folders, part_ids, failed | set(unscored))
+        run_stage("evaluate", tasks, Path(out), "strict")
+        write_failures(Path(out), unscored)
+    gather_scores(Path(out), method)
+
+
+def evaluation_tasks(
+    cfg: StageParams, folders: tuple[Path, ...], part_ids: Iterable[str], failed: set[str]
+) -> list[Task]:
+    """`folders` are those of parts, truth, views and clouds."""
+    tasks = []
+    for part_id in part_ids:
+        part_dir, truth_dir, views_dir, cloud_dir = (folder / part_id for folder in folders)
+        inputs = (part_dir / "mesh.npz", truth_dir)
+        make = partial(score_failure, part_dir, truth_dir, settings=cfg.evaluate, seed=cfg.seed)
+        if part_id not in failed:
+            inputs = (
+                *inputs,
+                *cloud_files(cloud_dir),
+                *image_and_confidence_files(views_dir, cloud_dir),
+            )
+            paths = (part_dir, truth_dir, views_dir, cloud_dir)
+            make = partial(score_part, *paths, settings=cfg.evaluate, seed=cfg.seed)
+        tasks.append(Task(part_id, make, [cfg.evaluate, cfg.seed, part_id in failed], inputs))
+    return tasks
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "evaluate")

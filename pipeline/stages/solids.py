@@ -1,0 +1,31 @@
+"""Read your own CAD files into solids in mm, once each.  DVC stage `solids`."""
+
+from functools import partial
+from pathlib import Path
+
+from industnerf.cli import run_as_stage
+from industnerf.config import StageParams
+from industnerf.parts.io.cad_files import find_cad_files
+from industnerf.parts.io.readers import write_solids
+from industnerf.parts.io.readers.sidecars import find_sidecars
+from industnerf.stage import Task, run_stage
+
+
+def main(cfg: StageParams, source: str, out: str) -> None:
+    is_user_cad, units = cfg.parts.source == "path", cfg.parts.units
+    files = find_cad_files(Path(source), cfg.parts.pattern, cfg.parts.select) if is_user_cad else []
+    tasks = [
+        Task(
+            file.file_id,
+            partial(write_solids, file.path, units),
+            [file.path.name, units],
+            (file.path, *find_sidecars(file.path)),
+        )
+        for file in files
+    ]
+    limits = {"limit_s": cfg.parts.time_limit_s, "memory_mb": cfg.parts.memory_limit_mb}
+    run_stage("solids", tasks, Path(out), cfg.on_failure, **limits)
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "solids")

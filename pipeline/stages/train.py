@@ -1,0 +1,35 @@
+"""Let a method learn from other parts, once a fold.  DVC stage `train`."""
+
+from functools import partial
+from pathlib import Path
+
+from industnerf.artifacts.split import load_split, train_parts
+from industnerf.cli import run_as_stage
+from industnerf.config import StageParams
+from industnerf.methods import load_method
+from industnerf.methods.base import Example, Scope
+from industnerf.methods.run_method import fit_method, training_files
+from industnerf.stage import Task, read_index, run_stage
+
+
+def main(cfg: StageParams, name: str, parts: str, views: str, split: str, out: str) -> None:
+    method, settings = load_method(name), getattr(cfg.method, name)
+    assignments, views_index = load_split(Path(split)), read_index(Path(views))
+    folds = {assignments[part_id].net_name for part_id in views_index}
+    tasks = []
+    for fold in sorted(folds) if method.scope == Scope.DATASET else []:
+        examples = [
+            Example(part_id, Path(parts) / part_id, Path(views) / part_id, method.inputs)
+            for part_id in train_parts(assignments, fold)
+            if part_id in views_index
+        ]
+        make = partial(fit_method, method, examples, settings=settings, seed=cfg.seed)
+        inputs = tuple(path for example in examples for path in training_files(example))
+        key = [name, settings, cfg.seed]
+        tasks.append(Task(fold, make, key, inputs, (method.module,), resumable=True))
+    limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
+    run_stage("train", tasks, Path(out), cfg.on_failure, **limits)
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "train")

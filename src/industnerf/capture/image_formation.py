@@ -1,0 +1,119 @@
+"""One photograph: what each pixel's center shows, then the means of the pixels on an edge."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Float, Float32, Int
+
+from industnerf.artifacts.views import RgbdImage
+from industnerf.capture.edges import BACKGROUND, Radiance, edge_mask, pixel_means
+from industnerf.capture.ray_hits import Surface, SurfacePoints
+from industnerf.capture.rng import RandomStreams
+from industnerf.capture.sensor import simulate_sensor
+from industnerf.capture.shading import Shading
+from industnerf.geometry.cameras import back_projection, project
+from industnerf.schema import ViewsParams
+
+NUM_DIRECTIONS = 16  # directions in the image along which the part is bounded
+MARGIN_PX = 0.01  # far above what float32 does to a pixel coordinate, 1e-4 px
+
+
+def render_image(
+    surface: Surface,
+    shade: Shading,
+    K: Float[np.ndarray, "3 3"],
+    c2w: Float[np.ndarray, "4 4"],
+    background: Float[np.ndarray, "3"],
+    settings: ViewsParams,
+    streams: RandomStreams,
+) -> RgbdImage:
+    """The photograph of `surface` from one camera.
+
+    Mask and depth are those of the pixel centers; color is the mean over the pixel.
+    """
+    side, camera_center = settings.resolution, c2w[:3, 3]
+    ray_basis = back_projection(K, c2w).astype(np.float32)
+    candidate_ids = np.flatnonzero(candidate_pixels(project(surface.vertices, K, c2w)[0], side))
+
+    def trace_rays(directions: Float32[np.ndarray, "rays 3"]) -> tuple[SurfacePoints, Radiance]:
+        hits = surface.intersect(camera_center, directions)
+        return hits, shade(hits)
+
+    hits, radiance = trace_rays(pixel_center_rays(ray_basis, side).take(candidate_ids, axis=0))
+    depth, hit_ids = np.zeros((side, side), np.float32), candidate_ids[hits.ray]
+    depth.flat[hit_ids] = hits.t
+    radiance = scatter(radiance, hit_ids, side * side).reshape(-1, side, side)
+
+    def radiance_at(uv: Float32[np.ndarray, "n 2"]) -> Radiance:
+        hits, radiance = trace_rays(uv @ ray_basis[:, :2].T + ray_basis[:, 2])
+        return scatter(radiance, hits.ray, len(uv))
+
+    edge_ids = np.flatnonzero(edge_mask(depth, radiance, K[0, 0]))
+    mean, coverage = pixel_means(radiance, edge_ids, radiance_at, settings.edge_samples)
+    final_radiance = composite(mean, coverage, shade.tint, background)
+    return RgbdImage(
+        simulate_sensor(final_radiance, settings.sensor, streams.generator("noise")),
+        depth > 0,
+        depth,
+    )
+
+
+def scatter(
+    radiance: Float32[np.ndarray, "channels hits"], indices: Int[np.ndarray, "hits"], rays: int
+) -> Float32[np.ndarray, "channels {rays}"]:
+    """`light` of the rays `at`, among all `rays`; BACKGROUND at the others."""
+    everywhere = np.full((len(radiance), rays), BACKGROUND)
+    for plane, values in zip(everywhere, radiance, strict=True):
+        plane[indices] = values
+    return everywhere
+
+
+def candidate_pixels(
+    points: Float[np.ndarray, "n 2"], side: int
+) -> Bool[np.ndarray, "{side} {side}"]:
+    """Pixels whose center lies in the polygon of 2 * AXES sides around the projected `points`.
+
+    A mesh lies in the convex hull of its vertices, and what lies before the camera is projected
+    into the hull of the projected vertices.  The polygon contains that hull: a ray through a
+    pixel outside it cannot meet the mesh.
+    """
+    angle = (np.arange(NUM_DIRECTIONS) + 0.5) * (
+        np.pi / NUM_DIRECTIONS
+    )  # none is vertical: all bound u
+    across, down = np.cos(angle), np.sin(angle)
+    projections = points @ np.stack([across, down])
+    bounds = np.stack([projections.min(axis=0) - MARGIN_PX, projections.max(axis=0) + MARGIN_PX])
+    centers = np.arange(side) + 0.5
+    ends = np.sort((bounds - centers[:, None, None] * down) / across, axis=1)
+    left, right = ends[:, 0].max(axis=1), ends[:, 1].min(axis=1)
+    return (centers >= left[:, None]) & (centers <= right[:, None])
+
+
+def pixel_center_rays(
+    ray_basis: Float32[np.ndarray, "3 3"], side: int
+) -> Float32[np.ndarray, "{side*side} 3"]:
+    """Directions through all pixel centers; their z in the camera is 1, so t is depth."""
+    pixel_centers = np.arange(side, dtype=np.float32) + np.float32(0.5)
+    grid = np.empty((side, side, 3), np.float32)
+    for axis, (u, v, one) in enumerate(ray_basis):
+        np.add.outer(v * pixel_centers + one, u * pixel_centers, out=grid[..., axis])
+    return grid.reshape(-1, 3)
+
+
+def composite(
+    radiance: Float32[np.ndarray, "channels h w"],
+    coverage: Float32[np.ndarray, "h w"],
+    tint: tuple[float, ...],
+    background: Float[np.ndarray, "3"],
+) -> Iterator[Float32[np.ndarray, "h w"]]:
+    """Linear radiance over the background, color by color, white being 255.
+
+    `light` counts covered area only.
+    """
+    uncovered = 1 - coverage
+    for color, albedo in enumerate(tint):
+        background_level = np.float32(255 * background[color])
+        yield (
+            np.float32(255 * albedo) * radiance[color % len(radiance)]
+            + background_level * uncovered
+        )

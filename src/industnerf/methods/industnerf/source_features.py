@@ -1,0 +1,187 @@
+"""What N is told of a point: pooled features of the source views (R3) and PosE (R1, R2)."""
+
+from collections.abc import Iterator
+
+import torch
+from jaxtyping import Bool, Float32, Int64
+from torch import Tensor, nn
+
+from industnerf.geometry.cameras import reduced_size
+from industnerf.methods.industnerf.encoder import STRIDE, Encoder
+from industnerf.methods.industnerf.pooling import (
+    attach_gradient,
+    pool,
+    pooled_channels,
+    pooling_weights,
+)
+from industnerf.methods.industnerf.position_encoding import (
+    encode_positions,
+    encoding_channels,
+    encoding_coordinates,
+)
+from industnerf.methods.industnerf.projection import is_in_view, project, sample_features
+from industnerf.methods.industnerf.ray_sampler import add_noise, downsample_images
+from industnerf.methods.industnerf.scene import NerfScene
+from industnerf.methods.industnerf.view_split import encoder_mode
+from industnerf.schema import IndustnerfSettings
+
+GRAY = 0.5
+
+
+class SourceFeatures(nn.Module):
+    """E, the source views, and what they say of the points that were placed last.
+
+    A step need not encode every image anew: E learns through the few views that are refreshed,
+    and the features of the others stay as they were last computed.
+    """
+
+    def __init__(self, scene: NerfScene, settings: IndustnerfSettings) -> None:
+        super().__init__()
+        self._scene = scene
+        self._network_settings = settings.network
+        self._readings = settings.readings
+        mode = encoder_mode(settings.readings.encoder)
+        self._position_only, self._image_noise = not mode.enabled, settings.image_noise
+        self.is_trainable = mode.trainable  # whether E is trained at all
+        self.encoder = Encoder(
+            self._network_settings.feature_channels,
+            self._network_settings.encoder_width,
+            self._network_settings.rgb_skip,
+        )
+        self.encoder.requires_grad_(mode.trainable)
+        encoding_width = encoding_channels(
+            self._network_settings.encoding_channels, self._readings.position_encoding
+        )
+        pooled_width = pooled_channels(self.encoder.out_channels, self._readings.view_pooling)
+        self.out_channels = encoding_width + (0 if self._position_only else pooled_width)
+
+    def __len__(self) -> int:
+        """How many views speak."""
+        return len(self._scene)
+
+    def set_points(self, points: Float32[Tensor, "m 3"], spacing: float = 0.0) -> None:
+        """From now on speak of these points; all views count alike.
+
+        They are `spacing` apart; 0: they are to be told all that the images show.
+        """
+        self._points, self._images = points, self._resized_images(spacing)
+        coordinates = encoding_coordinates(
+            points, self._scene.cameras.c2w[0], self._readings.encoding_frame
+        )
+        network_settings = self._network_settings
+        self._encoding = encode_positions(
+            coordinates,
+            network_settings.encoding_channels,
+            network_settings.encoding_alpha,
+            network_settings.encoding_beta,
+            self._readings.position_encoding,
+        )
+        if self._position_only:
+            return
+        self._features, self._valid = self._sample_all_views()
+        self._pool_weighted(None)
+
+    def _resized_images(self, spacing: float) -> Float32[Tensor, "v 3 h w"]:
+        """The images in [0, 1], so large that a texel of E stands for about `spacing`.
+
+        The unit ball is about as wide as the frame.  Between points there is nothing to be told,
+        and E would see in an image four times too large what it can not in those of later levels.
+        """
+        cameras = self._scene.cameras
+        image_px = round(STRIDE * 2 / spacing) if spacing else max(cameras.width, cameras.height)
+        width, height = reduced_size(cameras.width, cameras.height, image_px)
+        return downsample_images(self._scene, height, width).permute(0, 3, 1, 2)
+
+    def recompute_features(self) -> None:
+        """Have every view told by E as it is now."""
+        if not self._position_only:
+            self._features, _ = self._sample_all_views()
+            self._pool()
+
+    @torch.no_grad()
+    def _sample_all_views(self) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
+        return self._sample_views(torch.arange(len(self._scene)))
+
+    def set_view_weights(self, view_weights: Float32[Tensor, "v m"]) -> None:
+        """From now on trust each view as far as it was sure of the points; reading R3."""
+        if not self._position_only:
+            self._pool_weighted(view_weights)
+
+    def _pool_weighted(self, view_weights: Float32[Tensor, "v m"] | None) -> None:
+        self._weights = pooling_weights(self._valid, view_weights, self._readings.view_pooling)
+        self._pool()
+
+    def _pool(self) -> None:
+        reading = self._readings.view_pooling
+        self._pooled = pool(self._features, self._valid, self._weights, reading)
+
+    def select_points(self, indices: Int64[Tensor, "k"]) -> None:
+        """From now on speak of these of the points, in this order."""
+        self._points, self._encoding = self._points[indices], self._encoding[indices]
+        if not self._position_only:
+            self._features, self._valid = self._features[:, indices], self._valid[:, indices]
+            self._weights = self._weights[:, indices]
+            self._pool()
+
+    def refresh_views(
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
+    ) -> None:
+        """Encode these views anew; the next `forward` can be differentiated in E."""
+        fresh, valid = self._sample_views(views, generator)
+        self._features[views] = fresh.detach()
+        self._pool()
+        weights, reading = self._weights[views], self._readings.view_pooling
+        self._pooled = attach_gradient(self._pooled, fresh, valid, weights, reading)
+
+    def forward(self) -> Float32[Tensor, "m c"]:
+        """The inputs of N in eq. (4); the graph of a refreshed view is there for one step only."""
+        pooled = [] if self._position_only else [self._pooled]
+        inputs = torch.cat([self._encoding, *pooled], dim=1)
+        if pooled:
+            self._pooled = self._pooled.detach()
+        return inputs
+
+    @torch.no_grad()
+    def pooled_colors(self) -> Float32[Tensor, "m 3"]:
+        """That the views see where the points are: pooled as features are; gray if N is not told.
+
+        N's colors start there.  From gray, a thin black veil before white is learned sooner
+        than an opaque surface of the right color.
+        """
+        if self._position_only or not self._network_settings.rgb_skip:
+            return torch.full_like(self._points, GRAY)
+        return self._pooled[
+            :, self._network_settings.feature_channels : self._network_settings.feature_channels + 3
+        ]
+
+    def _sample_views(
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
+    ) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
+        """pi(F, P, X) of these views, and whether a point is in the view at all.
+
+        With a generator the images are noisier than they are, if E is to learn from noisier ones.
+        """
+        cameras, sampled, valid = self._scene.cameras, [], []
+        for view, features in zip(views.tolist(), self.encode_views(views, generator), strict=True):
+            uv, depth = project(self._points, cameras.K[view], cameras.c2w[view])
+            inside = is_in_view(uv, depth, cameras.width, cameras.height)
+            uv = uv.masked_fill(~inside[:, None], 0.0)
+            sampled.append(sample_features(features, uv, cameras.width, cameras.height))
+            valid.append(inside)
+        return torch.stack(sampled), torch.stack(valid)
+
+    def encode_views(
+        self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
+    ) -> Iterator[Float32[Tensor, "c th tw"]]:
+        """F = E(I), view by view, of images as coarse as the points.
+
+        On a GPU of all at once; else one has to fit into a cache.
+        """
+        images = [self._images[view][None] for view in views.tolist()]
+        if generator is not None:
+            images = [add_noise(image, self._image_noise, generator) for image in images]
+        backgrounds = self._scene.background[views][..., None, None].unbind(0)
+        if self._images.is_cuda:
+            images, backgrounds = [torch.cat(images)], [torch.stack(backgrounds)]
+        for encoded_batch in map(self.encoder, images, backgrounds):
+            yield from (encoded_batch[index] for index in range(len(encoded_batch)))

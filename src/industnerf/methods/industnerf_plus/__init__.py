@@ -1,0 +1,1 @@
+"""industnerf_plus."""

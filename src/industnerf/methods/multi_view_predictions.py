@@ -1,0 +1,31 @@
+"""From what a net says in the unit cube, once a view or once for all, to a reconstruction."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from industnerf.artifacts.state import ModelState
+from industnerf.errors import ReconstructionFailed
+from industnerf.geometry.bounding_cube import BoundingCube
+from industnerf.methods.base import Reconstruction
+
+
+def predictions_to_reconstruction(
+    clouds: Sequence[Float[np.ndarray, "_ 3"]], part_frame: BoundingCube, state: ModelState
+) -> Reconstruction:
+    """One or several answers in the unit cube of `frame`; their score is the mean.
+
+    The empty ones come last: the first, which stands for all in pictures, has points.
+    Raises ReconstructionFailed if every one of them is empty.
+    """
+    non_empty = [points for points in clouds if len(points)]
+    if not non_empty:
+        raise ReconstructionFailed(
+            f"all {len(clouds)} answers of the net are empty: it sees matter nowhere, above its "
+            "`threshold`"
+        )
+    empty = [points for points in clouds if not len(points)]
+    first, *others = [part_frame.to_mm(points) for points in (*non_empty, *empty)]
+    trained = {"num_parameters": state.num_parameters, "steps": state.steps}
+    return Reconstruction(first, extra_clouds_mm=tuple(others), **trained)

@@ -1,0 +1,120 @@
+"""Run a method: hand over what it declares, check and keep what it returns."""
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from industnerf.artifacts.cloud import Cloud, save_extra_clouds, save_warnings
+from industnerf.artifacts.state import ModelState
+from industnerf.errors import ReconstructionFailed
+from industnerf.methods.base import (
+    Example,
+    Input,
+    Method,
+    MethodInputs,
+    Reconstruction,
+    load_inputs,
+)
+from industnerf.methods.checks import check_reconstruction, check_renderings
+from industnerf.seeds import seed_for
+
+FILES = {
+    Input.RGB: "rgb",
+    Input.MASK: "mask",
+    Input.DEPTH: "depth",
+}
+
+
+def input_files(method: Method, part: Path, views: Path) -> tuple[Path, ...]:
+    """The files that `method` may depend on: its cameras, and what it declares."""
+    images = [views / FILES[name] for name in sorted(method.inputs) if name in FILES]
+    mesh = [part / "mesh.npz"] if method.inputs & {Input.OWN_MESH, Input.PART_FRAME} else []
+    return (views / "cameras.json", *images, *mesh)
+
+
+def training_files(example: Example) -> tuple[Path, ...]:
+    """The files of `example` that what is learned from it may depend on."""
+    images = [example.views / "cameras.json", example.views / "rgb"]
+    mesh = [example.part / "mesh.npz"] if Input.OTHER_MESHES in example.inputs else []
+    return (*(images if Input.RGB in example.inputs else []), *mesh)
+
+
+def fit_method(
+    method: Method,
+    examples: Sequence[Example],
+    target: Path,
+    *,
+    settings: Any,
+    seed: int,
+    scratch: Path,
+) -> None:
+    """Write into `target` what `method` learns from `examples`; `scratch` is to resume from.
+
+    Raises ReconstructionFailed if there is nothing to learn from.
+    """
+    if not examples:
+        raise ReconstructionFailed(
+            "no part is left to learn from: all are held out together (split.hold_out, split.folds)"
+        )
+    method_seed = seed_for(seed, "fit", method.name)
+    method.fit(examples, settings, method_seed, scratch).save(target)
+
+
+def reconstruct_part(
+    method: Method,
+    part: Path,
+    views: Path,
+    state: Path | None,
+    target: Path,
+    *,
+    settings: Any,
+    seed: int,
+    num_views: int = 0,
+) -> float:
+    """Write the cloud of one part into `target`, and whatever else the method returned.
+
+    `state` is the folder of what the method has learned from other parts; `num_views` is how many of
+    the training views it is given, 0: all.  Returns the seconds that the pictures of the held-out
+    views took: Table 2 asks for them, a reconstruction does not.
+
+    Raises ReconstructionFailed if the method returns no point, or one that is not finite.
+    """
+    inputs = load_inputs(method, part, views, num_views)
+    method_seed = seed_for(seed, "reconstruct", method.name, part.name)
+    loaded_state = None if state is None else ModelState.load(state)
+    result = check_reconstruction(
+        method.reconstruct(inputs, settings, loaded_state, method_seed), inputs
+    )
+    _cloud(part.name, result, inputs).save(target)
+    if result.warnings:
+        save_warnings(target, result.warnings)
+    if result.extra_clouds_mm:
+        save_extra_clouds(target, result.extra_clouds_mm)
+    for artifact in (result.candidates, result.history):
+        if artifact is not None:
+            artifact.save(target)
+    start = time.perf_counter()
+    if result.render is not None:
+        check_renderings(result.render(), inputs).save(target)
+    return time.perf_counter() - start
+
+
+def _cloud(part_id: str, result: Reconstruction, inputs: MethodInputs) -> Cloud:
+    """Gray, certain and of unknown view where the method does not say."""
+    n = len(result.points_mm)
+    default_color, default_confidence = np.full((n, 3), 128, np.uint8), np.ones(n, np.float32)
+    view = np.full(n, -1) if result.view is None else result.view
+    if inputs.view_indices is not None:  # a point names its view as the photographs are numbered
+        view = np.where(view >= 0, inputs.view_indices[view], -1)
+    return Cloud(
+        part_id,
+        result.points_mm.astype(np.float32),
+        default_color if result.colors is None else result.colors,
+        default_confidence if result.confidence is None else result.confidence.astype(np.float32),
+        view.astype(np.int16),
+        result.num_parameters,
+        result.steps,
+    )

@@ -1,0 +1,101 @@
+"""Faces turned outward, by what rays from outside see.
+
+Each patch of faces that are wound alike is turned if most rays meet it from behind.  A shell whose
+windings can be made to agree is turned as a whole where the rays do not speak against it.  A
+closed shell that hardly a ray reaches is judged by its volume and by the shell that holds it: see
+`_settle_hidden`.  Such rays came in through a crack; on all others no shell can come out worse
+than it was.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from industnerf.artifacts.part import Mesh
+from industnerf.parts.repair.containment import ContainmentTree
+from industnerf.parts.repair.mesh_ops import concatenate, replace_faces, solid_of_faces
+from industnerf.parts.repair.orientation_votes import OrientationVotes, ray_votes
+from industnerf.parts.repair.shells import Shells, find_shells
+from industnerf.schema import RepairParams
+
+MAJORITY_SHARE = (
+    0.55  # of a patch's rays; a sheet is seen from both sides alike, and stays as it is
+)
+MAX_STRAY_SHARE = 0.01  # of a shell's rays: so many may speak against making its windings agree
+HIDDEN_SHARE = 0.05  # of the rays that would reach a closed shell if it stood alone: it is hidden
+
+
+def orient(solids: list[Mesh], settings: RepairParams) -> tuple[list[Mesh], list[str], list[str]]:
+    """`solids` with faces turned where that shows fewer of them from behind."""
+    if not settings.fix_winding:
+        return solids, [], []
+    whole = concatenate(solids)
+    shells, votes = find_shells(whole), ray_votes(whole)
+    first = np.unique(shells.shell_of_face, return_index=True)[1]
+    flipped = _faces_to_flip(whole, shells, votes, solid_of_faces(solids)[first])
+    if not flipped.any():
+        return solids, [], []
+    before, after = votes.back_share(np.zeros_like(flipped)), votes.back_share(flipped)
+    message = (
+        f"faces turned: {flipped.sum()} of {len(flipped)}; of the rays from outside, {before:.2%} "
+        f"met a face from behind, now {after:.2%}"
+    )
+    faces = np.where(flipped[:, None], whole.faces[:, ::-1], whole.faces)
+    return replace_faces(solids, faces), [message], []
+
+
+def _faces_to_flip(
+    mesh: Mesh, shells: Shells, votes: OrientationVotes, solid: Int[np.ndarray, "s"]
+) -> Bool[np.ndarray, "m"]:
+    """Which faces to turn; `solid` is that of each shell."""
+    patch_flips = _patches_to_flip(shells, votes)
+    agreeing, reversed_ = shells.is_minority, ~shells.is_minority
+    back_votes = [shells.sum_per_shell(votes.back_votes(mask)) for mask in (agreeing, reversed_)]
+    num_votes = back_votes[0] + back_votes[1]
+    flipped = back_votes[0] > MAJORITY_SHARE * num_votes
+    hidden = shells.is_closed & (num_votes < HIDDEN_SHARE * votes.density * shells.area)
+    _orient_hidden_shells(mesh, shells, hidden, flipped, solid)
+    shell_flips = agreeing ^ flipped[shells.shell_of_face]
+    best_by_patch = (
+        shells.sum_per_shell(votes.back_votes(patch_flips)) + MAX_STRAY_SHARE * num_votes
+    )
+    current = shells.sum_per_shell(votes.back_votes(np.zeros_like(patch_flips)))
+    prefers_shell = shells.is_two_sided & (
+        np.where(flipped, back_votes[1], back_votes[0]) <= np.minimum(best_by_patch, current)
+    )
+    return np.where(
+        (prefers_shell & (num_votes > 0) | hidden)[shells.shell_of_face], shell_flips, patch_flips
+    )
+
+
+def _patches_to_flip(shells: Shells, votes: OrientationVotes) -> Bool[np.ndarray, "m"]:
+    back, front = (np.bincount(shells.patch_of_face, v) for v in (votes.back, votes.front))
+    return (back > MAJORITY_SHARE * (back + front))[shells.patch_of_face]
+
+
+def _orient_hidden_shells(
+    mesh: Mesh,
+    shells: Shells,
+    hidden: Bool[np.ndarray, "s"],
+    flipped: Bool[np.ndarray, "s"],
+    solid: Int[np.ndarray, "s"],
+) -> None:
+    """Decide `flipped`, in place, of the closed shells that are `hidden`.
+
+    One that a shell of its own solid holds is a cavity, hence rightly inside out, unless file and
+    rays say otherwise: where both are wound alike in themselves, they turn together.
+    """
+    if not hidden.any():
+        return
+    containment, outer = ContainmentTree(mesh, shells), np.flatnonzero(~hidden)
+    is_consistent = shells.sum_per_shell(shells.is_minority) == 0
+    for shell in np.flatnonzero(hidden).tolist():
+        containing = containment.containing_shells(shell, outer[solid[outer] == solid[shell]])
+        largest_container = max(
+            containing, key=lambda container: abs(shells.volume[container]), default=None
+        )
+        if largest_container is None:
+            flipped[shell] = shells.volume[shell] < 0
+        elif is_consistent[shell] and is_consistent[largest_container]:
+            flipped[shell] = flipped[largest_container]
+        else:
+            flipped[shell] = shells.volume[shell] > 0

@@ -1,0 +1,93 @@
+"""The shells of a mesh: faces that hang together over edges of exactly two faces.
+
+Within a shell every face can be reached from every other without choosing a way, so that its
+windings either agree, or can be made to, or the shell has one side only (a Moebius strip).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from industnerf.artifacts.part import Mesh
+from industnerf.parts.repair.edges import build_edges, component_labels
+from industnerf.parts.validation.checks import double_area_normals
+
+
+@dataclass(frozen=True)
+class Shells:
+    shell_of_face: Int[np.ndarray, "m"]  # the shell of each face
+    patch_of_face: Int[np.ndarray, "m"]  # the patch of each face: the part of its shell wound alike
+    is_minority: Bool[np.ndarray, "m"]  # the smaller part of a shell, wound against the rest
+    is_two_sided: Bool[np.ndarray, "s"]  # turning the odd faces makes all windings agree
+    is_closed: Bool[np.ndarray, "s"]  # two-sided, and every edge joins two faces of the shell
+    area: Float[np.ndarray, "s"]
+    volume: Float[np.ndarray, "s"]  # with the odd faces turned; meaningful where closed
+
+    def __len__(self) -> int:
+        return len(self.is_closed)
+
+    def sum_per_shell(self, values: np.ndarray) -> Float[np.ndarray, "s"]:
+        """The sum over each shell of what each face has."""
+        return np.bincount(self.shell_of_face, values, len(self))
+
+
+def find_shells(mesh: Mesh) -> Shells:
+    m = len(mesh.faces)
+    shell = component_labels(build_edges(mesh.faces).adjacent_faces()[0], m)
+    # Two shells that share a vertex or an edge are taken apart, and each looked at by itself.
+    edges = build_edges(_separate_shells(mesh.faces, shell))
+    pairs, is_consistent = edges.adjacent_faces()
+    area = np.linalg.norm(double_area_normals(mesh.vertices, mesh.faces), axis=1) / 2
+    is_minority, is_two_sided = _find_minority(pairs, is_consistent, shell, area)
+    has_border = np.zeros(len(is_two_sided), bool)
+    has_border[shell[(edges.face_count != 2)[edges.edges_of_face].any(axis=1)]] = True
+    signed = np.where(is_minority, -1, 1) * _tetrahedron_volumes(mesh, shell)
+    return Shells(
+        shell,
+        component_labels(pairs[is_consistent], m),
+        is_minority,
+        is_two_sided,
+        is_two_sided & ~has_border,
+        np.bincount(shell, area, len(is_two_sided)),
+        np.bincount(shell, signed, len(is_two_sided)),
+    )
+
+
+def _separate_shells(
+    faces: Int[np.ndarray, "m 3"], shell: Int[np.ndarray, "m"]
+) -> Int[np.ndarray, "m 3"]:
+    """`faces` renumbered so that no two shells share a vertex."""
+    keys = shell[:, None].astype(np.int64) * (int(faces.max()) + 1) + faces
+    return np.unique(keys, return_inverse=True)[1].reshape(-1, 3)
+
+
+def _find_minority(
+    pairs: Int[np.ndarray, "p 2"],
+    is_consistent: Bool[np.ndarray, "p"],
+    shell: Int[np.ndarray, "m"],
+    area: Float[np.ndarray, "m"],
+) -> tuple[Bool[np.ndarray, "m"], Bool[np.ndarray, "s"]]:
+    """`Shells.odd` and `Shells.two_sided`.
+
+    Every face f stands twice in a graph, as it is (f) and turned (f + m); neighbors are linked
+    such that their windings agree.  The copies of a two-sided shell fall apart into two halves.
+    """
+    m = len(shell)
+    (f, g), offset = pairs.T, np.where(is_consistent, 0, m)
+    links = np.concatenate([np.stack([f, g + offset], 1), np.stack([f + m, g + m - offset], 1)])
+    labels = component_labels(links, 2 * m)
+    unflipped, flipped = labels[:m], labels[m:]
+    shells, first = np.unique(shell, return_index=True)
+    is_two_sided = (unflipped != flipped)[first]
+    is_minority = unflipped != unflipped[first][shell]
+    is_majority = np.bincount(shell, np.where(is_minority, area, -area), len(shells)) > 0
+    return (is_minority ^ is_majority[shell]) & is_two_sided[shell], is_two_sided
+
+
+def _tetrahedron_volumes(mesh: Mesh, shell: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    """Signed volume of the tetrahedron from each face to one vertex of its shell."""
+    first = np.unique(shell, return_index=True)[1]
+    apex = mesh.vertices[mesh.faces[first, 0]][shell]
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] - apex for k in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6

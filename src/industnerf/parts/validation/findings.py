@@ -1,0 +1,113 @@
+"""Findings about files, as a table for a terminal, as sentences, and as a spreadsheet."""
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from industnerf.artifacts.files import write_text
+from industnerf.parts.validation.validate_file import Finding
+
+COLUMNS = (
+    "file",
+    "solid",
+    "verdict",
+    "refused",
+    "format",
+    "unit",
+    "solids",
+    "size_mm",
+    "faces",
+    "open_edges",
+    "back_face_share",
+    "mended",
+    "remaining",
+    "note",
+    "seconds",
+    "peak_mb",
+)
+
+
+def findings_table(findings: Sequence[Finding]) -> Table:
+    """A row for each of `findings`; the sentences behind the counts are in `verdicts`."""
+    grid = Table(title=_count_verdicts(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
+    for heading in (
+        "solids",
+        "faces",
+        "open\nedges",
+        "back\nfaces",
+        "mended",
+        "remains",
+        "s",
+        "MB",
+    ):
+        grid.add_column(heading, justify="right", no_wrap=True)
+    for finding in findings:
+        cost = (f"{finding.seconds:.1f}", f"{finding.peak_mb:.0f}") if finding.peak_mb else ("", "")
+        grid.add_row(_heading(finding), *_counts(finding), *cost)
+    return grid
+
+
+def _heading(finding: Finding) -> Text:
+    size = " x ".join(f"{side:.4g}" for side in finding.size_mm)
+    unit = finding.unit.replace(", assumed", "?").removesuffix(", stated")
+    detail = "refused" if finding.refused else f"{finding.format} ({unit}), {size}"
+    return Text.assemble(short_name(finding), "\n", (detail, "red" if finding.refused else "dim"))
+
+
+def _counts(finding: Finding) -> tuple[str, ...]:
+    if finding.refused:
+        return ("",) * 6
+    return (
+        str(finding.solids),
+        str(finding.faces),
+        str(finding.open_edges),
+        f"{finding.back_face_share:.2%}",
+        str(len(finding.repairs)),
+        str(len(finding.residual_defects)),
+    )
+
+
+def short_name(finding: Finding) -> str:
+    """The file without its folder, and the solid."""
+    return (
+        f"{Path(finding.file).name}: {finding.solid}" if finding.solid else Path(finding.file).name
+    )
+
+
+def _count_verdicts(findings: Sequence[Finding]) -> str:
+    counts = Counter(finding.verdict for finding in findings)
+    return ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items()))
+
+
+def verdict_lines(findings: Sequence[Finding]) -> Iterator[str]:
+    """A line for each of `findings`, and below it one for each thing mended, left or to note."""
+    for finding in findings:
+        yield f"{finding.name}: {finding.verdict}" + (
+            f": {finding.refused}" if finding.refused else ""
+        )
+        yield from (f"    mended: {sentence}" for sentence in finding.repairs)
+        yield from (f"    remains: {sentence}" for sentence in finding.residual_defects)
+        yield from (f"    note: {sentence}" for sentence in (finding.note,) if sentence)
+
+
+def write_csv(path: Path, findings: Sequence[Finding]) -> None:
+    """One row for each of `findings`."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(COLUMNS)
+    for finding in findings:
+        rows.writerow([_cell(getattr(finding, column)) for column in COLUMNS])
+    write_text(path, text.getvalue())
+
+
+def _cell(value: object) -> object:
+    if not isinstance(value, tuple):
+        return value
+    return "; ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in value)

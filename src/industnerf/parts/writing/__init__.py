@@ -1,1 +1,0 @@
-"""Parts as files for other programs: exact or faceted STEP, and triangles with their colours."""

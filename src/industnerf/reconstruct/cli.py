@@ -1,0 +1,210 @@
+"""The command line of `python -m industnerf.reconstruct`."""
+
+import argparse
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+METHODS = ("industnerf", "industnerf_plus")
+MESH_SUFFIXES = (".stl", ".ply", ".obj")
+COLORS = {
+    "white": (1.0, 1.0, 1.0),
+    "gray": (128 / 255, 128 / 255, 128 / 255),
+    "black": (0.0, 0.0, 0.0),
+}
+FloatTriple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What was asked for; every path to write to is settled."""
+
+    cameras: Path
+    images: Path | None  # None: beside the cameras
+    out: Path
+    npz: Path | None
+    mesh: Path | None
+    checkpoint: Path
+    preview: Path
+    has_explicit_preview: bool  # by the user, so that what stands there may be anything
+    method: str
+    params: Path | None
+    overrides: tuple[str, ...]
+    all_frames: bool
+    background: FloatTriple | None
+    max_size: int
+    center: FloatTriple | None
+    radius: float | None
+    checkpoint_every: float
+    preview_every: float
+    print_config: bool
+    no_resume: bool
+    force: bool
+
+
+def parse_args(arguments: Sequence[str], description: str) -> Options:
+    """The options in `arguments`; ends the process with code 2 and a sentence if they are wrong."""
+    parser = argparse.ArgumentParser(
+        prog="python -m industnerf.reconstruct",
+        description=description,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    # argparse's own takes -2.3e-05 for an option
+    parser._negative_number_matcher = re.compile(r"-\.?\d")
+    _add_inputs(parser)
+    _add_outputs(parser)
+    _add_settings(parser)
+    args = vars(parser.parse_args(arguments))
+    out, cameras, npz, preview, center = (
+        args.pop(key) for key in ("out", "cameras", "npz", "preview", "center")
+    )
+    if out.suffix.lower() != ".ply":
+        parser.error(f"--out {out}: must end in .ply")
+    mesh = args["mesh"]
+    if mesh is not None and mesh.suffix.lower() not in MESH_SUFFIXES:
+        parser.error(
+            f"--mesh {mesh}: must end in {', '.join(MESH_SUFFIXES[:-1])} or {MESH_SUFFIXES[-1]}"
+        )
+    if center is not None and args["radius"] is None:
+        parser.error("--center needs --radius beside it")
+    return Options(
+        cameras=cameras,
+        out=out,
+        npz=out.with_suffix(".npz") if npz else None,
+        checkpoint=args.pop("checkpoint") or Path(f"{out}.checkpoint"),
+        preview=preview or Path(f"{out}.preview.png"),
+        has_explicit_preview=preview is not None,
+        overrides=tuple(args.pop("overrides")),
+        center=center and tuple(center),
+        **args,
+    )
+
+
+def _add_inputs(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("what to work on")
+    group.add_argument("--cameras", required=True, type=Path, metavar="transforms.json")
+    group.add_argument("--images", type=Path, metavar="DIR", help="default: beside the cameras")
+    group.add_argument(
+        "--all", dest="every", action="store_true", help="every frame, not train_filenames alone"
+    )
+    group.add_argument(
+        "--background",
+        type=_color,
+        metavar="COLOR",
+        help="behind the part: white, gray, black or #rrggbb; shows through where a photograph is "
+        "see-through (default white), and is learned from the others if not given",
+    )
+    group.add_argument(
+        "--max-size",
+        dest="longest",
+        type=_int_at_least(16),
+        default=512,
+        metavar="PX",
+        help="reduce photographs to this long edge (512)",
+    )
+    group.add_argument(
+        "--center",
+        type=_finite_float,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="of the region of interest, in the unit of the cameras (default: what all look at)",
+    )
+    group.add_argument("--radius", type=_positive_float, metavar="R", help="of the same")
+
+
+def _add_outputs(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("what to write")
+    group.add_argument("--out", required=True, type=Path, metavar="cloud.ply")
+    group.add_argument(
+        "--mesh",
+        type=Path,
+        metavar="surface.stl",
+        help="the surface as triangles, closed: .stl, .ply or .obj",
+    )
+    group.add_argument("--npz", action="store_true", help="the same as .npz beside it")
+    group.add_argument("--force", action="store_true", help="overwrite what is there")
+    group.add_argument("--checkpoint", type=Path, metavar="FILE", help="default: OUT.checkpoint")
+    group.add_argument(
+        "--checkpoint-every",
+        type=_non_negative_float,
+        default=30.0,
+        metavar="S",
+        help="seconds (30); 0: only on Ctrl-C",
+    )
+    group.add_argument("--fresh", action="store_true", help="drop a checkpoint that is there")
+    group.add_argument(
+        "--preview",
+        type=Path,
+        metavar="FILE.png",
+        help="a photograph | its re-rendering (default: OUT.preview.png)",
+    )
+    group.add_argument(
+        "--preview-every",
+        type=_non_negative_float,
+        default=20.0,
+        metavar="S",
+        help="seconds (20); 0: no preview",
+    )
+
+
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("how")
+    group.add_argument("--method", choices=METHODS, default=METHODS[0])
+    group.add_argument(
+        "--params",
+        type=Path,
+        metavar="FILE",
+        help="default: params.yaml here, else the one that came with the code",
+    )
+    group.add_argument(
+        "--set",
+        dest="overrides",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="KEY=VALUE",
+        help="such as method.industnerf.grid_res=48 or seed=1; VALUE is JSON or a word",
+    )
+    group.add_argument("--show", action="store_true", help="print the settings used")
+
+
+def _color(text: str) -> FloatTriple:
+    if text.lower() in COLORS:
+        return COLORS[text.lower()]
+    if not re.fullmatch(r"#[0-9a-fA-F]{6}", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not {', '.join(COLORS)} or #rrggbb")
+    red, green, blue = bytes.fromhex(text[1:])
+    return red / 255, green / 255, blue / 255
+
+
+def _finite_float(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number")
+    return value
+
+
+def _positive_float(text: str) -> float:
+    if (value := _finite_float(text)) <= 0:
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value
+
+
+def _non_negative_float(text: str) -> float:
+    if (value := _finite_float(text)) < 0:
+        raise argparse.ArgumentTypeError(f"{text} is below 0")
+    return value
+
+
+def _int_at_least(minimum: int) -> Callable[[str], int]:
+    def parse_int(text: str) -> int:
+        if not re.fullmatch(r"\d+", text) or int(text) < minimum:
+            raise argparse.ArgumentTypeError(f"{text} is no whole number of at least {minimum}")
+        return int(text)
+
+    return parse_int

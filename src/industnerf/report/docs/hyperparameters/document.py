@@ -1,0 +1,126 @@
+"""The document: a table a section, and one a method; the NeRFs share theirs."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from industnerf.report.docs.hyperparameters.allowed_values import allowed_values
+from industnerf.report.docs.hyperparameters.paper_symbols import NERF_METHODS, PAPER_SYMBOLS
+from industnerf.report.docs.hyperparameters.reader_stages import reader_stages
+from industnerf.report.docs.hyperparameters.yaml_comments import find_meaning, parse_comments
+from industnerf.report.flatten_config import flatten
+
+HEAD = """# Hyper-parameters
+
+Section 4.2 of the paper promises "a list of the hyperparameters and other pertinent training
+details"; none follows. This is ours: every value of `params.yaml` with its comment there, what it
+may be, what the paper calls it, and the stages of `dvc.yaml` that read it: they rerun when it
+changes.
+
+This file is generated: `python -m industnerf.report.docs.hyperparameters` writes it.
+"""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What the document is made of."""
+
+    values: dict[str, Any]  # dotted key -> value of params.yaml
+    comments: dict[str, str]  # dotted key -> its comment there, of sections too
+    stages: dict[str, dict[str, Any]]  # of dvc.yaml
+
+
+def render_document(text: str, values: dict[str, Any], stages: dict[str, dict[str, Any]]) -> str:
+    """All parameters as Markdown; `text` is params.yaml, and `values` what it holds."""
+    sources = Sources(flatten(values), parse_comments(text), stages)
+    sections = [name for name, value in values.items() if isinstance(value, dict)]
+    sections.remove("method")
+    methods = [f"method.{name}" for name in values["method"] if name not in NERF_METHODS]
+    top_level = [key for key in sources.values if "." not in key]
+    return "".join(
+        [
+            f"{HEAD}\n## The study\n\n{_table(sources, '', {'': top_level})}",
+            *(_section(sources, name) for name in sections),
+            _nerf_section(sources),
+            *(_section(sources, name) for name in methods),
+        ]
+    )
+
+
+def _section(sources: Sources, prefix: str) -> str:
+    keys = {"": _keys_below(sources, prefix)}
+    return _heading(sources, prefix) + _table(sources, f"{prefix}.", keys)
+
+
+def _nerf_section(sources: Sources) -> str:
+    descriptions = "".join(
+        f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
+    )
+    keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
+    title = f"\n## `method.{'`, `method.'.join(NERF_METHODS)}`\n\nOne code, five settings.\n\n{descriptions}\n"
+    return title + _table(sources, "", keys)
+
+
+def _keys_below(sources: Sources, prefix: str) -> list[str]:
+    return [key for key in sources.values if key.startswith(f"{prefix}.")]
+
+
+def _heading(sources: Sources, prefix: str) -> str:
+    description = sources.comments.get(prefix, "")
+    period = "" if description.endswith("?") else "."
+    text = f"{description[0].upper()}{description[1:]}{period}\n\n" if description else ""
+    return f"\n## `{prefix}`\n\n{text}"
+
+
+def _table(sources: Sources, strip_prefix: str, columns: dict[str, list[str]]) -> str:
+    """A row for every key, without `cut`; a column of values for every prefix in `columns`."""
+    names = [prefix.removeprefix("method.").strip(".") or "value" for prefix in columns]
+    rows = [["name", *names, "allowed", "paper", "meaning", "read by"]]
+    rows.append(["---"] * len(rows[0]))
+    short_names = dict.fromkeys(key.removeprefix(p) for p, keys in columns.items() for key in keys)
+    section = strip_prefix
+    for name in short_names:
+        parent = name.rpartition(".")[0]
+        if parent != section and not strip_prefix.startswith(f"{parent}."):
+            description = find_meaning(f"{next(iter(columns))}{parent}", sources.comments)
+            rows += (
+                [_subsection_row(f"**{parent.removeprefix(strip_prefix)}**", names, description)]
+                if description
+                else []
+            )
+        section = parent
+        rows.append(_row(sources, strip_prefix, list(columns), name))
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def _subsection_row(title: str, names: list[str], description: str) -> list[str]:
+    """What a section within a table is about."""
+    return [title, *[""] * (len(names) + 2), escape_cell(description), ""]
+
+
+def _row(sources: Sources, strip_prefix: str, prefixes: list[str], name: str) -> list[str]:
+    keys = [f"{prefix}{name}" for prefix in prefixes]
+    present_key = next(key for key in keys if key in sources.values)
+    return [
+        f"`{name.removeprefix(strip_prefix)}`",
+        *(format_value(sources.values[key]) if key in sources.values else "" for key in keys),
+        escape_cell(allowed_values(present_key)),
+        PAPER_SYMBOLS.get(present_key, ""),
+        escape_cell(find_meaning(present_key, sources.comments)),
+        ", ".join(reader_stages(present_key, sources.stages)),
+    ]
+
+
+def format_value(value: Any) -> str:
+    """A value as params.yaml would have it, but always in one line."""
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    if isinstance(value, float):
+        return f"`{value:g}`"
+    if isinstance(value, list):
+        return f"`[{', '.join(format_value(item).strip('`') for item in value)}]`"
+    return f"`{value}`"
+
+
+def escape_cell(text: str) -> str:
+    """`text` in a cell of a table."""
+    return text.replace("|", "\\|").replace("*", "\\*")

@@ -1,0 +1,150 @@
+"""What the page's viewer shows: evenly spread points of each cloud, in about ten bytes a point.
+
+Positions are 16-bit steps of a cube round the part, `SPAN` diagonals wide.  Distances are 8-bit
+roots: 255 is `WORST` diagonals and more, 0 none.  Confidence is in 255ths.  A view is its number
+plus one, 0 is unknown.  What is the same at every point of a cloud is left out: it says nothing.
+"""
+
+import base64
+from dataclasses import dataclass
+
+import fpsample
+import numpy as np
+from jaxtyping import Float, Float32, Int64, UInt8
+
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import Mesh, Part, load_mesh
+from industnerf.artifacts.truth import Truth
+from industnerf.report.figures.error_distances import (
+    cloud_to_surface_distances,
+    truth_to_cloud_distances,
+)
+from industnerf.report.study import Study
+from industnerf.seeds import generator
+
+SHOWN_POINTS = 6000  # of each cloud
+MAX_POINTS = 65536  # a denser cloud is first cut to this by chance, as for its score
+SPAN = 3.0  # diagonals
+MAX_ERROR = 0.05  # diagonals
+DISC_SPACINGS = 1.4  # diameter of a disc, in mean distances of the truth's points
+
+
+@dataclass(frozen=True)
+class ViewerScene:
+    """One part in the viewer; `clouds` holds what `viewer.js` decodes, by method."""
+
+    part: Part
+    facts: dict[str, float]
+    clouds: dict[str, dict]
+
+
+def pack_scene(study: Study, part: Part) -> ViewerScene:
+    """The truth and every method's cloud of `part`, or why there is none.
+
+    Raises BadArtifact if a file is torn.
+    """
+    truth = Truth.load(study.folders.truth / part.part_id)
+    surface = load_mesh(study.folders.parts / part.part_id)
+    center = (truth.points_mm.min(axis=0) + truth.points_mm.max(axis=0)) / 2
+    box = Box(center.astype(np.float64), part.diagonal_mm)
+    indices = _even_subset(truth.points_mm, study.seed, part.part_id)
+    truth_points = truth.points_mm[indices]
+    clouds = {"truth": _pack_truth(truth, indices, box)}
+    for method in study.methods:
+        folder = study.folders.clouds / method / part.part_id
+        if folder.is_dir():
+            clouds[method] = _pack_cloud(Cloud.load(folder), surface, truth_points, box, study.seed)
+        else:
+            reason = study.failures.get(method, {}).get(part.part_id, "it made no cloud")
+            clouds[method] = {"failed": reason, "count": 0, "says": "", "arrays": {}}
+    facts = {
+        "diagonal_mm": part.diagonal_mm,
+        "span": SPAN,
+        "worst_mm": MAX_ERROR * part.diagonal_mm,
+        "disc": DISC_SPACINGS
+        * float(np.sqrt(part.area_mm2 / len(truth_points)))
+        / part.diagonal_mm,
+    }
+    return ViewerScene(part, facts, clouds)
+
+
+@dataclass(frozen=True)
+class Box:
+    """The cube that positions are steps of."""
+
+    center_mm: Float[np.ndarray, "3"]
+    diagonal_mm: float
+
+    def quantize_positions(self, points_mm: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Positions in [0, 65535], or beyond for points outside."""
+        return 65535 * ((points_mm - self.center_mm) / (SPAN * self.diagonal_mm) + 0.5)
+
+    def quantize_distances(self, distances_mm: Float[np.ndarray, "n"]) -> UInt8[np.ndarray, "n"]:
+        """Distances as roots in 255ths."""
+        share = np.clip(distances_mm / (MAX_ERROR * self.diagonal_mm), 0, 1)
+        return np.rint(255 * np.sqrt(share)).astype(np.uint8)
+
+
+def _pack_truth(truth: Truth, indices: np.ndarray, box: Box) -> dict:
+    arrays = {
+        "place": np.rint(box.quantize_positions(truth.points_mm[indices])).astype(np.uint16),
+        "visible": truth.visible[indices].astype(np.uint8),
+    }
+    caption = f"{len(indices)} of {len(truth.points_mm)} samples of the true surface"
+    return {"count": len(indices), "says": caption, "arrays": _to_base64(arrays)}
+
+
+def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box, seed: int) -> dict:
+    max_error_mm = MAX_ERROR * box.diagonal_mm
+    indices = _even_subset(cloud.points_mm, seed, cloud.part_id)
+    quantized = np.rint(box.quantize_positions(cloud.points_mm[indices]))
+    inside = ((quantized >= 0) & (quantized <= 65535)).all(axis=1)
+    indices, points = indices[inside], cloud.points_mm[indices[inside]]
+    arrays = {
+        "place": quantized[inside].astype(np.uint16),
+        "error": box.quantize_distances(cloud_to_surface_distances(points, surface)),
+        "missed": box.quantize_distances(
+            truth_to_cloud_distances(truth_points, cloud.points_mm, max_error_mm)
+        ),
+    } | _point_attributes(cloud, indices)
+    caption = f"{len(indices)} of {len(cloud.points_mm)} points"
+    num_outside = len(inside) - len(indices)
+    if num_outside:
+        caption += f"; {num_outside} more lie outside the picture"
+    return {"count": len(indices), "says": caption, "arrays": _to_base64(arrays)}
+
+
+def _point_attributes(cloud: Cloud, indices: np.ndarray) -> dict[str, np.ndarray]:
+    """What the method says of the points `few`, if it does not say the same of all."""
+    attributes = {
+        "confidence": np.rint(255 * np.clip(cloud.confidence, 0, 1)).astype(np.uint8),
+        "view": (cloud.view + 1).astype(np.uint16),
+        "color": cloud.colors,
+    }
+    varying = {name: values for name, values in attributes.items() if (values != values[:1]).any()}
+    return {name: values[indices] for name, values in varying.items()}
+
+
+def _even_subset(
+    points_mm: Float32[np.ndarray, "n 3"], seed: int, part_id: str
+) -> Int64[np.ndarray, "m"]:
+    """Which points are shown, in ascending order: the farthest of at most CAP."""
+    indices = np.arange(len(points_mm))
+    if len(indices) > MAX_POINTS:
+        indices = generator(seed, "viewer", part_id).choice(indices, MAX_POINTS, replace=False)
+    if len(indices) > SHOWN_POINTS:
+        centered = points_mm[indices] - points_mm[indices].mean(
+            axis=0
+        )  # fpsample computes in float32
+        indices = indices[
+            fpsample.bucket_fps_kdline_sampling(centered, SHOWN_POINTS, h=7, start_idx=0)
+        ]
+    return np.unique(indices)  # fpsample repeats itself where points coincide
+
+
+def _to_base64(arrays: dict[str, np.ndarray]) -> dict[str, str]:
+    """Little-endian bytes in base64."""
+    return {
+        name: base64.b64encode(values.astype(values.dtype.newbyteorder("<")).tobytes()).decode()
+        for name, values in arrays.items()
+    }

@@ -1,0 +1,88 @@
+"use strict";
+// What colors a cloud can be given, and the legend of each.  A cloud that does not hold what is
+// asked for is gray, and says so.
+
+const GRAY = [150, 158, 168];
+const SEEN = [70, 90, 120];
+const HIDDEN = [225, 150, 60];
+
+// 256 colors, three bytes each; `share` in [0, 1].
+function fromMap(map, share) {
+  const at = 3 * Math.min(255, Math.max(0, Math.floor(share * 256)));
+  return [map[at], map[at + 1], map[at + 2]];
+}
+
+// Hues of consecutive views lie far apart: the golden angle.
+function ofView(view) {
+  if (view < 0) return GRAY;
+  const hue = (view * 137.508) % 360;
+  const channel = (n) => {
+    const k = (n + hue / 30) % 12;
+    return Math.round(255 * (0.55 - 0.38 * Math.max(-1, Math.min(k - 3, 9 - k, 1))));
+  };
+  return [channel(0), channel(8), channel(4)];
+}
+
+// An array of three bytes a point; `color(i)` of point i.
+function colorEach(count, color) {
+  const colors = new Uint8Array(3 * count);
+  for (let i = 0; i < count; i++) colors.set(color(i), 3 * i);
+  return colors;
+}
+
+// Distances are stored as roots, for small ones matter most: 255 is `worst` mm.
+function millimeters(root, worst) {
+  return worst * (root / 255) ** 2;
+}
+
+// Each: what a cloud must hold, and the color of its point i.
+const COLORINGS = {
+  error: {
+    needs: "error", lacks: "there is nothing beside it to measure to",
+    of: (cloud, scene, look) => (i) =>
+      fromMap(look.maps.error, millimeters(cloud.error[i], scene.worst_mm) / look.limit_mm),
+  },
+  confidence: {
+    needs: "confidence", lacks: "it states no confidence that differs between points",
+    of: (cloud, scene, look) => (i) => fromMap(look.maps.confidence, cloud.confidence[i] / 255),
+  },
+  view: {
+    needs: "view", lacks: "it does not say which view a point is from",
+    of: (cloud) => (i) => ofView(cloud.view[i] - 1),
+  },
+  photo: {
+    needs: "color", lacks: "its points have no colors",
+    of: (cloud) => (i) => cloud.color.subarray(3 * i, 3 * i + 3),
+  },
+};
+
+// Colors of `cloud`, and why they are gray where they are.
+function colorsOf(cloud, scene, look) {
+  const coloring = COLORINGS[look.coloring];
+  if (cloud.visible && look.coloring !== "error") {
+    return { colors: colorEach(cloud.count, (i) => (cloud.visible[i] ? SEEN : HIDDEN)), why: "" };
+  }
+  if (!cloud[coloring.needs]) {
+    return { colors: colorEach(cloud.count, () => GRAY), why: coloring.lacks };
+  }
+  return { colors: colorEach(cloud.count, coloring.of(cloud, scene, look)), why: "" };
+}
+
+function ramp(map) {
+  const stops = [0, 32, 64, 96, 128, 160, 192, 224, 255].map((i) => `rgb(${map.subarray(3 * i, 3 * i + 3)})`);
+  return `<span class="ramp" style="background:linear-gradient(to right,${stops})"></span>`;
+}
+
+function spot([r, g, b], text) {
+  return `<span class="dot" style="background:rgb(${r},${g},${b})"></span>${text}`;
+}
+
+function legendOf(look) {
+  const truth = `truth: ${spot(SEEN, "seen by the reference rig")} ${spot(HIDDEN, "hidden from it")}`;
+  return {
+    error: `0 ${ramp(look.maps.error)} ${look.limit_mm.toPrecision(3)} mm and more`,
+    confidence: `confidence 0 ${ramp(look.maps.confidence)} 1; ${truth}`,
+    view: `each view has a color of its own, ${spot(GRAY, "view unknown")}; ${truth}`,
+    photo: `as in the photographs; ${truth}`,
+  }[look.coloring];
+}

@@ -1,0 +1,100 @@
+"""A finished report as files small enough to be committed, so that a clone shows its numbers."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from industnerf.artifacts.files import write_json, write_text
+from industnerf.errors import BadArtifact
+from industnerf.report.publish.downsample_images import downsample_png
+from industnerf.report.publish.provenance import environment
+from industnerf.report.tables.formats import markdown_table
+
+COPIED_FILES = {
+    "table1.csv": "every method: EMD, floor, failures, size, what it learned from",
+    "table1.md": "the same, with seconds",
+    "table2.csv": "the paper's three losses, on all test parts and on one of each family",
+    "table2.md": "the same, with all that belongs beside them",
+    "inspection.csv": "every method in millimeters: EMD, Hausdorff-95, what is in tolerance",
+    "inspection.md": "the same",
+    "goals.csv": "what was to be reached, and what was",
+    "goals.md": "the same",
+    "comparisons.csv": "paired tests between methods",
+    "comparisons.md": "the same",
+    "strata.csv": "each method on thin parts, on parts with pockets, and so on",
+    "strata.md": "the same, a line a method",
+    "scores.csv": "every score of every part: what all tables are made of",
+    "cost.csv": "seconds and peak memory of every result",
+    "cost.md": "their means, and those of learning, a line a method",
+}
+# By other names than DVC's: below one of its own it would take the folder for a second pipeline.
+RUN_FILES = {  # what is called so, and what it is
+    "params.yaml": ("params.yaml", "the values it was run with"),
+    "pipeline.yaml": ("dvc.yaml", "the dvc.yaml that was run"),
+    "pipeline.lock": ("dvc.lock", "the dvc.lock of the run"),
+}
+GENERATED_FILES = {
+    "environment.json": "the machine and the versions",
+    "made.json": "command, day, commit, and what differed from it",
+}
+IMAGE_BYTES = 1_400_000  # bytes of all together
+
+
+def publish_study(report: Path, out: Path, provenance: dict[str, Any], project: Path) -> None:
+    """Fill `out` anew from the folder `report`; `made` says where that comes from.
+
+    `project` has what was run beside it: settings go on to change, a published result does not.
+
+    Raises BadArtifact that names the first file that is missing, and leaves `out` as it is.
+    """
+    needed = [
+        *(report / name for name in COPIED_FILES),
+        *(project / name for name, _ in RUN_FILES.values()),
+    ]
+    for path in needed:
+        if not path.exists():
+            raise BadArtifact(f"{path} is missing; `dvc repro -f -s report` in {project} writes it")
+    draft = out.with_name(f".{out.name}.draft")
+    shutil.rmtree(draft, ignore_errors=True)
+    draft.mkdir(parents=True)
+    _write_files(draft, report, provenance, project)
+    shutil.rmtree(out, ignore_errors=True)
+    draft.rename(out)
+
+
+def _write_files(out: Path, report: Path, provenance: dict[str, Any], project: Path) -> None:
+    for name in COPIED_FILES:
+        shutil.copyfile(report / name, out / name)
+    for name, (source, _) in RUN_FILES.items():
+        shutil.copyfile(project / source, out / name)
+    images = sorted(report.glob("*.png"))
+    for path in images:
+        (out / path.name).write_bytes(downsample_png(path.read_bytes(), IMAGE_BYTES // len(images)))
+    write_json(out / "environment.json", environment())
+    write_json(out / "made.json", provenance)
+    write_text(out / "README.md", readme_text(out, provenance))
+
+
+def readme_text(out: Path, provenance: dict[str, Any]) -> str:
+    """The README.md of the published folder `out`."""
+    images = sorted(path.name for path in out.glob("*.png"))
+    run_files = {name: text for name, (_, text) in RUN_FILES.items()}
+    files = [
+        [f"`{name}`", text] for name, text in (COPIED_FILES | run_files | GENERATED_FILES).items()
+    ]
+    return (
+        f"# Results of `{provenance['command']}`\n\n"
+        "Copied from its report by `pipeline/publish.py`; not to be edited.  docs/protocol.md says "
+        f"what the numbers are.{_rebuilt_sentence(provenance)}\n\n"
+        f"{markdown_table(['file', 'what'], files)}\n"
+        + "".join(f"![{name}]({name})\n" for name in images)
+    )
+
+
+def _rebuilt_sentence(provenance: dict[str, Any]) -> str:
+    if (rebuilt := provenance.get("retabled")) is None:
+        return ""
+    return (
+        f"  Its tables were made anew from its scores and costs on {rebuilt['date']}, commit "
+        f"{rebuilt['commit']}, by `pipeline/rebuild_tables.py`: no score was measured anew."
+    )

@@ -1,0 +1,130 @@
+"""How far results move with the seed, from the points of a sweep over it.
+
+Mean EMD (even) over the test parts `subsets.seed_parts`, failures included, for each seed, and the
+standard deviation of these means: to be held against differences between methods.  Beside it the
+same of a single part, as the root of the mean variance over the parts.
+"""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isclose
+from pathlib import Path
+from statistics import fmean, stdev, variance
+
+from industnerf.errors import BadArtifact
+from industnerf.report.part_subsets import seed_parts
+from industnerf.report.tables.formats import read_csv
+from industnerf.report.tables.score_lookup import EMD_EVEN
+
+EmdsBySeed = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
+EmdsByMethod = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with one seed
+CSV_PRECISION = 1e-5  # relative: a mean as seeds.csv prints it
+
+
+@dataclass(frozen=True)
+class SeedVariance:
+    """One method over the same parts with several seeds."""
+
+    method: str
+    parts: int
+    means: dict[int, float]  # seed -> mean EMD
+    mean: float  # over all seeds
+    sd: float  # of these means
+    part_sd: float  # of the EMD of one part
+    mean_mm: float | None = None  # mean EMD with seed 0, each part in mm
+
+
+def read_seed_sweeps(folders: Sequence[Path]) -> dict[str, dict[int, dict[str, float]]]:
+    """Method -> seed -> part id -> EMD (even) of the fixed parts, from every point's report.
+
+    Raises BadArtifact if a folder has no finished point.
+    """
+    emds: dict[str, dict[int, dict[str, float]]] = defaultdict(lambda: defaultdict(dict))
+    for folder in folders:
+        points = sorted(folder.glob("*/reports/scores.csv"))
+        if not points:
+            raise BadArtifact(f"{folder} has no */reports/scores.csv: no finished point of a sweep")
+        for path in points:
+            for row in fixed_part_rows(path):
+                emds[row["method"]][int(row["seed"])][row["part_id"]] = float(row["value"])
+    return emds
+
+
+def fixed_part_rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a scores.csv that have the EMD (even) of the fixed parts."""
+    rows = [
+        row
+        for row in read_csv(path)
+        if (row["metric"], row["protocol"], row["split"]) == (*EMD_EVEN, "test")
+    ]
+    fixed = seed_parts({row["part_id"] for row in rows})
+    return [row for row in rows if row["part_id"] in fixed]
+
+
+def seed_variance(method: str, emds: EmdsBySeed) -> SeedVariance:
+    """Raises BadArtifact if there is one seed alone, or the seeds have not the same parts."""
+    if len(emds) < 2:
+        raise BadArtifact(f"{method}: a spread needs two seeds or more, found {sorted(emds)}")
+    parts = sorted(next(iter(emds.values())))
+    for seed, values in emds.items():
+        if sorted(values) != parts:
+            different = ", ".join(sorted(set(parts) ^ set(values)))
+            raise BadArtifact(f"{method}: seed {seed} has not the same parts: {different}")
+    means = {seed: fmean(emds[seed].values()) for seed in sorted(emds)}
+    variances = [variance([values[part] for values in emds.values()]) for part in parts]
+    return SeedVariance(
+        method,
+        len(parts),
+        means,
+        fmean(means.values()),
+        stdev(means.values()),
+        fmean(variances) ** 0.5,
+    )
+
+
+def seed_variances(folders: Sequence[Path]) -> list[SeedVariance]:
+    """Of every method in the sweeps `folders`, the best first."""
+    return sorted(
+        (seed_variance(*each) for each in read_seed_sweeps(folders).items()), key=lambda s: s.mean
+    )
+
+
+def emds_with_seed_0(reports: Sequence[Path]) -> EmdsByMethod:
+    """The EMDs (even) of the fixed parts with seed 0, from the scores.csv of each of `reports`."""
+    emds: dict[str, dict[str, float]] = defaultdict(dict)
+    for report in reports:
+        for row in fixed_part_rows(report / "scores.csv"):
+            if row["seed"] == "0":
+                emds[row["method"]][row["part_id"]] = float(row["value"])
+    return emds
+
+
+def add_mean_mm(
+    rows: Sequence[SeedVariance], emds_by_method: EmdsByMethod, diagonals_mm: Mapping[str, float]
+) -> list[SeedVariance]:
+    """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`.
+
+    Of others what was known stays: a later study may have other clouds than the sweep had.
+    """
+    means_mm = {
+        row.method: _mean_mm(row, emds_by_method.get(row.method, {}), diagonals_mm) for row in rows
+    }
+    return [replace(row, mean_mm=means_mm[row.method] or row.mean_mm) for row in rows]
+
+
+def matches_run(row: SeedVariance, seed: int, emds: Mapping[str, float] | None) -> bool:
+    """Whether `emds`, by fixed part, are what `row` had with `seed`: as many, of that mean."""
+    return (
+        bool(emds)
+        and len(emds) == row.parts
+        and isclose(fmean(emds.values()), row.means.get(seed, inf), rel_tol=CSV_PRECISION)
+    )
+
+
+def _mean_mm(
+    row: SeedVariance, emds: Mapping[str, float], diagonals_mm: Mapping[str, float]
+) -> float | None:
+    if not matches_run(row, 0, emds) or not emds.keys() <= diagonals_mm.keys():
+        return None
+    return fmean(emd * diagonals_mm[part] for part, emd in emds.items())

@@ -1,0 +1,116 @@
+"""Means over parts, and how sure they are: parts of one family are not independent."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+import numpy as np
+from jaxtyping import Float
+
+from industnerf.schema import ReportParams
+from industnerf.seeds import generator
+
+MAX_EXACT_FAMILIES = 20  # families up to which every pattern of signs is tried: 2**20 sums are 8 MB
+BOOTSTRAP_SEED = 0  # of the draws of intervals over points of a sweep, whatever the seeds of these
+SIGN_FLIP_DRAWS = 65_536  # patterns of signs that stand for all where there are more families
+
+
+def bootstrap_interval(
+    values: Sequence[float], families: Sequence[str], settings: ReportParams, seed: int
+) -> tuple[float, float]:
+    """Percentile interval of the mean under a cluster bootstrap.
+
+    Whole families are drawn with replacement, the same ones for every method; a draw's mean is over
+    all parts in it.  With one family there is nothing to draw from: what comes back is no interval
+    but the smallest and the largest value, and who shows it says so.
+    """
+    if len(set(families)) < 2:
+        return min(values), max(values)
+    sums, counts = _by_family(values, families)
+    rng = generator(seed, "bootstrap")
+    family_draws = rng.integers(len(sums), size=(settings.bootstrap_resamples, len(sums)))
+    means = sums[family_draws].sum(axis=1) / counts[family_draws].sum(axis=1)
+    tail = (1 - settings.confidence_level) / 2
+    low, high = np.quantile(means, [tail, 1 - tail])
+    return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class PairedChange:
+    """What the same parts score under two settings: the mean difference, and how sure it is."""
+
+    mean: float
+    low: float
+    high: float
+    parts: int
+    num_lower: int  # parts that score less than before
+
+
+def paired_change(
+    before: Mapping[str, float],
+    after: Mapping[str, float],
+    families: Mapping[str, str],
+    settings: ReportParams,
+    seed: int,
+) -> PairedChange | None:
+    """`after` less `before`, part by part, of all parts that have both; None if none has.
+
+    A part that is hard is hard in both, so a difference is surer than the two means are.
+    """
+    parts = sorted(before.keys() & after.keys())
+    if not parts:
+        return None
+    changes = [after[part] - before[part] for part in parts]
+    interval = bootstrap_interval(changes, [families[part] for part in parts], settings, seed)
+    return PairedChange(
+        fmean(changes), *interval, len(parts), sum(change < 0 for change in changes)
+    )
+
+
+def sign_flip_p(
+    differences: Sequence[float], families: Sequence[str], rng: np.random.Generator
+) -> float:
+    """Two-sided p-value of the paired permutation test of a mean difference of 0.
+
+    If two methods are alike, the difference on a part is as likely to have the other sign.  Parts
+    of a family have their differences in common, so they flip together.  p is the share of the
+    patterns of signs whose mean is at least as far from 0 as the one found: of all 2**families
+    patterns, the one found among them, where there are at most EXACT families; else of DRAWS drawn
+    ones and the one found, so that p is never 0 (Phipson and Smyth, 2010).
+    """
+    sums, _ = _by_family(differences, families)
+    observed = abs(sums.sum()) - 1e-12 * np.abs(sums).sum()  # sums in another order round otherwise
+    if len(sums) <= MAX_EXACT_FAMILIES:
+        return float(np.mean(np.abs(_all_flips(sums)) >= observed))
+    flipped = rng.choice([-1.0, 1.0], size=(SIGN_FLIP_DRAWS, len(sums))) @ sums
+    return float((1 + np.sum(np.abs(flipped) >= observed)) / (1 + SIGN_FLIP_DRAWS))
+
+
+def holm_correction(p_values: Sequence[float]) -> list[float]:
+    """Each p-value as large as all tests together make it (Holm, 1979), in the order given.
+
+    To call what is at most 0.05 a difference is wrong anywhere with probability 0.05 at most,
+    however the tests depend on each other.
+    """
+    ascending = np.argsort(p_values, kind="stable")
+    factors = np.arange(len(p_values), 0, -1)  # the smallest competes with all, the largest alone
+    monotone = np.minimum(1, np.maximum.accumulate(factors * np.asarray(p_values)[ascending]))
+    adjusted = np.empty(len(p_values))
+    adjusted[ascending] = monotone
+    return adjusted.tolist()
+
+
+def _by_family(
+    values: Sequence[float], families: Sequence[str]
+) -> tuple[Float[np.ndarray, "f"], Float[np.ndarray, "f"]]:
+    """The sum of the values of each family, and how many there are."""
+    _, index = np.unique(list(families), return_inverse=True)
+    return np.bincount(index, weights=values), np.bincount(index).astype(np.float64)
+
+
+def _all_flips(sums: Float[np.ndarray, "f"]) -> Float[np.ndarray, "patterns"]:
+    """The sum of `sums` under every pattern of signs."""
+    totals = np.zeros(1)
+    for each in sums:
+        totals = np.concatenate([totals + each, totals - each])
+    return totals

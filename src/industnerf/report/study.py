@@ -1,0 +1,175 @@
+"""Everything the report is made of, read once."""
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from industnerf.artifacts.cloud import EXTRA_CLOUDS, Cloud, load_warnings
+from industnerf.artifacts.files import read_npz
+from industnerf.artifacts.part import Part, load_parts
+from industnerf.artifacts.scores import PartScore, load_method_scores
+from industnerf.artifacts.split import SplitAssignment, load_split
+from industnerf.artifacts.state import ModelState
+from industnerf.artifacts.truth import Truth
+from industnerf.artifacts.views import load_views
+from industnerf.methods import load_method
+from industnerf.methods.base import Method
+from industnerf.report.input_views import InputViews, input_views_of
+from industnerf.stage import read_failures, read_index
+
+
+@dataclass(frozen=True)
+class StudyFolders:
+    """Where the stages before the report wrote."""
+
+    solids: Path
+    parts: Path
+    views: Path
+    split: Path
+    truth: Path
+    states: Path
+    clouds: Path
+    scores: Path
+
+
+@dataclass(frozen=True)
+class TrainingSummary:
+    """How a method learned from other parts."""
+
+    model_size: str  # of its net; empty where it has none
+    num_train_parts: int  # the fewest that any of its nets learned from
+    hold_out: str  # see split.hold_out
+    has_converged: bool  # every net's validation loss had stopped falling
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """One run of the pipeline."""
+
+    preset: str
+    seed: int
+    num_train_views: int  # training views a part
+    methods: dict[str, Method]
+    parts: dict[str, Part]
+    assignments: dict[str, SplitAssignment]
+    scores: list[PartScore]
+    failures: dict[str, dict[str, str]]  # stage, method or its scoring -> part id -> why
+    input_warnings: dict[
+        str, dict[str, list[str]]
+    ]  # method -> part id -> what it said of its images
+    parameters_and_steps: dict[
+        str, tuple[int, int]
+    ]  # method -> trained numbers, most steps a part or net
+    training_summaries: dict[str, TrainingSummary]  # method that learns from other parts -> what of
+    train_visible_share: dict[str, float]  # part id -> share of its area
+    rig_visible_share: dict[str, float]  # the same, of what counts
+    folders: StudyFolders
+    input_views: dict[str, InputViews]  # method -> what it was given of those views
+    seeds_sd: dict[str, float]  # method -> how far its mean EMD moves with the seed, where known
+    empty_predictions: dict[tuple[str, str], int]  # by method and split, where several are given
+
+
+@dataclass(frozen=True)
+class RunMetadata:
+    """What parameters say of a study."""
+
+    preset: str
+    seed: int
+    num_train_views: int
+    hold_out: str
+    methods: list[str]
+    method_settings: Any  # of methods, by their names
+
+
+def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
+    """Read every artefact; raises BadArtifact that names the first one missing or torn."""
+    methods = metadata.methods
+    loaded = {name: load_method(name) for name in methods}
+    view_index, assignments = read_index(folders.views), load_split(folders.split)
+    return Study(
+        preset=metadata.preset,
+        seed=metadata.seed,
+        num_train_views=metadata.num_train_views,
+        methods=loaded,
+        parts={part.part_id: part for part in load_parts(folders.parts)},
+        assignments=assignments,
+        scores=[row for name in methods for row in load_method_scores(folders.scores / name, name)],
+        failures=failures_of(folders, methods),
+        input_warnings={name: _load_input_warnings(folders.clouds / name) for name in methods},
+        parameters_and_steps={
+            name: _parameters_and_steps(folders.clouds / name) for name in methods
+        },
+        training_summaries={
+            name: summary
+            for name in methods
+            if (summary := _training_summary(folders.states / name, metadata.hold_out)) is not None
+        },
+        train_visible_share={
+            name: load_views(folders.views / name).train_visible_share for name in view_index
+        },
+        rig_visible_share={
+            name: Truth.load(folders.truth / name).visible_share
+            for name in read_index(folders.truth)
+        },
+        folders=folders,
+        input_views={
+            name: input_views_of(loaded[name], metadata.num_train_views, metadata.method_settings)
+            for name in methods
+        },
+        seeds_sd={},
+        empty_predictions=_count_empty_predictions(folders.clouds, methods, assignments),
+    )
+
+
+def failures_of(folders: StudyFolders, methods: list[str]) -> dict[str, dict[str, str]]:
+    """Of each stage on the way from a part to its score; a stage hands on those before it."""
+    parts, views = read_failures(folders.parts), read_failures(folders.views)
+    failures = {"parts": parts, "views": _without(views, parts)}
+    failures["truth"] = _without(read_failures(folders.truth), parts)
+    for name in methods:
+        failures[name] = _without(read_failures(folders.clouds / name), views)
+        failures[f"scoring {name}"] = read_failures(folders.scores / name)
+    return failures
+
+
+def _without(failures: dict[str, str], earlier: dict[str, str]) -> dict[str, str]:
+    """`failures` without those that the stage before handed on."""
+    return {part: reason for part, reason in failures.items() if part not in earlier}
+
+
+def _load_input_warnings(clouds: Path) -> dict[str, list[str]]:
+    warnings_by_part = {part: load_warnings(clouds / part) for part in read_index(clouds)}
+    return {part: messages for part, messages in warnings_by_part.items() if messages}
+
+
+def _parameters_and_steps(clouds: Path) -> tuple[int, int]:
+    """The most that any part, or any of several nets, took."""
+    sizes = [Cloud.load_training_stats(clouds / part) for part in read_index(clouds)]
+    return max(sizes, key=lambda size: size[::-1], default=(0, 0))
+
+
+def _count_empty_predictions(
+    clouds: Path, methods: list[str], assignments: dict[str, SplitAssignment]
+) -> dict[tuple[str, str], int]:
+    """Answers without a point, over the parts of each split that did not fail."""
+    counts = Counter[tuple[str, str]]()
+    for name in methods:
+        for part in read_index(clouds / name):
+            if (path := clouds / name / part / EXTRA_CLOUDS).exists():
+                (ends,) = read_npz(path, ("ends",), "reconstruct")
+                empty = np.count_nonzero(np.diff(ends, prepend=0) == 0)
+                counts[name, assignments[part].split] += int(empty)
+    return dict(counts)
+
+
+def _training_summary(states: Path, hold_out: str) -> TrainingSummary | None:
+    """None if the method learned from no other part."""
+    summaries = [ModelState.summary(states / net) for net in read_index(states)]
+    if not summaries:
+        return None
+    num_train_parts = min(summary["num_parts"] for summary in summaries)
+    has_converged = all(summary["converged"] for summary in summaries)
+    return TrainingSummary(summaries[0]["size"], num_train_parts, hold_out, has_converged)

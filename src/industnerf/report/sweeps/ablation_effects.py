@@ -1,0 +1,130 @@
+"""What each reading of the paper costs or gains by itself: from a sweep to docs/readings.md."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from statistics import fmean
+from typing import Any, get_args, get_type_hints
+
+from industnerf.config import read_yaml
+from industnerf.errors import BadArtifact
+from industnerf.report.flatten_config import flatten
+from industnerf.report.statistics.significance import BOOTSTRAP_SEED, paired_change
+from industnerf.report.tables.formats import label_intervals, markdown_table, read_csv
+from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.schema import ReportParams
+from industnerf.schema.readings import Readings
+
+METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
+HEADS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
+NOT_MEASURED = "not yet measured"
+RGB_MSE = ("rgb_mse", "P1-union")
+
+
+@dataclass(frozen=True)
+class PointScores:
+    """What the method scored under one set of settings."""
+
+    settings: dict[str, Any]  # by dotted key
+    emd: dict[str, float]  # part id -> EMD (even)
+    families: dict[str, str]
+    num_failed: int
+    rgb_mse: dict[str, float] = field(default_factory=dict)  # part id -> RGB MSE
+
+
+def read_point_scores(sweep: Path, methods: Sequence[str] = METHODS) -> list[PointScores]:
+    """Every finished point of the folder of a sweep, of the first of `methods` that it ran.
+
+    Raises BadArtifact if there is none.
+    """
+    points = [path.parent.parent for path in sorted(sweep.glob("*/reports/scores.csv"))]
+    if not points:
+        raise BadArtifact(f"{sweep} holds no finished point; the same sweep goes on")
+    return [_read_point(point, methods) for point in points]
+
+
+def _read_point(point: Path, methods: Sequence[str]) -> PointScores:
+    params = read_yaml(point / "params.yaml")
+    method = next((name for name in methods if name in params["methods"]), None)
+    if method is None:
+        raise BadArtifact(f"{point} ran none of {', '.join(methods)}")
+    method_rows = [
+        row for row in read_csv(point / "reports" / "scores.csv") if row["method"] == method
+    ]
+    emd_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == EMD_EVEN]
+    rgb_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == RGB_MSE]
+    return PointScores(
+        flatten(params["method"][method]),
+        {row["part_id"]: float(row["value"]) for row in emd_rows},
+        {row["part_id"]: row["family"] for row in emd_rows},
+        sum(row["status"] != "ok" for row in emd_rows),
+        {row["part_id"]: float(row["value"]) for row in rgb_rows},
+    )
+
+
+def readings_table(
+    points: list[PointScores],
+    default: Readings,
+    reading_ids: dict[str, str],
+    settings: ReportParams,
+) -> str:
+    """A row for every reading of every id: its mean, and the mean paired difference.
+
+    `ids` maps the name of a reading to its number.  A point in which more than one reading is
+    not the default says nothing about either, and is not used.
+    """
+    defaults = vars(default)
+    by_change = {_single_change(point.settings, defaults): point for point in points}
+    baseline = by_change.get(("", ""))
+    rows = [
+        _row(reading_ids[name], value, value == defaults[name], by_change, baseline, name, settings)
+        for name in (each.name for each in fields(Readings))
+        for value in _ordered(name, defaults[name])
+    ]
+    return markdown_table(label_intervals(HEADS, settings.confidence_level), rows)
+
+
+def _ordered(name: str, default: str) -> list[str]:
+    values = get_args(get_type_hints(Readings)[name])
+    return sorted(values, key=lambda value: value != default)
+
+
+def _single_change(settings: dict[str, Any], defaults: dict[str, str]) -> tuple[str, str] | None:
+    """The one reading that is not as usual; two empty texts if all are, None if several are not.
+
+    Raises BadArtifact if the sweep did not know one of them.
+    """
+    if missing := [name for name in defaults if f"readings.{name}" not in settings]:
+        raise BadArtifact(f"the sweep was run before {missing[0]} was a reading: run it anew")
+    current = {name: settings[f"readings.{name}"] for name in defaults}
+    changed = [(name, value) for name, value in current.items() if value != defaults[name]]
+    return ("", "") if not changed else changed[0] if len(changed) == 1 else None
+
+
+def _row(
+    reading_id: str,
+    value: str,
+    is_default: bool,
+    by_change: dict[tuple[str, str] | None, PointScores],
+    baseline: PointScores | None,
+    name: str,
+    settings: ReportParams,
+) -> list[str]:
+    point = baseline if is_default else by_change.get((name, value))
+    if point is None:
+        return [reading_id, f"`{value}`", NOT_MEASURED, "", "", "", ""]
+    cells = [reading_id, f"`{value}`", f"{fmean(point.emd.values()):.4f}"]
+    cells += (
+        ["", ""] if is_default or baseline is None else format_difference(point, baseline, settings)
+    )
+    return [*cells, str(len(point.emd)), str(point.num_failed)]
+
+
+def format_difference(
+    point: PointScores, baseline: PointScores, settings: ReportParams
+) -> list[str]:
+    """The mean over parts of what `one` scored less what `base` did, and its interval."""
+    change = paired_change(baseline.emd, point.emd, baseline.families, settings, BOOTSTRAP_SEED)
+    if change is None:
+        return ["", ""]
+    return [f"{change.mean:+.4f}", f"{change.low:+.4f} to {change.high:+.4f}"]

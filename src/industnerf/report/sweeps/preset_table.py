@@ -1,0 +1,179 @@
+"""The table of docs/sweeps.md: every sweep preset, what it asks, and what came out.
+
+Below it are the presets whose results have documents of their own.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from industnerf.config import read_yaml
+from industnerf.report.publish.provenance import read_provenance
+from industnerf.report.sweeps.command_line import command_line_of
+from industnerf.report.tables.formats import format_significant, read_csv
+
+PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
+HEADERS = ("sweep", "question", "points", "time", "result", "cost exponents")
+TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"), ("trend", "trend.csv"))
+SEED_RESULTS = Path("results/seeds")
+RESULT_LINKS = {
+    "ablation": "[method.md](method.md)",
+    "readings": "[readings.md](readings.md)",
+    "seeds": f"[{SEED_RESULTS}](../{SEED_RESULTS}/seeds.md)",
+    "seeds_nets": f"[{SEED_RESULTS}](../{SEED_RESULTS}/seeds.md)",
+}
+# all others are brought by pipeline.sweep_docs
+PUBLISHED_BY = {
+    "ablation": "effects",
+    "readings": "effects",
+    "seeds": "spread",
+    "seeds_nets": "spread",
+}
+INFLATED_SECONDS = "seconds are inflated"  # is said of a machine that was shared with other work
+QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A preset as its first comments describe it: what it asks, and how long it may take."""
+
+    name: str
+    question: str
+    time: str
+
+
+def sweep_presets(root: Path) -> list[Preset]:
+    """The sweep presets below `root`, by name; `leakage` is one."""
+    paths = [*(root / PRESETS).glob("leakage.yaml"), *(root / PRESETS).glob("sweep-*.yaml")]
+    return [_preset(path) for path in sorted(paths)]
+
+
+def _preset(path: Path) -> Preset:
+    """Comments: the package, the question, the time."""
+    _, question, time = (
+        line.lstrip("# ") for line in path.read_text(encoding="utf-8").splitlines()[:3]
+    )
+    return Preset(path.stem, question, time.rstrip("."))
+
+
+def sweep_table(root: Path) -> str:
+    """Markdown: a row a preset, the line that each stands for, the plot of each that was run."""
+    listed = sweep_presets(root)
+    rows = [list(HEADERS), ["---"] * len(HEADERS)] + [_row(root, preset) for preset in listed]
+    table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    figures = [_figure(root, preset) for preset in listed if _is_published(root, preset)]
+    commands = _command_lines(root, [preset.name for preset in listed])
+    return f"{table}\nThe same in full, a line each:\n\n{commands}{_other_sweeps(root)}{''.join(figures)}"
+
+
+def _command_lines(root: Path, names: list[str]) -> str:
+    lines = [command_line_of(root / PRESETS / f"{name}.yaml") for name in names]
+    return "".join(f"    {line}\n" for line in lines)
+
+
+def _other_sweeps(root: Path) -> str:
+    """The presets that sweep and have no row: where their results stand, and their lines."""
+    names = multirun_presets(root) - {preset.name for preset in sweep_presets(root)}
+    if not names:
+        return ""
+    locations = ", ".join(f"`{name}` {_result_location(root, name)}" for name in sorted(names))
+    commands = _command_lines(root, sorted(names))
+    return f"\nOther sweeps, and where their results stand: {locations}.\n\n{commands}"
+
+
+def publishing_module(name: str) -> str:
+    """The module that publishes a sweep of the preset `name`."""
+    return f"pipeline.{PUBLISHED_BY.get(name, 'sweeps')}"
+
+
+def multirun_presets(root: Path) -> set[str]:
+    """All presets that Hydra is to run at several points."""
+    modes = {
+        path.stem: read_yaml(path).get("hydra", {}).get("mode")
+        for path in (root / PRESETS).glob("*.yaml")
+    }
+    return {name for name, mode in modes.items() if mode == "MULTIRUN"}
+
+
+def _result_location(root: Path, name: str) -> str:
+    """`pipeline.ablation_effects` leaves a table of the points, `pipeline.seed_variance` says what it read."""
+    seeds = (
+        read_provenance(root / SEED_RESULTS)["sweeps"]
+        if (root / SEED_RESULTS / "made.json").exists()
+        else ()
+    )
+    is_published = name in seeds or (root / f"docs/{name}.csv").exists()
+    return f"in {RESULT_LINKS[name]}" if is_published else "not yet run"
+
+
+def _row(root: Path, preset: Preset) -> list[str]:
+    name = f"`{preset.name}`"
+    if not _is_published(root, preset):
+        return [name, preset.question, "", f"{preset.time.lower()}, estimated", "not yet run", ""]
+    folder = root / PUBLISHED / preset.name
+    rows = read_csv(folder / "sweep.csv")
+    points = len({row["point"] for row in rows})
+    tables = [
+        f"[{text}](sweeps/{preset.name}/{file})"
+        for text, file in TABLES
+        if _read_if_exists(folder / file)
+    ]
+    result = f"{_first_and_last_emd(rows)} ({', '.join(tables)})"
+    metadata = _read_metadata(root, preset)
+    time = f"{metadata['core_minutes']} minutes of one core, measured"
+    exponents = _cost_exponents(folder, INFLATED_SECONDS not in metadata["machine"])
+    return [name, preset.question, str(points), time, result, exponents]
+
+
+def _first_and_last_emd(rows: list[dict[str, str]]) -> str:
+    """EMD at the first and at the last point, of each method and split."""
+    swept, texts = list(rows[0])[1], []
+    has_several_splits = len({row["split"] for row in rows}) > 1
+    for method, split in dict.fromkeys((row["method"], row["split"]) for row in rows):
+        method_rows = [row for row in rows if (row["method"], row["split"]) == (method, split)]
+        first, last = (_format_emd(row) for row in (method_rows[0], method_rows[-1]))
+        texts.append(f"`{method}`{f' ({split})' if has_several_splits else ''} {first} to {last}")
+    return f"EMD at `{swept}` {rows[0][swept]} and {rows[-1][swept]}: {', '.join(texts)}"
+
+
+def _format_emd(row: dict[str, str]) -> str:
+    """Such as `0.0179 (2.47 mm)`; sweeps of before have no mm."""
+    mm = f" ({format_significant(float(row['emd_mm']))} mm)" if row.get("emd_mm") else ""
+    return f"{float(row['emd']):.4f}{mm}"
+
+
+def _cost_exponents(folder: Path, has_timings: bool) -> str:
+    """Such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04: exponents with their standard errors.
+
+    Those of seconds only where they were `timed` with nothing beside.
+    """
+    by_series: dict[str, list[str]] = {}
+    for row in _read_if_exists(folder / "trend.csv"):
+        if row["quantity"] == "seconds" and not has_timings:
+            continue
+        exponent, error = (float(row[name]) for name in ("exponent", "standard error"))
+        text = f"{QUANTITIES[row['quantity']]} {exponent:z.2f} ± {error:.2f}"
+        by_series.setdefault(row["series"], []).append(text)
+    return "; ".join(f"`{label}` {', '.join(texts)}" for label, texts in by_series.items())
+
+
+def _read_if_exists(path: Path) -> list[dict[str, str]]:
+    """Nothing where there is no such table; sweeps of before had fewer."""
+    return read_csv(path) if path.exists() else []
+
+
+def _figure(root: Path, preset: Preset) -> str:
+    metadata = _read_metadata(root, preset)
+    return (
+        f"\n![{preset.name}](sweeps/{preset.name}/sweep.png)\n\n"
+        f"`{preset.name}`, {metadata['date']}, at commit {metadata['commit']}, {metadata['machine']}.\n"
+    )
+
+
+def _read_metadata(root: Path, preset: Preset) -> dict[str, Any]:
+    return json.loads((root / PUBLISHED / preset.name / "about.json").read_text(encoding="utf-8"))
+
+
+def _is_published(root: Path, preset: Preset) -> bool:
+    return (root / PUBLISHED / preset.name / "about.json").exists()

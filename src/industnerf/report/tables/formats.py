@@ -1,0 +1,74 @@
+"""Tables as text: for machines, and for people."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from itertools import takewhile
+from pathlib import Path
+from typing import Any
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A header and `lines`; None is empty, a float has six digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        writer.writerow([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row])
+    return text.getvalue()
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    """What `csv_text` wrote to `path`, a row a line, by the names of the columns."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    table = [columns, ["---"] * len(columns), *rows]
+    return "".join(f"| {' | '.join(row)} |\n" for row in table)
+
+
+def read_markdown_table(path: Path) -> list[dict[str, str]]:
+    """The table that `markdown` wrote at the start of `path`, a row a line, by its columns."""
+    heads, _, *rows = (
+        line.removeprefix("| ").removesuffix(" |").split(" | ")
+        for line in takewhile(
+            lambda line: line.startswith("|"), path.read_text(encoding="utf-8").splitlines()
+        )
+    )
+    return [dict(zip(heads, line, strict=True)) for line in rows]
+
+
+def label_intervals(columns: Sequence[str], interval: float) -> list[str]:
+    """`columns` where that of the intervals, `95 %`, says which they are."""
+    return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
+
+
+def format_interval(low: float, high: float, families: int, format_spec: str) -> str:
+    """`low to high`; nothing of one family, whose parts there is nothing to draw from."""
+    return f"{low:{format_spec}} to {high:{format_spec}}" if families > 1 else ""
+
+
+def format_csv_number(cell: str | None) -> str:
+    """A number read from a CSV with three significant digits; nothing stays nothing."""
+    return f"{float(cell):#.3g}" if cell else ""
+
+
+def format_fixed(value: float | None, digits: int = 4) -> str:
+    """`value` with so many decimals, or nothing."""
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def format_significant(value: float | None) -> str:
+    """`value` with three significant digits and no exponent, or nothing."""
+    if value is None:
+        return ""
+    return (
+        f"{value:.0f}"
+        if abs(value) >= 100
+        else f"{value:#.3g}"
+        if abs(value) >= 1e-4
+        else f"{value:.2g}"
+    )

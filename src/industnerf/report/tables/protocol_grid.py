@@ -1,0 +1,206 @@
+"""The grid of protocols: which of them can the paper's numbers have come from?"""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.errors import BadArtifact
+from industnerf.report import paper_results
+from industnerf.report.html.markup import Column, html_table, note
+from industnerf.report.html.markup import HtmlRow as Row
+from industnerf.report.publish.provenance import commit_label, read_provenance
+from industnerf.report.tables.formats import (
+    csv_text,
+    format_fixed,
+    format_significant,
+    markdown_table,
+    read_csv,
+)
+
+CELL_KEYS = ("points", "reduction", "surface", "cost", "scale")
+FLOOR, DIAGONAL = "floor", "diagonal"
+ProtocolCells = Mapping[str, Mapping[str, list[dict]]]  # part id -> subject -> cells
+ValuesByPart = dict[str, dict[str, float]]  # part id -> subject -> value
+INADMISSIBLE = "no: the floor is above it"
+CAPTION = (
+    "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
+    "study of commit {commit}, {date}, whatever else this page shows. <i>points</i> on "
+    "either side; <i>reduction</i> of the prediction; <i>cost</i> of moving a point: its distance, "
+    "or that squared; <i>scale</i>: the length that is 1, which changes no mean in mm (of squares: "
+    "mm²). Where the floor, a second sample of the "
+    "true surface, is above the paper's {paper}, no method can have scored that."
+)
+
+
+@dataclass(frozen=True)
+class GridRow:
+    """One cell: the mean over the parts that have it, of every subject."""
+
+    cell: tuple
+    means: dict[str, float]
+    mm: dict[str, float]  # the same, each part in mm or mm^2; empty where a table has none
+    parts: int
+
+    @property
+    def is_squared(self) -> bool:
+        """Whether the cost is the square of a distance."""
+        return "squared" in self.cell
+
+    @property
+    def unit(self) -> str:
+        """Of `mm`."""
+        return "mm^2" if self.is_squared else "mm"
+
+    @property
+    def decimals(self) -> int:
+        """With which a mean is told."""
+        return 6 if self.is_squared else 4
+
+    @property
+    def is_admissible(self) -> bool:
+        """Whether the paper's number is above what a perfect method scores in this cell."""
+        return self.means[FLOOR] <= paper_results.EMD["industnerf"]
+
+
+def grid_rows(cells: ProtocolCells, diagonals_mm: Mapping[str, float]) -> list[GridRow]:
+    """The means over the parts in which every subject has the cell; `diagonals_mm` by part."""
+    values = _by_cell(cells)
+    return [
+        GridRow(
+            cell, _means(by_part), _means(_values_in_mm(cell, values, diagonals_mm)), len(by_part)
+        )
+        for cell, by_part in values.items()
+    ]
+
+
+def _by_cell(cells: ProtocolCells) -> dict[tuple, ValuesByPart]:
+    """Cell -> part id -> subject -> value, of parts in which every subject has the cell."""
+    values: dict[tuple, ValuesByPart] = defaultdict(lambda: defaultdict(dict))
+    subjects = {subject for by_subject in cells.values() for subject in by_subject}
+    for part, by_subject in cells.items():
+        for subject, subject_cells in sorted(by_subject.items()):
+            for cell in subject_cells:
+                values[tuple(cell[name] for name in CELL_KEYS)][part][subject] = cell["value"]
+    complete = {
+        cell: {
+            part: part_values
+            for part, part_values in by_part.items()
+            if set(part_values) == subjects
+        }
+        for cell, by_part in sorted(values.items())
+    }
+    return {cell: by_part for cell, by_part in complete.items() if by_part}
+
+
+def _values_in_mm(
+    cell: tuple, values: dict[tuple, ValuesByPart], diagonals_mm: Mapping[str, float]
+) -> ValuesByPart:
+    """The values of `cell`, whose scale is none in mm, or in mm^2 if it is of squares."""
+    power = 2 if "squared" in cell else 1
+    return {
+        part: {
+            subject: value * diagonals_mm[part] ** power for subject, value in by_subject.items()
+        }
+        for part, by_subject in values[(*cell[:-1], DIAGONAL)].items()
+    }
+
+
+def _means(by_part: ValuesByPart) -> dict[str, float]:
+    subjects = next(iter(by_part.values()))
+    return {
+        subject: fmean(by_subject[subject] for by_subject in by_part.values())
+        for subject in subjects
+    }
+
+
+def grid_csv(rows: list[GridRow]) -> str:
+    """`grid.csv`: a row for every cell and subject."""
+    table_rows = [
+        [
+            *row.cell,
+            subject,
+            mean,
+            row.parts,
+            paper_results.EMD.get(subject),
+            int(row.is_admissible),
+            row.mm.get(subject),
+            row.unit,
+        ]
+        for row in rows
+        for subject, mean in row.means.items()
+    ]
+    return csv_text(
+        [*CELL_KEYS, "subject", "mean", "parts", "paper", "possible", "mean_mm", "unit"], table_rows
+    )
+
+
+def grid_md(rows: list[GridRow]) -> str:
+    """`grid.md`: a row for every cell, and whether the paper's number is possible in it."""
+    return markdown_table(_heads(rows), [_row_texts(row) for row in rows])
+
+
+def grid_html(folder: Path) -> str:
+    """What `folder` holds of a grid, as a section of the page; empty if there is none.
+
+    Raises BadArtifact if its files are torn.
+    """
+    if not (folder / "grid.csv").exists():
+        return ""
+    rows, provenance = read_grid(folder / "grid.csv"), read_provenance(folder)
+    columns = [Column(head, head in CELL_KEYS[1:]) for head in _heads(rows)]
+    facts = {
+        "commit": commit_label(provenance),
+        "date": provenance["date"],
+        "paper": paper_results.EMD["industnerf"],
+    }
+    return html_table(columns, [Row([*map(escape, _row_texts(row))]) for row in rows]) + note(
+        CAPTION.format(**facts)
+    )
+
+
+def read_grid(path: Path) -> list[GridRow]:
+    """What `grid_csv` wrote; raises BadArtifact if that is not it."""
+    means: dict[tuple, dict[str, float]] = defaultdict(dict)
+    means_mm: dict[tuple, dict[str, float]] = defaultdict(dict)
+    parts: dict[tuple, int] = {}
+    try:
+        for row in read_csv(path):
+            cell = (int(row["points"]), *(row[name] for name in CELL_KEYS[1:]))
+            means[cell][row["subject"]] = float(row["mean"])
+            parts[cell] = int(row["parts"])
+            if row.get("mean_mm"):
+                means_mm[cell][row["subject"]] = float(row["mean_mm"])
+    except (KeyError, ValueError, TypeError) as error:
+        message = f"{path} is no table of a grid: {error!r}; `python -m pipeline.grid` writes it"
+        raise BadArtifact(message) from None
+    return [GridRow(cell, means[cell], means_mm[cell], parts[cell]) for cell in means]
+
+
+def _heads(rows: list[GridRow]) -> list[str]:
+    subjects = list(rows[0].means) if rows else []
+    mm_headers = [f"{subject}, mm" for subject in (rows[0].mm if rows else ())]
+    return [
+        *CELL_KEYS,
+        *subjects,
+        *mm_headers,
+        "parts",
+        f"{paper_results.EMD['industnerf']} possible",
+    ]
+
+
+def _row_texts(row: GridRow) -> list[str]:
+    return [
+        *map(str, row.cell),
+        *(format_fixed(mean, row.decimals) for mean in row.means.values()),
+        *(format_mm(mean, row) for mean in row.mm.values()),
+        str(row.parts),
+        "yes" if row.is_admissible else INADMISSIBLE,
+    ]
+
+
+def format_mm(mean: float | None, row: GridRow) -> str:
+    """A mean of `line.mm` under a head that says mm: of squares it has its unit."""
+    return format_significant(mean) + (" mm²" if row.is_squared and mean is not None else "")

@@ -1,0 +1,211 @@
+"""Table 2: what a method's renderings of the held-out views are worth, and its confidence.
+
+The paper scores in its Table 2 what its Figure 3 shows (section 4.6.2), yet the EMD there is that
+of its Table 1, of all parts.  So both stand here: all test parts, and the subset `figure3`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from statistics import fmean
+
+from industnerf.artifacts.scores import PartScore
+from industnerf.report import paper_results
+from industnerf.report.part_subsets import figure3_parts
+from industnerf.report.statistics.significance import bootstrap_interval
+from industnerf.report.study import Study
+from industnerf.report.tables.formats import (
+    csv_text,
+    format_fixed,
+    format_interval,
+    format_significant,
+    label_intervals,
+    markdown_table,
+)
+from industnerf.report.tables.score_lookup import EMD_EVEN, scores_of, select_scores
+from industnerf.report.tables.units import MeanInMm, mean_in_mm
+from industnerf.schema import ReportParams
+
+NO_TABLE2 = (
+    "Table 2 is left out: there is no rendering of a held-out view, for no method renders them, "
+    "there are none, or all parts failed."
+)
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One line of a method: the paper's three in its words, and what belongs beside them."""
+
+    name: str
+    metric: str
+    protocol: str
+    digits: int
+
+
+LOSSES = (
+    Loss("Point Cloud (EMD)", *EMD_EVEN, 4),
+    Loss("RGB 2D (MSE)", "rgb_mse", "P1-union", 5),
+    Loss("Depth 2D (MSE)", "depth_mse", "P1-union", 6),
+    Loss("depth: coverage", "coverage", "P1-union", 4),
+    Loss("PSNR, dB", "psnr", "P1-union", 2),
+    Loss("SSIM", "ssim", "P1-union", 4),
+    Loss("silhouette IoU", "silhouette_iou", "P1-union", 4),
+    Loss("confidence: rank correlation", "confidence_spearman", "P1-near", 3),
+    Loss("confidence: AUSE", "confidence_ause", "P1-near", 3),
+    Loss("confidence: AUSE by chance", "confidence_ause_chance", "P1-near", 3),
+)
+
+
+@dataclass(frozen=True)
+class Table2Row:
+    """One loss of one method over the parts of one subset that have it."""
+
+    method: str
+    subset: str  # all: the test parts; figure3: one of them a family; dev: those tuned on
+    loss: Loss
+    unit: str
+    mean: float
+    ci_low: float
+    ci_high: float
+    whole_image: float | None  # over the whole frame, of what has a mean over it
+    best: float  # the floor, or the value that nothing beats
+    paper: float | None
+    parts: int
+    families: int
+    failures: int  # in the mean of the EMD, in no other
+    mean_mm: MeanInMm | None  # of what is a length
+
+
+def table2_rows(study: Study, settings: ReportParams) -> list[Table2Row]:
+    """The lines of every method that renders, reported parts first; empty if none does."""
+    rendering_methods = {row.method for row in study.scores if row.score.metric == "rgb_mse"}
+    figure3_ids = figure3_parts(study)
+    return [
+        _table2_row(study, settings, subset, loss, loss_scores, scores)
+        for subset in ("all", "figure3", "dev")
+        for name in study.methods
+        if name in rendering_methods and (scores := _scores(study, name, subset, figure3_ids))
+        for loss in LOSSES
+        if (loss_scores := select_scores(scores, loss.metric, loss.protocol))
+    ]
+
+
+def _scores(study: Study, method: str, subset: str, figure3_ids: set[str]) -> list[PartScore]:
+    scores = scores_of(study, method, "dev" if subset == "dev" else "test")
+    return [row for row in scores if subset != "figure3" or row.part_id in figure3_ids]
+
+
+def _table2_row(
+    study: Study,
+    settings: ReportParams,
+    subset: str,
+    loss: Loss,
+    loss_scores: list[PartScore],
+    scores: list[PartScore],
+) -> Table2Row:
+    values = [row.score.value for row in loss_scores]
+    families = [study.parts[row.part_id].family for row in loss_scores]
+    low, high = bootstrap_interval(values, families, settings, study.seed)
+    whole_image_scores = select_scores(scores, loss.metric, "P1-frame")
+    return Table2Row(
+        loss_scores[0].method,
+        subset,
+        loss,
+        loss_scores[0].score.unit,
+        fmean(values),
+        low,
+        high,
+        fmean(row.score.value for row in whole_image_scores) if whole_image_scores else None,
+        fmean(row.score.floor for row in loss_scores),
+        paper_results.TABLE2.get(loss.metric)
+        if loss_scores[0].method == paper_results.METHOD
+        else None,
+        len(loss_scores),
+        len(set(families)),
+        sum(row.score.status != "ok" for row in select_scores(scores, *EMD_EVEN)),
+        mean_in_mm(study, settings, loss_scores),
+    )
+
+
+COLUMNS = (
+    "method",
+    "loss",
+    "subset",
+    "score",
+    "95 %",
+    "mm",
+    "whole frame",
+    "best",
+    "paper",
+    "parts",
+    "failed",
+)
+
+
+def format_row(row: Table2Row) -> list[str]:
+    """`line` as people read it, one text for each of COLUMNS."""
+    digits = row.loss.digits
+    return [
+        row.method,
+        row.loss.name,
+        row.subset,
+        format_fixed(row.mean, digits),
+        format_interval(row.ci_low, row.ci_high, row.families, f".{digits}f"),
+        _format_mm(row.mean_mm),
+        format_fixed(row.whole_image, digits),
+        format_fixed(row.best, digits),
+        "" if row.paper is None else str(row.paper),
+        str(row.parts),
+        str(row.failures),
+    ]
+
+
+def _format_mm(mean_mm: MeanInMm | None) -> str:
+    """The mean; if it is of squares, with its unit."""
+    if mean_mm is None:
+        return ""
+    return format_significant(mean_mm.mean) + (" mm²" if mean_mm.unit == "mm^2" else "")
+
+
+def table2_md(rows: list[Table2Row], interval: float) -> str:
+    """`table2.md`: the table, or why there is none."""
+    if not rows:
+        return f"{NO_TABLE2}\n"
+    return markdown_table(label_intervals(COLUMNS, interval), [format_row(row) for row in rows])
+
+
+CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit", "paper")
+
+
+def table2_csv(rows: list[Table2Row]) -> str:
+    """`table2.csv`: the paper's three losses of the reported parts, its own number beside each.
+
+    Below a loss that is a length stands the same in mm; the paper has no such number.  Of one
+    family there is no interval.
+    """
+    reported = [
+        table_row
+        for table_row in rows
+        if table_row.subset != "dev" and table_row.loss.metric in paper_results.TABLE2
+    ]
+    return csv_text(CSV_COLUMNS, [row for table_row in reported for row in _csv_rows(table_row)])
+
+
+def _csv_rows(row: Table2Row) -> Iterator[tuple]:
+    key, mm = (row.method, row.subset, row.loss.metric), row.mean_mm
+    yield (*key, row.mean, *_interval(row, row.families), row.unit, row.paper)
+    if mm:
+        yield (*key, mm.mean, *_interval(mm, row.families), mm.unit, None)
+
+
+def _interval(mean: Table2Row | MeanInMm, families: int) -> tuple[float, float] | tuple[None, None]:
+    return (mean.ci_low, mean.ci_high) if families > 1 else (None, None)
+
+
+def metric_means(rows: list[Table2Row]) -> dict[str, float]:
+    """`method.split.metric` -> mean over a whole split, of all that Table 1 does not have."""
+    splits = {"all": "test", "dev": "dev"}
+    return {
+        f"{row.method}.{splits[row.subset]}.{row.loss.metric}": row.mean
+        for row in rows
+        if row.subset in splits and row.loss.metric != "emd"
+    }

@@ -1,0 +1,92 @@
+"""params.yaml as a whole, and its smaller sections."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from industnerf.schema.methods import MethodSettings
+from industnerf.schema.parts import PartsParams
+from industnerf.schema.validators import (
+    Fraction,
+    NonNegativeInt,
+    OpenFraction,
+    PositiveFloat,
+    PositiveInt,
+    Rule,
+    at_least,
+    non_empty,
+    require,
+)
+from industnerf.schema.views import ViewsParams
+
+ABOVE_1 = Rule(lambda radius: radius > 1, "above 1: outside of the part's bounding ball")
+METHODS = tuple(MethodSettings.__dataclass_fields__)
+KNOWN_METHOD = Rule(lambda name: name in METHODS, f"one of {', '.join(METHODS)}")
+
+
+@dataclass(frozen=True)
+class SplitParams:
+    dev_fraction: Fraction
+    folds: Annotated[int, at_least(2)]
+    hold_out: Literal["family", "part", "none"]
+
+
+@dataclass(frozen=True)
+class TrainParams:
+    time_limit_s: PositiveFloat
+
+
+@dataclass(frozen=True)
+class ReconstructParams:
+    views: NonNegativeInt
+    time_limit_s: PositiveFloat
+
+
+@dataclass(frozen=True)
+class EvaluateParams:
+    points: PositiveInt
+    dense_samples: int
+    max_points: int
+    visibility_views: PositiveInt
+    visibility_radius: Annotated[float, ABOVE_1]
+    occlusion_margin: OpenFraction
+    fscore_threshold: OpenFraction
+    tolerances_mm: list[PositiveFloat]
+
+    def __post_init__(self) -> None:
+        for key in ("dense_samples", "max_points"):
+            value = getattr(self, key)
+            require(value >= self.points, key, value, f"at least the {self.points} of points")
+
+
+@dataclass(frozen=True)
+class ReportParams:
+    bootstrap_resamples: PositiveInt
+    confidence_level: OpenFraction
+    contact_sheet_parts: PositiveInt
+
+
+@dataclass(frozen=True)
+class Params:
+    preset: str
+    seed: int
+    on_failure: Literal["strict", "report"]
+    parts: PartsParams
+    views: ViewsParams
+    split: SplitParams
+    methods: Annotated[list[Annotated[str, KNOWN_METHOD]], non_empty("method")]
+    method: MethodSettings
+    train: TrainParams
+    reconstruct: ReconstructParams
+    evaluate: EvaluateParams
+    report: ReportParams
+
+    def __post_init__(self) -> None:
+        view_count, method_views = self.views.count, self.reconstruct.views
+        is_unique = len(set(self.methods)) == len(self.methods)
+        require(is_unique, "methods", self.methods, "a list of methods, each of them once")
+        require(
+            method_views <= view_count,
+            "reconstruct.views",
+            method_views,
+            f"at most the {view_count} of views.count",
+        )

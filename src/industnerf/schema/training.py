@@ -1,0 +1,36 @@
+"""How nets learn from other parts: `method.<net>.training` and `method.<net>.augment`."""
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from industnerf.schema.validators import (
+    Fraction,
+    NonNegativeFloat,
+    OpenFraction,
+    PositiveFloat,
+    PositiveInt,
+    at_least,
+    in_interval,
+)
+
+OutputAxes = Literal["part", "view"]  # the axes that a net of one view answers in
+
+
+@dataclass(frozen=True)
+class TrainingSettings:
+    max_steps: PositiveInt
+    batch_size: Annotated[int, at_least(2, ", for batch norm")]
+    lr: PositiveFloat
+    lr_milestones: list[OpenFraction]
+    weight_decay: NonNegativeFloat
+    val_fraction: OpenFraction
+    val_interval: PositiveInt
+    patience: PositiveInt
+
+
+@dataclass(frozen=True)
+class AugmentSettings:
+    roll_deg: Annotated[float, in_interval("[0, 180]")]
+    zoom: Fraction
+    color_jitter: Fraction
+    noise: Fraction

@@ -1,0 +1,104 @@
+"""Results in the store that something spoilt."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from industnerf.store import Cost, Store
+from tests.doctor.conftest import WorkingCopy
+
+KEY = 32 * "a"
+
+
+def write_result(out: Path) -> Cost:
+    (out / "rgb").mkdir()
+    Image.fromarray(np.zeros((40, 40, 3), np.uint8)).save(out / "rgb" / "000.png")
+    np.savez_compressed(out / "cloud.npz", points=np.zeros((9, 3)))
+    (out / "cameras.json").write_text("{}")
+    return Cost(2.0, 70.0, "cpu")
+
+
+@pytest.fixture
+def entry(bare_copy: WorkingCopy) -> Path:
+    """A result as the store makes it."""
+    Store(bare_copy.paths.store).put("views", KEY, write_result)
+    return bare_copy.paths.store / "views" / KEY
+
+
+def rewrite(path: Path, text: str) -> None:
+    path.chmod(0o644)
+    path.write_text(text)
+    path.chmod(0o444)
+
+
+def halve(path: Path) -> None:
+    path.chmod(0o644)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    path.chmod(0o444)
+
+
+CORRUPTIONS = {
+    "out": (lambda entry: shutil.rmtree(entry / "out"), "has nothing in out/"),
+    "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 3 files are empty"),
+    "half a cloud": (lambda entry: halve(entry / "out/cloud.npz"), "1 of 3 files are cut short"),
+    "half a camera": (lambda entry: halve(entry / "out/cameras.json"), "such as cameras.json"),
+    "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as 000.png"),
+    "no cost": (lambda entry: (entry / "cost.json").unlink(), "has no cost.json"),
+    "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "cost.json is torn"),
+    "another cost": (lambda entry: rewrite(entry / "cost.json", '{"s": 1}'), "cost.json is torn"),
+}
+
+
+def test_a_result_as_the_store_makes_it_is_right(bare_copy: WorkingCopy, entry: Path):
+    assert bare_copy.check("stored") == []
+
+
+@pytest.mark.parametrize(("corrupt", "message"), CORRUPTIONS.values(), ids=CORRUPTIONS)
+def test_a_torn_result_is_removed_and_can_be_made_anew(
+    bare_copy: WorkingCopy, entry: Path, corrupt: Callable[[Path], None], message: str
+):
+    corrupt(entry)
+    (finding,) = bare_copy.check("stored")
+    assert message in finding.message
+    bare_copy.fix("stored")
+    store = Store(bare_copy.paths.store)
+    store.put("views", KEY, write_result)
+    assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
+
+
+def test_the_stage_that_took_a_torn_result_is_named(dvc_copy: WorkingCopy):
+    """DVC's own outputs are whole: without force it would have nothing to do."""
+    Store(dvc_copy.paths.store).put("views", KEY, write_result)
+    entry = dvc_copy.paths.store / "views" / KEY
+    index = dvc_copy.folder / "data" / "clouds" / "hull" / "index.json"
+    index.parent.mkdir(parents=True)
+    index.write_text(json.dumps({"schema": 1, "step": "views", "keys": {"part": KEY}}))
+    (entry / "cost.json").unlink()
+    (finding,) = dvc_copy.check("stored")
+    store = dvc_copy.paths.store
+    rerun = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct@hull)` makes it anew"
+    assert finding.message.endswith(f"; once it is gone, {rerun}")
+    assert finding.fix == f"rm -rf {dvc_copy.paths.shell_words(entry)}"
+
+
+def test_what_is_not_the_stores_is_left_alone(bare_copy: WorkingCopy):
+    """A store may be named that is none: no advice may cost its owner anything."""
+    (bare_copy.paths.store / "src" / "industnerf").mkdir(parents=True)
+    assert bare_copy.check("stored") == []
+
+
+def test_a_file_that_can_be_written_to_is_found_and_closed(bare_copy: WorkingCopy, entry: Path):
+    image_path = entry / "out/rgb/000.png"
+    before = image_path.read_bytes()
+    image_path.chmod(0o644)
+    (finding,) = bare_copy.check("stored")
+    assert finding.message == "1 of 3 files can be written to, such as 000.png (-rw-r--r--)"
+    bare_copy.fix("stored")
+    assert image_path.read_bytes() == before
+    folders = entry / "out", entry / "out/rgb"
+    assert all(path.stat().st_mode & 0o200 for path in folders)  # or it could not be removed

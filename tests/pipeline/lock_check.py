@@ -1,0 +1,63 @@
+"""Does a dvc.lock belong to the dvc.yaml and params.yaml beside it?  As far as no data can tell."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from industnerf.config import is_matrix, load_stage, load_stages, read_yaml
+
+
+def lock_mismatches(folder: Path, name: str = "dvc") -> list[str]:
+    """What `dvc.lock` has otherwise: stages, commands, parameters, files of several stages.
+
+    `name` is what it and `dvc.yaml` are called in `folder`.
+    """
+    locked, params = read_yaml(folder / f"{name}.lock")["stages"], read_yaml(folder / "params.yaml")
+    declared = dict(_declared(folder / f"{name}.yaml", params["methods"]))
+    mismatches = [f"{name}: in one file alone" for name in sorted(declared.keys() ^ locked.keys())]
+    for name in declared.keys() & locked.keys():
+        stage_spec, entry = declared[name], locked[name]
+        if entry["cmd"] != _interpolate(stage_spec.command, params):
+            mismatches.append(f"{name}: ran {entry['cmd']}")
+        for kind, paths in (("deps", stage_spec.deps), ("outs", stage_spec.outs)):
+            if {item["path"] for item in entry[kind]} != {
+                _interpolate(path, params) for path in paths
+            }:
+                mismatches.append(f"{name}: other {kind}")
+        expected = {key: _value(params, key) for key in stage_spec.params}
+        used = entry.get("params", {}).get("params.yaml", {})
+        mismatches += [
+            f"{name}: ran with {key} {used.get(key)}"
+            for key in sorted(expected.keys() | used.keys())
+            if expected.get(key) != used.get(key)
+        ]
+    return mismatches + _inconsistent_files(locked)
+
+
+def _declared(path: Path, methods: list[str]) -> Iterator[tuple[str, Any]]:
+    """Every stage of dvc.yaml, one of a matrix for each method, by its name in dvc.lock."""
+    for name in load_stages(path):
+        for method in methods if is_matrix(name, path) else [None]:
+            yield f"{name}@{method}" if method else name, load_stage(name, method, path)
+
+
+def _interpolate(text: str, params: dict[str, Any]) -> str:
+    return re.sub(r"\$\{([\w.]+)\}", lambda match: str(_value(params, match[1])), text)
+
+
+def _value(params: Any, key: str) -> Any:
+    for name in key.split("."):
+        params = params[name]
+    return params
+
+
+def _inconsistent_files(locked: dict[str, Any]) -> list[str]:
+    """Files that were in one state in one stage and in another in the next."""
+    digests: dict[str, str] = {}
+    mismatches = []
+    for name, entry in locked.items():
+        for item in [*entry["deps"], *entry["outs"]]:
+            if digests.setdefault(item["path"], item["md5"]) != item["md5"]:
+                mismatches.append(f"{name}: another {item['path']}")
+    return mismatches

@@ -1,0 +1,96 @@
+"""Sweeps of one change at a time, and the documents that they go into."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+import yaml
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
+
+from industnerf.config import build, load_params
+from industnerf.errors import BadArtifact
+from industnerf.report.docs.markdown_blocks import read_block
+from industnerf.report.flatten_config import flatten
+from industnerf.report.sweeps.additions_ablation import describe_changes
+from industnerf.schema import Params
+from pipeline import ablation_effects
+
+ROOT = Path(__file__).parents[2]
+CHANGES = sorted(path.stem for path in (ROOT / "conf/without").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_is_left_out_is_allowed_and_changes_something(name, monkeypatch):
+    monkeypatch.setenv("INDUSTNERF_ROOT", str(ROOT))
+    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+        composed = OmegaConf.to_container(compose("config", [f"without={name}"]))
+    params = build(Params, composed, "here")
+    default_settings = flatten(asdict(load_params(ROOT / "params.yaml").method.industnerf_plus))
+    difference = describe_changes(flatten(asdict(params.method.industnerf_plus)), default_settings)
+    assert bool(difference) == (name != "default")
+
+
+@pytest.fixture
+def workspace(tmp_path, monkeypatch):
+    """The documents and params of this repository, and one point of a sweep of `preset`."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").mkdir()
+    for name in ("params.yaml", "docs/readings.md", "docs/method.md"):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+
+    def make_sweep(preset: str) -> Path:
+        folder = tmp_path / "sweep"
+        (folder / "0/reports").mkdir(parents=True)
+        params = yaml.safe_load((ROOT / "params.yaml").read_text())
+        params |= {"preset": preset, "methods": ["industnerf", "industnerf_plus"]}
+        (folder / "0/params.yaml").write_text(yaml.safe_dump(params))
+        header = "part_id,family,method,metric,protocol,value,status\n"
+        scores = ("emd,P1-even,0.0123", "rgb_mse,P1-frame,0.007", "rgb_mse,P1-union,0.0045")
+        names = params["methods"]
+        lines = [f"a,of-a,{name},{score},ok\n" for name in names for score in scores]
+        (folder / "0/reports/scores.csv").write_text(header + "".join(lines))
+        (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
+        provenance = {"schema": 1, "date": "2026-01-31", "commit": "abc"}
+        (folder / "made.json").write_text(json.dumps(provenance))
+        (folder / "sweep.csv").write_text("of the sweep\n")
+        return folder
+
+    return make_sweep
+
+
+@pytest.mark.parametrize(
+    ("preset", "document", "row"),
+    [
+        ("readings", "readings", "| R1 | `intended` | 0.0123 |"),
+        ("ablation", "method", "| nothing | 0.0123 |  |  |  | 0 | 0.00450 |  |"),
+    ],
+)
+def test_a_sweep_goes_into_the_document_that_asks_about_it(workspace, preset, document, row):
+    ablation_effects.main(str(workspace(preset)))
+    content = read_block(Path(f"docs/{document}.md").read_text(), preset)
+    assert content.startswith("2026-01-31, commit abc.\n")
+    assert row in content
+    assert Path(f"docs/{preset}.csv").read_text() == "of the sweep\n"
+
+
+def test_a_sweep_of_something_else_is_refused(workspace):
+    folder = workspace("sweep-noise")
+    with pytest.raises(BadArtifact, match=r"not of experiment=readings or experiment=ablation"):
+        ablation_effects.main(str(folder))
+
+
+def test_a_sweep_that_did_not_end_is_refused(workspace):
+    folder = workspace("ablation")
+    (folder / "sweep.csv").unlink()
+    with pytest.raises(BadArtifact, match="writes it at its end"):
+        ablation_effects.main(str(folder))
+
+
+def test_a_sweep_of_other_methods_is_refused(workspace):
+    folder = workspace("readings")
+    params = yaml.safe_load((folder / "0/params.yaml").read_text())
+    (folder / "0/params.yaml").write_text(yaml.safe_dump(params | {"methods": ["hull"]}))
+    with pytest.raises(BadArtifact, match="ran none of industnerf, industnerf_shared"):
+        ablation_effects.main(str(folder))

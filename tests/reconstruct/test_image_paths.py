@@ -1,0 +1,90 @@
+"""Photographs are found by the names that tools give them."""
+
+from pathlib import Path
+
+import pytest
+
+from industnerf.errors import BadArtifact
+from industnerf.reconstruct.image_paths import (
+    find_image,
+    find_images,
+    protected_paths,
+    unlisted_images,
+)
+from industnerf.reconstruct.transforms import Frame
+
+
+def make_frame(name, number=0):
+    return Frame(number, name, {}, None)
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """`images` has what `beside` has, and one more."""
+    for name in ("images/1.png", "images/sub/2.JPG", "beside/rgb/1.png", "beside/rgb/3.0.jpeg"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    return [tmp_path / "images", tmp_path / "beside"]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("1.png", "images/1.png"),
+        ("1", "images/1.png"),
+        ("sub/2", "images/sub/2.JPG"),
+        ("rgb/1.png", "images/1.png"),  # the first folder goes before the fuller name
+        ("rgb/3.0", "beside/rgb/3.0.jpeg"),  # a dot is no extension
+        ("../images/1", "images/1.png"),
+        ("/elsewhere/images/sub/2.JPG", "images/sub/2.JPG"),
+    ],
+)
+def test_a_photograph_is_where_a_user_would_look(folders, tmp_path, name, expected):
+    assert find_image(make_frame(name), folders).resolve() == (tmp_path / expected).resolve()
+
+
+def test_an_absolute_name_is_itself(folders, tmp_path):
+    (tmp_path / "beside/1.png").touch()
+    name = str(tmp_path / "beside/1.png")
+    assert find_image(make_frame(name), folders) == Path(name)
+
+
+@pytest.mark.parametrize("name", ["7.png", "sub", "/", ".."])
+def test_a_missing_photograph_is_named_with_the_folders_searched(folders, name):
+    with pytest.raises(BadArtifact) as refusal:
+        find_image(make_frame(name, 4), folders)
+    assert f"frame 4 ({name})" in str(refusal.value)
+    assert all(str(folder) in str(refusal.value) for folder in folders)
+
+
+def test_two_frames_cannot_share_a_photograph(folders):
+    with pytest.raises(BadArtifact, match=r"frame 0 \(1\) and frame 2 \(left/1.png\) are the same"):
+        find_images([make_frame("1"), make_frame("sub/2", 1), make_frame("left/1.png", 2)], folders)
+
+
+def test_images_beside_the_photographs_are_unnamed_if_no_frame_has_them(folders, tmp_path):
+    for name in ("images/2.png", "images/0.JPG", "images/notes.txt", "beside/4.png"):
+        (tmp_path / name).touch()
+    (tmp_path / "images/folder.png").mkdir()
+    frames = [
+        make_frame("1"),
+        make_frame("sub/2", 1),
+        make_frame("rgb/2.png", 2),
+        make_frame("9", 3),
+    ]
+    image_paths = find_images(frames[:1], folders)
+    # frame 2 is not used and has 2.png nevertheless; frame 3 has none; in beside no photograph is
+    assert unlisted_images(image_paths, frames, folders) == [tmp_path / "images/0.JPG"]
+    assert unlisted_images(image_paths, frames[:1], folders) == [
+        tmp_path / f"images/{n}" for n in ("0.JPG", "2.png")
+    ]
+
+
+def test_an_image_that_another_goes_before_is_named_all_the_same(folders, tmp_path):
+    """Frame 0's is in both folders, and that of `beside` has frame 1's for a neighbor."""
+    frames = [make_frame("rgb/1.png"), make_frame("rgb/3.0", 1)]
+    image_paths = find_images(frames, folders)
+    both_paths = [tmp_path / "images/1.png", tmp_path / "beside/rgb/1.png"]
+    assert protected_paths(frames[:1], folders) == both_paths
+    assert image_paths == [both_paths[0], tmp_path / "beside/rgb/3.0.jpeg"]
+    assert unlisted_images(image_paths, frames, folders) == []

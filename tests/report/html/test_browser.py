@@ -1,0 +1,175 @@
+"""The page in a browser: it draws, sorts, fetches nothing, and nobody complains of it."""
+
+import pytest
+
+from tests.report import ball_study
+from tests.report.html.browser import visit
+
+# What tests ask of the page: the colors of either half of the viewer, and to choose in a list.
+HELPERS = """
+  const canvas = document.querySelector("#stage canvas");
+  const picture = () => {
+    const flat = document.createElement("canvas");
+    [flat.width, flat.height] = [canvas.width, canvas.height];
+    const context = flat.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const half = Math.floor(flat.width / 2);
+    return [0, half].map((x) => {
+      const { data } = context.getImageData(x, 0, half, flat.height);
+      let [drawn, red, green, blue] = [0, 0, 0, 0];
+      for (let i = 0; i < data.length; i += 4) {
+        if (data[i] === 255 && data[i + 1] === 255 && data[i + 2] === 255) continue;
+        drawn++;
+        [red, green, blue] = [red + data[i], green + data[i + 1], blue + data[i + 2]];
+      }
+      return { drawn: drawn / (half * flat.height), sum: [red, green, blue] };
+    });
+  };
+  const set = (where, value) => {
+    const control = document.querySelector(where);
+    if (control.type === "radio") control.checked = true;
+    else control.value = value;
+    control.dispatchEvent(new Event("change", { bubbles: true }));
+  };
+  const says = (side) => document.querySelector(`.pane.${side} .says`).textContent;
+  const column = (table, i) => [...table.tBodies[0].rows].map((row) => row.cells[i].textContent);
+"""
+LEFT, RIGHT = ".pane.left select", ".pane.right select"
+
+
+@pytest.fixture
+def probe_page(report_page, tmp_path):
+    """What a probe finds, of a page that nobody complained about."""
+
+    def run_probe(probe: str, fragment: str = "") -> dict:
+        visited = visit(report_page, HELPERS + probe, tmp_path, fragment)
+        assert "thrown" not in visited.result, visited.result["thrown"]
+        assert visited.console_messages == []
+        return visited.result
+
+    return run_probe
+
+
+def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
+    result = probe_page(f"""
+      const start = picture();
+      const of = {{}};
+      for (const name of ["error", "confidence", "view", "photo"]) {{
+        set(`[name=coloring][value=${{name}}]`);
+        of[name] = picture();
+      }}
+      set("[name=coloring][value=error]");
+      set("[name=limit]", "0.05");
+      const wide = picture();
+      set("{RIGHT}", "oracle");
+      const other = picture();
+      return {{ start, of, wide, other, says: says("right") }};
+    """)
+    for half in result["start"]:
+        assert 0.1 < half["drawn"] < 0.9  # a ball, and paper round it
+    right = [result["of"][name][1]["sum"] for name in result["of"]]
+    assert len({str(colors) for colors in right}) == 4
+    assert result["of"]["error"] == result["start"]
+    assert result["wide"] != result["start"]
+    assert result["other"] != result["wide"]
+    assert "EMD 0.0100 = 0.346 mm (1.00 x floor)" in result["says"]
+
+
+def test_both_sides_have_one_camera(probe_page):
+    """The same cloud on both sides is the same picture, also after a turn."""
+    result = probe_page(f"""
+      set("{LEFT}", "oracle");
+      set("{RIGHT}", "oracle");
+      set("[name=coloring][value=photo]");
+      const before = picture();
+      const press = (key) => canvas.dispatchEvent(new KeyboardEvent("keydown", {{ key }}));
+      press("ArrowLeft");
+      press("+");
+      const after = picture();
+      press("0");
+      return {{ before, after, back: picture() }};
+    """)
+    for two in (result["before"], result["after"]):
+        assert two[0]["sum"] == pytest.approx(two[1]["sum"], rel=1e-3)  # rounded to px apart
+    assert result["after"][0]["drawn"] > 1.1 * result["before"][0]["drawn"]
+    assert result["back"] == result["before"]
+
+
+def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(probe_page):
+    result = probe_page(f"""
+      set("{RIGHT}", "box");
+      const failed = [says("right"), picture()[1].drawn];
+      set("{RIGHT}", "oracle");
+      const silent = {{}};
+      for (const name of ["confidence", "view", "photo"]) {{
+        set(`[name=coloring][value=${{name}}]`);
+        silent[name] = says("right");
+      }}
+      return {{ failed, silent }};
+    """)
+    assert result["failed"] == [f"failed: {ball_study.FAILURE}", 0]
+    assert "states no confidence" in result["silent"]["confidence"]
+    assert "which view" in result["silent"]["view"]
+    assert "no colors" in result["silent"]["photo"]
+
+
+def test_hidden_truth_has_a_color_of_its_own(probe_page):
+    result = probe_page("""
+      set("[name=coloring][value=view]");
+      const near = picture()[0];
+      set("[name=part]", "far-ball");
+      return { near, far: picture()[0], more: document.querySelector("#more").hash };
+    """)
+    red, _, blue = result["near"]["sum"]
+    assert red > 1.1 * blue  # orange towards the eye
+    red, _, blue = result["far"]["sum"]
+    assert blue > red
+    assert result["more"] == "#part=far-ball"
+
+
+def test_tables_sort_by_number_and_by_name_both_ways(probe_page):
+    result = probe_page("""
+      const table = document.querySelector("table");
+      const heads = [...table.tHead.rows[0].cells];
+      const at = (name) => heads.find((head) => head.textContent === name);
+      const click = (name) => {
+        at(name).querySelector("button").click();
+        return [at(name).getAttribute("aria-sort"), column(table, 0)];
+      };
+      return { up: click("EMD (even)"), down: click("EMD (even)"), name: click("method") };
+    """)
+    assert result == {
+        "up": ["ascending", ["oracle", "hull", "box"]],
+        "down": ["descending", ["box", "hull", "oracle"]],
+        "name": ["ascending", ["box", "hull", "oracle"]],
+    }
+
+
+def test_a_part_has_its_own_address(probe_page):
+    result = probe_page(
+        """
+      const shown = [...document.querySelectorAll(".part")].filter((one) => one.offsetHeight);
+      document.querySelector(".part:target [data-scene]").click();
+      return {
+        shown: shown.map((one) => one.id),
+        text: shown[0].textContent,
+        viewer: document.querySelector("[name=part]").value,
+      };
+    """,
+        "#part=far-ball",
+    )
+    assert result["shown"] == ["part=far-ball"]
+    assert result["viewer"] == "far-ball"
+    for text in ("20.0 x 20.0 x 20.0 mm", "within 0.5 mm", "0.7500", "Hausdorff-95, mm"):
+        assert text in result["text"]
+
+
+def test_nothing_is_fetched_and_the_browser_would_refuse_it(report_page, tmp_path):
+    probe = 'return performance.getEntriesByType("resource").map((one) => one.name);'
+    fetched = visit(report_page, probe, tmp_path)
+    assert [name for name in fetched.result if not name.startswith("data:")] == []
+    bad = report_page.replace("<h2>", "<img src='http://localhost/x.png'><h2>", 1)
+    (tmp_path / "bad").mkdir()
+    (refused,) = visit(bad, probe, tmp_path / "bad").console_messages
+    assert "localhost/x.png" in refused
+    assert "Content Security Policy" in refused
