@@ -1,4 +1,4 @@
-"""What each addition of `industnerf_plus` earns: from a sweep to docs/method.md."""
+"""What each addition of `industnerf_plus` earns: from a sweep to docs/reference/method.md."""
 
 import re
 from statistics import fmean
