@@ -20,8 +20,8 @@ SEED_RESULTS = Path("results/seeds")
 RESULT_LINKS = {
     "ablation": "[method.md](method.md)",
     "readings": "[readings.md](readings.md)",
-    "seeds": f"[{SEED_RESULTS}](../../{SEED_RESULTS}/seeds.md)",
-    "seeds_nets": f"[{SEED_RESULTS}](../../{SEED_RESULTS}/seeds.md)",
+    "seeds": "[protocol.md](protocol.md)",
+    "seeds_nets": "[protocol.md](protocol.md)",
 }
 # all others are brought by pipeline.sweep_docs
 PUBLISHED_BY = {
