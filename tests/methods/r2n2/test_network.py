@@ -24,16 +24,16 @@ def full():
 def published(full):
     """The net at its full width, without numbers: shapes alone."""
     with torch.device("meta"):
-        return R2N2(full.image_px, full.divisor)
+        return R2N2(full.image_px, full.channel_divisor)
 
 
 def test_full_is_as_published(full):
     """github.com/chrischoy/3D-R2N2, lib/config.py: the residual GRU net for several views."""
     assert full.size == "full"
-    assert (full.image_px, full.divisor, full.views) == (127, 1, 5)
+    assert (full.image_px, full.channel_divisor, full.max_views) == (127, 1, 5)
     training = full.training
-    assert (training.steps, training.batch, training.rate) == (60_000, 36, 1e-4)
-    assert training.drops == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
+    assert (training.max_steps, training.batch_size, training.lr) == (60_000, 36, 1e-4)
+    assert training.lr_milestones == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
 
 
 def conv(kernel, dims, before, after):
