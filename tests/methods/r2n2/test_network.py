@@ -170,8 +170,8 @@ def test_the_memory_in_closed_form(gru_unit, views):
 
 @torch.no_grad()
 def test_what_is_reset_is_not_heard(gru_unit):
-    identity_layer(gru_unit.candidate.of_memory, 1.0)
-    nn.init.constant_(gru_unit.candidate.of_memory.bias, 1.1)
+    identity_layer(gru_unit.candidate.hidden_conv, 1.0)
+    nn.init.constant_(gru_unit.candidate.hidden_conv.bias, 1.1)
     u, r, images = 1 / (1 + math.exp(-0.7)), 1 / (1 + math.exp(0.3)), torch.zeros(1, 2, 6)
     first = (1 - u) * math.tanh(1.1)
     second = u * first + (1 - u) * math.tanh(r * first + 1.1)
@@ -180,7 +180,7 @@ def test_what_is_reset_is_not_heard(gru_unit):
 
 @torch.no_grad()
 def test_a_gate_gives_every_cell_of_the_grid_a_number_of_its_own(gru_unit):
-    image, weight = torch.eye(6)[:1], gru_unit.candidate.of_picture.weight
+    image, weight = torch.eye(6)[:1], gru_unit.candidate.input_linear.weight
     weight[:, 0] = torch.arange(256.0) / 256
     u = 1 / (1 + math.exp(-0.7))
     expected = (1 - u) * torch.tanh(weight[:, 0].view(1, 4, 4, 4, 4) + 1.1)

@@ -109,7 +109,7 @@ def images_shown(inputs, settings) -> list[int]:
 
 @pytest.mark.parametrize(("views", "chosen"), [(3, [0, 3, 6]), (7, range(7)), (9, range(7))])
 def test_the_views_farthest_apart_are_seen_in_one_pass(inputs, settings, views, chosen):
-    assert images_shown(inputs, replace(settings, views=views)) == list(chosen)
+    assert images_shown(inputs, replace(settings, max_views=views)) == list(chosen)
 
 
 def test_they_look_from_all_sides():

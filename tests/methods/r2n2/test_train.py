@@ -39,7 +39,7 @@ def test_the_loss_is_the_mean_over_all_voxels_of_the_right_part(dataset):
     dataset.net.forward = full
     for part_indices, size in enumerate((0.25, 0.5, 0.75)):
         loss = dataset.loss(np.array([part_indices, part_indices]), np.random.default_rng(0))
-        share = dataset.full[part_indices].mean()
+        share = dataset.occupied[part_indices].mean()
         # Edges of the bar are on borders of voxels: the surface fills at most one more all round.
         assert size**2 <= share <= (size + 2 / 32) ** 2
         right, wrong = math.log1p(math.exp(-3)), math.log1p(math.exp(3))
