@@ -5,7 +5,7 @@ python -m industnerf.parts build [--family gears]     needs the [cad] extra
 python -m industnerf.parts build --set organic        does not
 python -m industnerf.parts export PART... | --all --format step|stl|glb|ply|obj --out FOLDER
 python -m industnerf.parts check FILES... [--units mm] [--split-bodies] [--out cad-check]
-python -m industnerf.parts card                       docs/reference/dataset.md and its contact sheets
+python -m industnerf.parts card                       docs/reference/dataset.md and its sheets
 """
 
 import argparse

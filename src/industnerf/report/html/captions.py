@@ -26,7 +26,7 @@ TABLE2 = (
 BY_PART = (
     "EMD (even) of every method, and in mm. <i>visible</i> is the share of the surface that can be "
     "seen from anywhere around the part, <i>seen</i> the share that its training views show; the "
-    "strata are formulas on the mesh (docs/reference/dataset.md). A part's name leads to all its scores."
+    "strata are formulas on the mesh (docs/reference/dataset.md). A part's name links to its scores."
 )
 PARETO = (
     "EMD (even) against seconds a part. No method is at once quicker and better than one on the "

@@ -1,4 +1,4 @@
-"""What each reading of the paper costs or gains by itself: from a sweep to docs/reference/readings.md."""
+"""The effect of each reading of the paper: from a sweep to docs/reference/readings.md."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields

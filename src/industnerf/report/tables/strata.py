@@ -1,7 +1,7 @@
 """How each method does on each kind of test part: thin ones, ones with pockets, and so on.
 
-The strata are formulas on the mesh (docs/reference/dataset.md).  A part may be in several, or in none, so
-their means do not add up to that of `all`.
+The strata are formulas on the mesh (docs/reference/dataset.md).  A part may be in several or in
+none, so their means do not add up to that of `all`.
 """
 
 from collections.abc import Sequence
