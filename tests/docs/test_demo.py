@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from industnerf.report.docs.markdown_blocks import read_block
 from industnerf.report.docs.readme_tables import demo_block
+
+from industnerf.report.docs.markdown_blocks import read_block
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "results/demo"

@@ -1,1 +1,1 @@
-"""docs."""
+"""README.md and docs/: their generated blocks, the list of parameters, the figures of the method."""

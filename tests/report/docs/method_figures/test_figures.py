@@ -1,4 +1,4 @@
-"""The plates: all are drawn, and docs/reference/method.md shows those that there are."""
+"""The figures: all are drawn, and docs/reference/method.md shows those that there are."""
 
 import io
 import re
@@ -24,10 +24,10 @@ def test_every_plate_shows_something(trace, tmp_path):
         assert (pixels < 250).mean() > 0.01, path.name
 
 
-def test_plates_that_are_no_more_are_removed(trace, tmp_path, monkeypatch):
+def test_figures_that_are_no_more_are_removed(trace, tmp_path, monkeypatch):
     (tmp_path / "03-features.png").write_bytes(b"old")
     monkeypatch.setattr(
-        "industnerf.report.docs.method_figures.figures.PLATES", {"03-features.png": lambda _: None}
+        "industnerf.report.docs.method_figures.figures.FIGURES", {"03-features.png": lambda _: None}
     )
     assert write_figures(trace, tmp_path) == []
     assert not list(tmp_path.iterdir())
