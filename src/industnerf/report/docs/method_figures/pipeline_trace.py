@@ -50,12 +50,12 @@ class FineLevel:
     confidence: Float32[Tensor, "m"]
     view_confidences: dict[int, Float32[Tensor, "m"]]  # view -> what it alone says
     spacing: float
-    beta: float  # softness of the surface
+    beta: float  # of the SDF density
 
 
 @dataclass(frozen=True)
 class PipelineTrace:
-    """What the plates show, on the CPU; most of them are drawn from the source view `view`."""
+    """What the figures show, on the CPU; most of them are drawn from the source view `view`."""
 
     part_id: str
     images: PosedImages
@@ -109,7 +109,7 @@ def trace_pipeline(
 def _network_inputs(
     training: Trainer, views: int, view: int
 ) -> tuple[Float32[Tensor, "m i"] | None, Float32[Tensor, "c th tw"] | None]:
-    """What N is told of the points, and the feature map of the view; None where there is none."""
+    """The network inputs of the points, and the feature map of the view; None where there is none."""
     sources = training.field.source_features
     if sources is None:
         return None, None
@@ -158,7 +158,7 @@ def _build_trace(
 
 
 def confidence_views(num_views: int, first: int) -> list[int]:
-    """`WITNESSES` views, or all where there are fewer, spread over the list from `first` on."""
+    """`CONFIDENCE_VIEWS` views, or all where there are fewer, spread over the list from `first` on."""
     count = min(CONFIDENCE_VIEWS, num_views)
     return [(first + i * num_views // count) % num_views for i in range(count)]
 
