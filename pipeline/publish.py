@@ -5,8 +5,8 @@ python -m pipeline.publish demo    a finished preset: runs/demo to results/demo,
 
 `python -m industnerf.report.docs` writes README and documents alone.
 
-Order, with the variance over seeds: `pipeline.seed_variance` and its sweeps, `make repro`, whose report
-shows it, and this.  After a variance that came later, `pipeline.rebuild_tables`.
+Order, with the variance over seeds: `pipeline.seed_variance` and its sweeps, `make repro`, whose
+report shows it, then this.  After a variance that came later, `pipeline.rebuild_tables`.
 `pipeline.seed_variance` without a sweep takes its mm from results/study: it comes after this.
 """
 

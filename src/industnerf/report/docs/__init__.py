@@ -1,1 +1,1 @@
-"""README.md and docs/: their generated blocks, the list of parameters, the figures of the method."""
+"""README.md and docs/: generated blocks, the list of parameters, the figures of the method."""

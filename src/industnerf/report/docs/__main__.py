@@ -1,4 +1,7 @@
-"""Bring README.md and docs/ up to date with params.yaml and results/: python -m industnerf.report.docs"""
+"""Bring README.md and docs/ up to date with params.yaml and results/.
+
+python -m industnerf.report.docs
+"""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""docs/reference/baselines.md: methods that learn from other parts, and what leakage does to them."""
+"""docs/reference/baselines.md: methods that learn from other parts, and the effect of leakage."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -128,8 +128,8 @@ def read_leakage_sweep(sweep: Path) -> dict[tuple[str, str], CsvRow]:
         for hold_out in HOLD_OUT_HEADERS:
             if (method, hold_out) not in results:
                 raise BadArtifact(
-                    f"{sweep / 'sweep.csv'} has no {method} at split.hold_out {hold_out}: publish a "
-                    "sweep with the same methods at every point, or keep the one before"
+                    f"{sweep / 'sweep.csv'} has no {method} at split.hold_out {hold_out}: publish "
+                    "a sweep with the same methods at every point, or keep the one before"
                 )
     return results
 

@@ -37,7 +37,7 @@ def test_no_single_view_has_more_confidence_than_all_and_each_has_some(trace):
     fine = trace.fine
     assert len(fine.view_confidences) == CONFIDENCE_VIEWS
     single_view = torch.stack(list(fine.view_confidences.values()))
-    # equal to the bit where a view has the highest confidence: it has the same samples in the same order
+    # equal to the bit for the maximal view: the same samples in the same order
     assert (single_view <= fine.confidence).all()
     assert (single_view > 0).any(dim=1).all()
     assert (single_view < fine.confidence).any(dim=1).all()

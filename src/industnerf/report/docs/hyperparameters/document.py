@@ -19,6 +19,10 @@ rerun when the value changes.
 This page is generated. Write it again with
 
     python -m industnerf.report.docs
+
+This page is generated. Write it again with
+
+    python -m industnerf.report.docs
 """
 
 
@@ -58,8 +62,14 @@ def _nerf_section(sources: Sources) -> str:
         f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
     )
     keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
-    title = f"\n## `method.{'`, `method.'.join(NERF_METHODS)}`\n\nThese methods share one code.\n\n{descriptions}\n"
-    return title + _table(sources, "", keys)
+Section 4.2 of the paper promises "a list of the hyperparameters and other pertinent training
+details", and gives none. This list has every value of `params.yaml`. *Allowed* is the range or the
+choices, and *paper* is the paper's symbol or section. *Read by* names the stages of `dvc.yaml` that
+rerun when the value changes.
+
+This page is generated. Write it again with
+
+    python -m industnerf.report.docs
 
 
 def _keys_below(sources: Sources, prefix: str) -> list[str]:
@@ -74,7 +84,7 @@ def _heading(sources: Sources, prefix: str) -> str:
 
 
 def _table(sources: Sources, strip_prefix: str, columns: dict[str, list[str]]) -> str:
-    """A row for every key, without `strip_prefix`; a column of values for every prefix in `columns`."""
+    """A row for every key, without `strip_prefix`; a column of values for each of `columns`."""
     names = [prefix.removeprefix("method.").strip(".") or "value" for prefix in columns]
     rows = [["name", *names, "allowed", "paper", "meaning", "read by"]]
     rows.append(["---"] * len(rows[0]))

@@ -1,6 +1,6 @@
 """The figures of docs/reference/method.md, from one part's photographs.
 
-python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out docs/reference/method]
+python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out FOLDER]
 
 The photographs are what `dvc repro views` writes; the settings are those of params.yaml, and the
 seed that of the study, so this is the study's own run.

@@ -1,4 +1,4 @@
-"""Plates of section 3.1: the source views, the grid X, the features E(I), and the field N(...)."""
+"""Figures of section 3.1: the source views, the grid X, the features E(I), and the field N(...)."""
 
 from typing import Any
 
