@@ -19,10 +19,6 @@ rerun when the value changes.
 This page is generated. Write it again with
 
     python -m industnerf.report.docs
-
-This page is generated. Write it again with
-
-    python -m industnerf.report.docs
 """
 
 
@@ -62,14 +58,9 @@ def _nerf_section(sources: Sources) -> str:
         f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
     )
     keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
-Section 4.2 of the paper promises "a list of the hyperparameters and other pertinent training
-details", and gives none. This list has every value of `params.yaml`. *Allowed* is the range or the
-choices, and *paper* is the paper's symbol or section. *Read by* names the stages of `dvc.yaml` that
-rerun when the value changes.
-
-This page is generated. Write it again with
-
-    python -m industnerf.report.docs
+    title = ", ".join(f"`method.{name}`" for name in NERF_METHODS)
+    text = f"\n## {title}\n\nOne implementation with five sets of values.\n\n{descriptions}\n"
+    return text + _table(sources, "", keys)
 
 
 def _keys_below(sources: Sources, prefix: str) -> list[str]:
