@@ -12,7 +12,7 @@ from industnerf.artifacts.views import RgbdImage as Photograph
 from industnerf.artifacts.views import Views, save_views
 from industnerf.errors import MetricError
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
-from industnerf.geometry.shapes import ball_surface
+from industnerf.geometry.sampling import ball_surface
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.metrics.image_and_confidence_metrics import (
     MAX_CANDIDATE_DISTANCE,

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, whatever they are written with."""
+"""Files that are written whole or not at all."""
 
 import os
 import socket
@@ -11,7 +11,7 @@ from industnerf.errors import BadArtifact
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """A draft to write, which becomes `path` in one rename; raises BadArtifact if it cannot."""
+    """A temporary file that becomes `path` in one rename; raises BadArtifact if it cannot."""
     draft = path.with_name(f".{path.name}.{socket.gethostname()}.{os.getpid()}")
     try:
         yield draft

@@ -1,4 +1,4 @@
-"""Small files, written whole or not at all."""
+"""JSON and npz files, and the errors of those that cannot be read."""
 
 import json
 import zipfile

@@ -30,11 +30,11 @@ class Part:
     bodies: int
     faces: int
     euler_number: int  # V - E + F; of a closed surface 2 (bodies - through holes)
-    visible_share: float  # of the area, from a dense sphere of eyes
-    hull_hidden_share: float  # of the area, what no silhouette shows (geometry/tangents.py)
+    visible_share: float  # of the area, from a dense sphere of cameras
+    hull_hidden_share: float  # of the area, what no silhouette shows (geometry/visual_hull.py)
     strata: tuple[str, ...]  # see industnerf.parts.strata
     finishes: tuple[Appearance, ...]  # what `Mesh.finish` counts; at least one
-    defects: tuple[str, ...]  # found and mended, or found and left
+    defects: tuple[str, ...]  # found and repaired, or found and left
 
     @property
     def diagonal_mm(self) -> float:
@@ -54,7 +54,7 @@ class Mesh:
     def with_one_appearance(
         vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]
     ) -> "Mesh":
-        """A mesh of one finish."""
+        """A mesh whose faces all have the appearance 0."""
         return Mesh(vertices, faces, np.zeros(len(faces), np.uint8))
 
     @property

@@ -1,6 +1,6 @@
-"""What one CAD file of the user's holds: its solids in mm, as read and not yet cleaned.
+"""The solids of one CAD file of the user's in mm, as read and not yet repaired.
 
-<file id>/solids.json    file, format, unit, names, finishes, remarks
+<file id>/solids.json    file, format, unit, names, finishes, warnings
 <file id>/solids.npz     the meshes
 """
 
@@ -90,7 +90,7 @@ def solid_names(folder: Path) -> tuple[str, ...]:
 def _checked_mesh(
     what: str, vertices: np.ndarray, faces: np.ndarray, face_appearance: np.ndarray, metadata: dict
 ) -> Mesh:
-    """Raises BadArtifact unless every face has three vertices and a finish that are there."""
+    """Raises BadArtifact unless every face has three vertices and an appearance that exist."""
     if (
         vertices.shape[1:] != (3,)
         or faces.shape[1:] != (3,)
