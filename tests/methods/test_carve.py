@@ -171,7 +171,7 @@ def test_photographs_that_contradict_all_of_the_solid_are_not_believed():
     result = carve_reconstruction(CUP, glitter, STRICT)
     np.testing.assert_array_equal(result.points_mm, points_of(CUP, gray))
     assert result.warnings[0].endswith(
-        "so the answer is the visual hull; does the part shine, did a "
+        "so the result is the visual hull; does the part shine, did a "
         "light move, are cameras inexact?"
     )
     with pytest.raises(ReconstructionFailed, match=r"of \d+ cells 0 are left"):

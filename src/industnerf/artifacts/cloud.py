@@ -63,7 +63,7 @@ def save_extra_clouds(folder: Path, clouds: Sequence[Float[np.ndarray, "_ 3"]]) 
 
 
 def load_extra_clouds(folder: Path) -> list[Float32[np.ndarray, "_ 3"]]:
-    """What `save_extra_clouds` wrote, none if there are none; raises BadArtifact if the file is torn."""
+    """What `save_extra_clouds` wrote, maybe nothing; raises BadArtifact if the file is torn."""
     if not (folder / EXTRA_CLOUDS).exists():
         return []
     points, ends = read_npz(folder / EXTRA_CLOUDS, ("points_mm", "ends"), "reconstruct")
@@ -76,7 +76,7 @@ def save_warnings(folder: Path, warnings: Sequence[str]) -> None:
 
 
 def load_warnings(folder: Path) -> list[str]:
-    """What `save_warnings` wrote, none if there is none; raises BadArtifact if the file is torn."""
+    """What `save_warnings` wrote, maybe nothing; raises BadArtifact if the file is torn."""
     path = folder / WARNINGS
     return read_json(path, 1, "reconstruct")["warnings"] if path.exists() else []
 

@@ -48,9 +48,9 @@ def pixel_means(
 ) -> tuple[Float32[np.ndarray, "channels side side"], Float32[np.ndarray, "side side"]]:
     """Mean over each pixel of the part's radiance, and of its coverage.
 
-    `radiance` is that of the pixel centers, `edge_ids` are the flat indices of the pixels on an edge.
-    Of those the corners are sampled too: four pixels share each.  Where corners and center differ
-    little they give the mean, and where they differ much `num_samples` further points do.
+    `radiance` is that of the pixel centers, `edge_ids` are the flat indices of the pixels on an
+    edge.  Of those the corners are sampled too: four pixels share each.  Where corners and center
+    differ little they give the mean, and where they differ much `num_samples` further points do.
     """
     side = radiance.shape[-1]
     v, u = np.divmod(edge_ids, side)

@@ -71,7 +71,7 @@ def scatter(
 def candidate_pixels(
     points: Float[np.ndarray, "n 2"], side: int
 ) -> Bool[np.ndarray, "{side} {side}"]:
-    """Pixels whose center lies in the polygon of 2 * NUM_DIRECTIONS sides around the projected `points`.
+    """Pixels whose center lies in a polygon of 2 * NUM_DIRECTIONS sides around projected `points`.
 
     A mesh lies in the convex hull of its vertices, and what lies before the camera is projected
     into the hull of the projected vertices.  The polygon contains that hull: a ray through a

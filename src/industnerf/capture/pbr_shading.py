@@ -6,8 +6,8 @@ it in all directions.  Radiance is counted in the units of matte shading: a lamp
 makes a white matte face that it stands upright on send 1.
 
 A metal shows its surroundings, and before three discs in an even sky it would be black with white
-spots.  So a lamp is a disc before a bright wall: for mirrors, a share GLOW_SHARE of its light comes from all
-the half of the sky around it, most from the middle.
+spots.  So a lamp is a disc before a bright wall: for mirrors, a share GLOW_SHARE of its light comes
+from all the half of the sky around it, most from the middle.
 """
 
 import numpy as np

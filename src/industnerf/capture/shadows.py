@@ -46,7 +46,7 @@ class Shadows:
         normal: Float32[np.ndarray, "3 n"],
         light_dir: Float32[np.ndarray, "3"],
     ) -> ShadowedLights:
-        """What is seen from `ray_origins` of the lamp around `light_dir`, above each one's horizon."""
+        """What `ray_origins` see of the lamp around `light_dir`, above each one's horizon."""
         disc = disc_directions(light_dir, self._disc_radius, self._samples)
         cosine = np.maximum(disc @ normal, 0)
         is_seen = cosine > 0

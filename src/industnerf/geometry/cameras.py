@@ -54,7 +54,7 @@ def ray_directions(
     K: Float[np.ndarray, "3 3"],
     c2w: Float[np.ndarray, "4 4"],
 ) -> Float[np.ndarray, "pixels 3"]:
-    """Unit directions in the world of the rays through the pixels `uv`; they start at the camera center."""
+    """Unit directions, in the world, of the rays from the camera center through the pixels `uv`."""
     pixel_to_ray = back_projection(K, c2w)
     directions = uv @ pixel_to_ray[:, :2].T + pixel_to_ray[:, 2]
     # vector norm by einsum: several times faster than linalg.norm on three columns
@@ -87,7 +87,7 @@ def project(
 def look_at(
     camera_centers: Float[np.ndarray, "n 3"], target: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "n 4 4"]:
-    """Camera-to-world transforms that look from `camera_centers` at `target`, with world +z upwards.
+    """Camera-to-world transforms that look from `camera_centers` at `target`, world +z upwards.
 
     A camera straight above or below the target takes +y for up instead.
     """

@@ -82,7 +82,7 @@ def differs_from_background(
 
 
 def silhouette_distances(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
-    """Distance (px) of every pixel to the outline in its image, positive inside, to MAX_DISTANCE_PX."""
+    """Signed distance (px) of every pixel to the outline in its image, to MAX_DISTANCE_PX."""
     return np.stack([signed_distance(mask) for mask in masks])
 
 

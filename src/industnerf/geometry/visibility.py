@@ -49,7 +49,7 @@ def visible_from(
 def visible_in(
     scene: RaycastingScene, points: Float[np.ndarray, "n 3"], cameras: Cameras, tolerance_mm: float
 ) -> Bool[np.ndarray, "n"]:
-    """As `visible_from` the centers of `cameras`, where a point counts only inside a camera's frame."""
+    """As `visible_from` the centers of `cameras`, but only inside each camera's frame."""
     is_visible = np.zeros(len(points), bool)
     for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
         remaining = np.flatnonzero(~is_visible)

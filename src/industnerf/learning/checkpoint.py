@@ -1,6 +1,6 @@
 """Checkpoints of a training: one file, written whole, by one process or by several.
 
-Two processes may train the same network (`dvc repro` beside a sweep): each writes a draft of its own.
+Two processes may train the same network (`dvc repro` beside a sweep): each writes its own draft.
 """
 
 import io

@@ -56,7 +56,7 @@ class ViewSampler:
         return [int(rng.integers(len(self.images[part]))) for part in part_indices]
 
     def rotations_of(self, part_indices: Batch, views: list[int]) -> Float[np.ndarray, "b 3 3"]:
-        """A rotation R a part: of its points p, p @ R are in the axes that the network predicts in."""
+        """A rotation R a part: of its points p, p @ R are in the network's output axes."""
         return np.stack(
             [self.rotations[part][view] for part, view in zip(part_indices, views, strict=True)]
         )

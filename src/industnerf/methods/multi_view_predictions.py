@@ -22,7 +22,7 @@ def predictions_to_reconstruction(
     non_empty = [points for points in clouds if len(points)]
     if not non_empty:
         raise ReconstructionFailed(
-            f"all {len(clouds)} predictions of the network are empty: its occupancy is nowhere above "
+            f"all {len(clouds)} predictions of the network are empty: occupancy is nowhere above "
             "its `threshold`"
         )
     empty = [points for points in clouds if not len(points)]

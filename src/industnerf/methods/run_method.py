@@ -73,8 +73,8 @@ def reconstruct_part(
     """Write the cloud of one part into `target`, and whatever else the method returned.
 
     `state` is the folder of what the method has learned from other parts; `num_views` is how many
-    of the training views it is given, 0: all.  Returns the seconds that rendering the held-out views
-    took: Table 2 needs these renderings, a reconstruction does not.
+    of the training views it is given, 0: all.  Returns the seconds that rendering the held-out
+    views took: Table 2 needs these renderings, a reconstruction does not.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
     """

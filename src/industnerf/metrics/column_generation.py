@@ -1,7 +1,7 @@
 """Column generation: which of ALL n x m pairs violate the dual constraints?
 
 Dual potentials `u`, `v` prove a lower bound of the transport cost when no pair has a cost
-c(a_i, b_j) below u_i + v_j.  Most pairs cost far more, so whole pairs of cells are passed over at once:
+c(a_i, b_j) below u_i + v_j.  Most pairs cost far more, so whole pairs of cells are skipped at once:
 
     c(x, y) - u - v  >=  c(|c_A - c_B| - r_A - r_B) - max u - max v   for x in A, y in B,
 
@@ -51,7 +51,7 @@ def violated_pairs(
 def _padded(
     cells: KdCells, potential: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "cells size"]:
-    """Potentials cell by cell; a pad has -inf, so that the reduced cost of its pairs is infinite."""
+    """Potentials cell by cell; a pad has -inf, which makes its pairs' reduced cost infinite."""
     return np.where(cells.members < 0, -np.inf, potential[cells.members])
 
 

@@ -21,7 +21,7 @@ ABSOLUTE_GAP = 1e-12  # of the unit, or its square: rounding, where the clouds a
 
 @dataclass(frozen=True)
 class CertifiedEmd:
-    """A certified cost: the truth lies in [value - gap, value], in the clouds' unit or its square."""
+    """A certified cost: the truth is in [value - gap, value], in the clouds' unit or its square."""
 
     value: float
     gap: float
@@ -59,7 +59,10 @@ def certify(
     rounds: int,
     pairs: int,
 ) -> CertifiedEmd:
-    """The cost of `plan`, if its potentials prove it; no reduced cost is below `min_reduced_cost`."""
+    """The cost of `plan`; raises MetricError unless its potentials prove it.
+
+    No reduced cost is below `min_reduced_cost`.
+    """
     value = transport_cost(a, b, plan, ground)
     bound = float(a.mass @ plan.u + b.mass @ plan.v) / a.mass.sum() + min_reduced_cost
     gap = float(value - max(bound, 0.0))  # no cost is below 0, whatever the potentials

@@ -170,7 +170,7 @@ def _solve_sparse(
     potentials: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
     max_pivots: int,
 ) -> TransportPlan:
-    """The best plan on the pairs (i, j) = divmod(id, m), from `potentials` near the optimal ones."""
+    """The best plan on the pairs (i, j) = divmod(id, m), from `potentials` near optimal ones."""
     rows, cols = np.divmod(pair_ids, len(b.mass))
     cost = ground.rowwise(a.points[rows], b.points[cols])
     reduced = cost - potentials[0][rows] - potentials[1][cols]

@@ -84,7 +84,7 @@ def _candidate_pairs(
     near: Int64[np.ndarray, "p k"],
     ground: GroundCost,
 ) -> tuple[Int64[np.ndarray, "c"], Int64[np.ndarray, "c"]]:
-    """For each point of `a`, CANDIDATES_PER_POINT of the near cells with least c(a_i, b_j) - v_j."""
+    """For each point of `a` CANDIDATES_PER_POINT of the near cells with least c(a_i, b_j) - v_j."""
     candidates = []
     for start in range(0, len(near), CHUNK):
         rows = own_cells.members[start : start + CHUNK]

@@ -13,7 +13,7 @@ from industnerf.photohull.voxel_grid import unit_frame_cameras
 from industnerf.schema import CarveSettings
 
 BLUR = 1.0  # cells; standard deviation that smooths the stairs of what was carved
-SURFACE_OFFSET = 0.3  # cells that the last consistent cell stands out, as a pixel does that shows any of the part
+SURFACE_OFFSET = 0.3  # cells that the last consistent cell stands out, see BOUNDARY_OFFSET_PX
 PADDING = 4  # cells kept about the hull; the blur's kernel ends there
 
 

@@ -43,7 +43,7 @@ class OctreeNodes:
 def refine(silhouettes: Silhouettes, cell_px: float, margin_sides: float) -> OctreeNodes:
     """Families whose children project to at most `cell_px` in the nearest view.
 
-    A verdict on a cell holds for the points within `margin_sides` sides of a last child around it too.
+    The class of a cell holds for points within `margin_sides` sides of a last child around it.
     """
     cells_across = 2 / (cell_px * silhouettes.pixel_size)  # the region of interest in last children
     subdivisions = max(0, int(np.log2(min(ROOT_PX / cell_px, cells_across / MIN_ROOT_CELLS))))

@@ -1,4 +1,4 @@
-"""The recurrent part: a gated recurrent unit whose hidden state is a grid -- section 3.2 of the paper."""
+"""The gated recurrent unit, whose hidden state is a grid -- section 3.2 of the paper."""
 
 import torch
 from jaxtyping import Float

@@ -41,7 +41,7 @@ def load_net(settings: R2n2Settings, state: ModelState) -> R2N2:
 def occupancy_probabilities(
     inputs: MethodInputs, settings: R2n2Settings, net: R2N2
 ) -> Float32[np.ndarray, "n n n"]:
-    """The probability of each voxel of the unit cube to be full, after at most `max_views` views."""
+    """The probability of each voxel of the unit cube to be full, from at most `max_views` views."""
     # farthest apart in space: every n-th camera of a spiral may look from the same side
     view_indices = nested_view_subset(
         inputs.cameras.centers, min(settings.max_views, len(inputs.rgb))

@@ -1,6 +1,6 @@
 """True depth images fused into a truncated signed distance -- Curless and Levoy (1996).
 
-True depth is no input of a photograph, so this is a bound: how much of a surface so many views show.
+No camera gives true depth, so this is a bound: how much of a surface so many views show.
 """
 
 import numpy as np
