@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import Mesh, save_part
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh, save_part
 from industnerf.artifacts.views import load_true_cameras, load_views
 from industnerf.capture.render import backgrounds, render_part
 from industnerf.capture.rng import random_streams

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance, appearance_from_json
 from industnerf.artifacts.files import read_json, read_npz, write_json
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh, appearance_from_json
 from industnerf.errors import BadArtifact
 
 SCHEMA = 2
@@ -32,7 +31,7 @@ class Solids:
     file: str  # its name
     format: str  # for people, by content: "binary STL", "STEP"
     unit: str  # of the file: "mm, stated", "inch, stated", "mm, assumed" (parts.units)
-    finishes: tuple[Appearance, ...]  # what the `finish` of every mesh counts; at least one
+    finishes: tuple[Appearance, ...]  # that the `finish` of every mesh indexes; at least one
     warnings: tuple[str, ...]  # what the reader could not keep, or had to assume
     solids: tuple[Solid, ...]  # at least one, each with at least one face
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadArtifact
 
 

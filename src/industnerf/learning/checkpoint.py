@@ -12,7 +12,7 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 
 CORRUPT_ERRORS = (
     OSError,
