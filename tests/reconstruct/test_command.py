@@ -12,7 +12,7 @@ import torch
 import trimesh
 from PIL import Image
 
-from industnerf.artifacts import atomic_write
+from industnerf.artifacts import files
 from industnerf.geometry.cameras import common_view_ball
 from industnerf.seeds import seed_for
 from tests.reconstruct import sample_images
@@ -343,7 +343,7 @@ def test_an_input_is_never_overwritten(workspace, fake, option, kind):
         json.loads(workspace.transforms.read_text())
         | {"train_filenames": [f"rgb/{i:03d}.png" for i in range(4)]},
     )
-    files = {
+    targets = {
         "shared": workspace.folder / "set/rgb/000.png",
         "held out": workspace.folder / "set/rgb/004.png",
         "cameras": workspace.transforms,
@@ -351,11 +351,11 @@ def test_an_input_is_never_overwritten(workspace, fake, option, kind):
         "a link": workspace.folder / "set/rgb/000.png",
     }
     name = workspace.folder / "mine.ply"
-    (name.hardlink_to if kind == "a link" else name.symlink_to)(files[kind])
-    before = files[kind].read_bytes()
+    (name.hardlink_to if kind == "a link" else name.symlink_to)(targets[kind])
+    before = targets[kind].read_bytes()
     code, _, errors = workspace.run(option, name, "--force")
     assert (code, f"{option} {name}: is an input of this run" in errors) == (2, True)
-    assert files[kind].read_bytes() == before
+    assert targets[kind].read_bytes() == before
     assert fake.SEEN == {}
 
 
@@ -380,7 +380,7 @@ def test_a_run_goes_on_without_what_cannot_be_written(workspace, fake, monkeypat
         raise OSError(28, "No space left on device")
 
     def fill_disk():
-        monkeypatch.setattr(atomic_write.os, "fsync", raise_disk_full)
+        monkeypatch.setattr(files.os, "fsync", raise_disk_full)
 
     fake.AT.update({2: fill_disk, 5: monkeypatch.undo})
     arguments = ("--checkpoint-every", ALMOST_ZERO, "--preview-every", ALMOST_ZERO)

@@ -14,7 +14,7 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadArtifact
 
 MAGIC = b"industnerf checkpoint 1\n"

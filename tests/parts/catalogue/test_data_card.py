@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.config import load_params
 from industnerf.parts.catalogue.data_card import render_card, write_card, write_sheet

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from industnerf.artifacts.appearance import UNSPECIFIED
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import UNSPECIFIED, Mesh
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue.sources import embedded_parts, user_parts

@@ -11,8 +11,7 @@ import pytest
 import trimesh
 from rich.console import Console
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, PartsFailed, SuiteError
 from industnerf.parts import __main__ as command_line
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS

@@ -5,7 +5,7 @@ the three lamps of params.yaml do not drive a lit face into the white of the bac
 as dark as rubber really is, so that shading survives 8 linear bits.
 """
 
-from industnerf.artifacts.appearance import Appearance
+from industnerf.artifacts.part import Appearance
 
 _TABLE = (
     Appearance("steel", (0.56, 0.57, 0.58), 1.0, 0.35),

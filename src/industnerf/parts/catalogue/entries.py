@@ -16,8 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float32, Integer, UInt8
 
-from industnerf.artifacts.appearance import Appearance, appearance_from_json
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh, appearance_from_json
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.measure import MeshProperties
 

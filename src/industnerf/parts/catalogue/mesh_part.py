@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 
 REFERENCE_REFINEMENT = (
     4  # times finer: the mesh whose volume is taken for exact where no B-rep's is

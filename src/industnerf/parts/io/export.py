@@ -13,8 +13,7 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 from rich.progress import track
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, PartsFailed, SuiteError
 from industnerf.parts.catalogue.catalogues import catalogue_folder, find_recipe
 from industnerf.parts.catalogue.entries import CatalogueEntry, load_catalogue_mesh, read_catalogue

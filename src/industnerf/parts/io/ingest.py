@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.artifacts.part import Appearance, Mesh, Part, save_part
 from industnerf.artifacts.solids import Solids
 from industnerf.parts.io.units import unit_note
 from industnerf.parts.measure import measure

@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from industnerf.artifacts.part import Mesh
-from industnerf.geometry.ray_bundles import parallel_ray_bundles
-from industnerf.geometry.raycast import RaycastingScene
+from industnerf.geometry.raycast import RaycastingScene, parallel_ray_bundles
 from industnerf.parts.validation.checks import double_area_normals
 
 NUM_BEAMS, RAYS_PER_SIDE = 100, 96

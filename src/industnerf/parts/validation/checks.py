@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from industnerf.errors import BadPart
-from industnerf.geometry.ray_bundles import parallel_ray_bundles
+from industnerf.geometry.raycast import parallel_ray_bundles
 
 MAX_BACK_FACE_SHARE = 1e-3  # share of the rays; a part with more crosses or folds through itself
 VOLUME_TOLERANCE = 5e-3  # of the exact volume, or that of a finer mesh

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from industnerf.artifacts.appearance import UNSPECIFIED
+from industnerf.artifacts.part import UNSPECIFIED
 from industnerf.parts.io.readers import texture
 from industnerf.parts.io.readers.colors import (
     MAX_FINISHES,

@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.parts.catalogue.mesh_part import REFERENCE_REFINEMENT, MeshPart
 from industnerf.parts.validation import checks
 

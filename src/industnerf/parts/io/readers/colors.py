@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 from PIL import Image
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
+from industnerf.artifacts.part import UNSPECIFIED, Appearance
 from industnerf.parts.io.readers.mesh_content import MeshBody
 
 MAX_FINISHES = 256  # finishes of one part: the mesh counts them in a byte

@@ -21,8 +21,7 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shell, TopoDS_Solid
 from OCP.XCAFApp import XCAFApp_Application
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadPart
 from industnerf.parts.io.occt_triangulation import faces_of
 from industnerf.parts.io.writers.solid_shells import group_shells_by_solid

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.parts.io.writers.mesh_formats import WHITE
 
 FLOAT, UINT = 5126, 5125  # component types of the standard

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import UInt8
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.artifacts.ply import write_ply
 from industnerf.parts.io.readers.colors import linear_to_srgb8
 from industnerf.parts.validation import checks

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from build123d import Color, Compound, Shape, export_step
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadPart
 from industnerf.parts.catalogue.appearances import APPEARANCES
 from industnerf.parts.catalogue.recipe import Assembly

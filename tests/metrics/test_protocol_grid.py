@@ -5,7 +5,7 @@ import pytest
 
 from industnerf.metrics.compare import SampledSurface
 from industnerf.metrics.emd import emd
-from industnerf.metrics.emd_grid import emd_grid
+from industnerf.metrics.protocol_grid import emd_grid
 from industnerf.metrics.subsample import farthest_points
 
 

@@ -5,9 +5,9 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import Mesh
+from industnerf.metrics.compare import deviation_metrics
 from industnerf.metrics.nearest_distances import nearest_distances
 from industnerf.metrics.reference_rig import ReferenceSurface
-from industnerf.metrics.surface_deviation import deviation_metrics
 
 SIDE = 20.0  # mm
 
