@@ -214,7 +214,7 @@ def test_a_part_that_fails_leaves_no_file_and_the_others_there(tmp_path, monkeyp
             raise BadParams("torn")
         return original(entry, folder)
 
-    monkeypatch.setattr("industnerf.parts.io.export.load", torn)
+    monkeypatch.setattr("industnerf.parts.io.export.load_catalogue_mesh", torn)
     with pytest.raises(PartsFailed, match=f"{PART}: torn\n1 parts could not be exported"):
         export(QUIET, "organic", [PART, "textured-fox"], "glb", tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["textured-fox.glb"]
@@ -330,7 +330,7 @@ def test_facets_keep_bodies_and_voids(tmp_path):
 @needs_cad
 @pytest.mark.slow
 def test_too_many_facets_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("industnerf.parts.io.writers.step.MOST_FACETS", 100)
+    monkeypatch.setattr("industnerf.parts.io.writers.step.MAX_FACETS", 100)
     with pytest.raises(PartsFailed, match="1956 facets, and a STEP file of more than 100"):
         export(QUIET, "organic", ["textured-fox"], "step", tmp_path)
     assert not list(tmp_path.iterdir())

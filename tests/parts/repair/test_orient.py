@@ -148,7 +148,7 @@ def test_the_finish_of_a_turned_face_stays_with_it():
 
 def test_it_can_be_left_out():
     solids = [flipped(box())]
-    assert orient(solids, settings(orient=False)) == (solids, [], [])
+    assert orient(solids, settings(fix_winding=False)) == (solids, [], [])
 
 
 def test_a_cavity_of_mixed_windings_becomes_a_cavity():

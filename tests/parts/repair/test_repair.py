@@ -131,7 +131,7 @@ def test_whatever_the_defects_the_solid_comes_back(case):
     # area times the diagonal, which is at most 30 volumes here.
     tolerance = 1e-5 if "crack" in kinds else 1e-12
     assert volume(cleaned.mesh) == pytest.approx(volume(original), rel=tolerance)
-    second = repair_mesh([cleaned.mesh], settings(speck_area=0.0))
+    second = repair_mesh([cleaned.mesh], settings(small_component_area=0.0))
     assert second.repairs == ()
     np.testing.assert_array_equal(second.mesh.faces, cleaned.mesh.faces)
 

@@ -54,14 +54,14 @@ def test_both_bounds_must_hold():
     mesh = concatenated(UNIT, wire)
     assert drop_small_components([mesh], settings()) == ([mesh], [], [])
     mesh = concatenated(UNIT, pebble)
-    assert drop_small_components([mesh], settings(speck_area=1e-4)) == ([mesh], [], [])
-    assert drop_small_components([mesh], settings(speck_size=0.02)) == ([mesh], [], [])
+    assert drop_small_components([mesh], settings(small_component_area=1e-4)) == ([mesh], [], [])
+    assert drop_small_components([mesh], settings(small_component_size=0.02)) == ([mesh], [], [])
     assert len(drop_small_components([mesh], settings())[1]) == 1  # 2 x 0.008 x sqrt(3) < 0.03
 
 
 def test_none_are_sought_with_a_bound_of_0():
     mesh = concatenated(UNIT, *small_boxes(3, 1e-3))
-    assert drop_small_components([mesh], settings(speck_area=0.0)) == ([mesh], [], [])
+    assert drop_small_components([mesh], settings(small_component_area=0.0)) == ([mesh], [], [])
 
 
 UNIT_AREA = 2 * 0.36 + 4 * 0.6 * np.sqrt(1 - 0.72)

@@ -18,7 +18,7 @@ from tests.parts.repair.shapes import (
     volume,
 )
 
-UNION = settings(union=True)
+UNION = settings(boolean_union=True)
 PLATE, BAR = box((4, 4, 1), finish=1), box((1, 1, 4), (0.1, 0.2, 0.3), finish=2)  # share 1 mm^3
 
 

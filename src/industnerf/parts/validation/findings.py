@@ -25,8 +25,8 @@ COLUMNS = (
     "faces",
     "open_edges",
     "back_face_share",
-    "mended",
-    "remaining",
+    "repairs",
+    "residual_defects",
     "note",
     "seconds",
     "peak_mb",
@@ -42,8 +42,8 @@ def findings_table(findings: Sequence[Finding]) -> Table:
         "faces",
         "open\nedges",
         "back\nfaces",
-        "mended",
-        "remains",
+        "repairs",
+        "defects",
         "s",
         "MB",
     ):
@@ -87,13 +87,13 @@ def _count_verdicts(findings: Sequence[Finding]) -> str:
 
 
 def verdict_lines(findings: Sequence[Finding]) -> Iterator[str]:
-    """A line for each of `findings`, and below it one for each thing mended, left or to note."""
+    """A line for each of `findings`, and below it one for each repair, defect or note."""
     for finding in findings:
         yield f"{finding.name}: {finding.verdict}" + (
             f": {finding.refused}" if finding.refused else ""
         )
-        yield from (f"    mended: {sentence}" for sentence in finding.repairs)
-        yield from (f"    remains: {sentence}" for sentence in finding.residual_defects)
+        yield from (f"    repair: {sentence}" for sentence in finding.repairs)
+        yield from (f"    defect: {sentence}" for sentence in finding.residual_defects)
         yield from (f"    note: {sentence}" for sentence in (finding.note,) if sentence)
 
 

@@ -50,7 +50,7 @@ class Finding:
     def verdict(self) -> str:
         if self.refused:
             return "refused"
-        return "usable with remarks" if self.residual_defects else "usable"
+        return "usable with warnings" if self.residual_defects else "usable"
 
     @property
     def note(self) -> str:
@@ -80,7 +80,7 @@ def load_findings(target: Path, file: str) -> list[Finding]:
 
 
 def _with_tuples(row: dict) -> dict:
-    return row | {key: tuple(row[key]) for key in ("size_mm", "mended", "remaining")}
+    return row | {key: tuple(row[key]) for key in ("size_mm", "repairs", "residual_defects")}
 
 
 def _validate(path: Path, units: str, split: bool, settings: RepairParams, target: Path) -> None:

@@ -87,7 +87,7 @@ def _read_content(path: Path, file_format: Format) -> tuple[str, MeshContent]:
 def _read_with_occt(path: Path, file_format: Format) -> MeshContent:
     if find_spec("OCP") is None:
         raise BadPart(
-            f"{file_format.name} needs the CAD occt, which is not installed: pip install -e '.[cad]'"
+            f"{file_format.name} needs the CAD kernel, which is not installed: pip install -e '.[cad]'"
         )
     from industnerf.parts.io.readers import occt
 

@@ -36,7 +36,7 @@ class MeshContent:
 def normalize_unit(unit: str) -> str:
     """A unit as params.yaml would write it, however a format spells it."""
     aliases = {"in": "inch", "millimeter": "mm", "centimeter": "cm", "meter": "m"}
-    unit = unit.lower().replace("meter", "meter")
+    unit = unit.lower().replace("metre", "meter")
     return aliases.get(unit, unit)
 
 
