@@ -20,7 +20,7 @@ from industnerf.cli import run_command
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.parts.catalogue.entries import read_catalogue
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import to_part
 from industnerf.report.build import table_texts
 from industnerf.report.publish.provenance import commit_stamp, read_provenance
 from industnerf.report.publish.published_results import read_published_results

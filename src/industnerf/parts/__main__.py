@@ -18,9 +18,9 @@ from rich.console import Console
 
 from industnerf import environment
 from industnerf.errors import BadParams, SuiteError
+from industnerf.parts.catalogue.build import print_catalogue
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
-from industnerf.parts.catalogue.listing import print_catalogue
 from industnerf.parts.io.export import FORMATS, export
 from industnerf.schema.parts import Units
 

@@ -37,13 +37,15 @@ MIN_POCKET_SHARE = 0.05
 SYMMETRY_TOLERANCE = 5e-3
 MIN_SYMMETRIC_SHARE = 0.99
 STRATUM_DEFINITIONS = {
-    "thin": f"median wall thickness below {100 * MAX_THIN_THICKNESS:.0f} % of the bounding box's diagonal",
+    "thin": f"median wall thickness below {100 * MAX_THIN_THICKNESS:.0f} % of the bounding "
+    "box's diagonal",
     "holes": "at least one through hole (genus, from the Euler number)",
-    "pockets": f"at least {100 * MIN_POCKET_SHARE:.0f} % of the area deeper than {100 * MIN_POCKET_DEPTH:.1f} % of "
-    "the diagonal beneath the hull of infinitely many silhouettes",
+    "pockets": f"at least {100 * MIN_POCKET_SHARE:.0f} % of the area deeper than "
+    f"{100 * MIN_POCKET_DEPTH:.1f} % of the diagonal beneath the hull of infinitely many "
+    "silhouettes",
     "symmetric": "for some k >= 3, every rotation by a multiple of 1/k of a turn about one axis "
-    f"takes {100 * MIN_SYMMETRIC_SHARE:.0f} % of the area to within {100 * SYMMETRY_TOLERANCE:.1f} % of the diagonal of the "
-    "surface",
+    f"takes {100 * MIN_SYMMETRIC_SHARE:.0f} % of the area to within "
+    f"{100 * SYMMETRY_TOLERANCE:.1f} % of the diagonal of the surface",
     "multi-body": "at least two solids",
 }
 

@@ -14,8 +14,11 @@ from industnerf.errors import BadPart
 from industnerf.geometry.raycast import RaycastingScene
 from industnerf.parts.catalogue.build import build_catalogue
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS, load_families
-from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
-from industnerf.parts.catalogue.install import install_catalogue_part
+from industnerf.parts.catalogue.entries import (
+    install_catalogue_part,
+    load_catalogue_mesh,
+    read_catalogue,
+)
 from industnerf.parts.catalogue.organic import FAMILIES
 from industnerf.parts.catalogue.organic.face_colors import assemble, color_faces, cut_along_contour
 from industnerf.parts.catalogue.organic.forms import level_set, sheet, solid, tube
@@ -120,7 +123,8 @@ def test_one_family_is_built_and_the_others_stay(tmp_path, monkeypatch):
 def test_drawing_needs_no_cad_kernel():
     heavy = ("OCP", "build123d", "bd_warehouse", "py_gearworks", "torch")
     code = (
-        "import sys; from industnerf.parts.catalogue.part_builder import build_part; from industnerf.parts.catalogue.catalogues import *;"
+        "import sys; from industnerf.parts.catalogue.part_builder import build_part;"
+        "from industnerf.parts.catalogue.catalogues import *;"
         "build_part(*find_recipe('organic', 'textured-fox'));"
         f"print(*[name for name in {heavy} if name in sys.modules])"
     )

@@ -18,8 +18,7 @@ from industnerf.parts import __main__ as command_line
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
 from industnerf.parts.io.export import export
-from industnerf.parts.io.writers.mesh_formats import srgb_colors
-from industnerf.parts.io.writers.solid_shells import group_shells_by_solid
+from industnerf.parts.io.writers.mesh_formats import group_shells_by_solid, srgb_colors
 from industnerf.parts.validation import checks
 
 FOLDER = CATALOGUE_FOLDERS["organic"]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadPart
-from industnerf.parts.repair import orientation_votes, repair_mesh
+from industnerf.parts.repair import orient, repair_mesh
 from industnerf.parts.validation.checks import area_mm2
 from tests.parts.repair.shapes import (
     ball,
@@ -39,8 +39,8 @@ def triangles(meshes):
 @pytest.fixture(autouse=True)
 def few_rays(monkeypatch):
     """Faces of these solids are large; a tenth of the rays does."""
-    monkeypatch.setattr(orientation_votes, "NUM_BEAMS", 30)
-    monkeypatch.setattr(orientation_votes, "RAYS_PER_SIDE", 48)
+    monkeypatch.setattr(orient, "NUM_BEAMS", 30)
+    monkeypatch.setattr(orient, "RAYS_PER_SIDE", 48)
 
 
 @pytest.mark.parametrize("name", SOLIDS)

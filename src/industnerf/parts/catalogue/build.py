@@ -1,10 +1,11 @@
-"""`python -m industnerf.parts build`: draw, check and bake a set, or one family of it, anew."""
+"""`python -m industnerf.parts list` and `build`: a catalogue as a table, and built anew."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rich.console import Console
 from rich.progress import track
+from rich.table import Table
 
 from industnerf.errors import BadParams, BadPart
 from industnerf.parts.catalogue.catalogues import catalogue_folder, load_families
@@ -40,3 +41,24 @@ def build_catalogue(
             [read_draft(Path(drafts), part_id) for part_id in part_ids], unchanged, folder
         )
     console.print(f"{len(part_ids)} parts baked into {folder}")
+
+
+def print_catalogue(console: Console, name: str) -> None:
+    """Print the set `name`, one row a part."""
+    entries = read_catalogue(catalogue_folder(name))
+    families = {entry.family for entry in entries}
+    table = Table(title=f"{len(entries)} parts in {len(families)} families")
+    for heading in ("part", "designation", "family", "drawn with"):
+        table.add_column(heading)
+    for heading in ("size, mm", "volume, cm³", "faces", "bodies"):
+        table.add_column(heading, justify="right")
+    for entry in entries:
+        properties = entry.measured
+        size = " x ".join(f"{side:.1f}" for side in properties.extents_mm)
+        counts = (
+            f"{properties.volume_mm3 / 1000:.2f}",
+            str(properties.faces),
+            str(properties.bodies),
+        )
+        table.add_row(entry.id, entry.designation, entry.family, entry.library, size, *counts)
+    console.print(table)

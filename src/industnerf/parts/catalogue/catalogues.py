@@ -1,14 +1,29 @@
-"""The baked sets: where each lies, and who draws it."""
+"""The catalogues: where each lies, and the recipes of its parts."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
+from industnerf.artifacts.appearance import Appearance
+from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
-from industnerf.parts.catalogue.mesh_part import MeshPart
 
 CATALOGUE_FOLDERS = {"embedded": EMBEDDED_FOLDER, "organic": EMBEDDED_FOLDER.with_name("organic")}
+REFERENCE_REFINEMENT = (
+    4  # times finer: the mesh whose volume is taken for exact where no B-rep's is
+)
+
+
+@dataclass(frozen=True)
+class MeshPart:
+    """A mesh, its finishes, and the volume that it is held against."""
+
+    mesh: Mesh
+    finishes: tuple[Appearance, ...]  # that the mesh counts
+    reference: Literal["b-rep", "finer mesh"]
+    reference_volume_mm3: float
 
 
 @runtime_checkable

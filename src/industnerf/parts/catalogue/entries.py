@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float32, Integer, UInt8
 
 from industnerf.artifacts.appearance import Appearance, appearance_from_json
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Mesh, Part, save_part
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.measure import MeshProperties
 
@@ -61,7 +61,8 @@ def read_catalogue(folder: Path = EMBEDDED_FOLDER) -> tuple[CatalogueEntry, ...]
         stored = json.loads(path.read_text(encoding="utf-8"))
         if stored["schema"] != SCHEMA:
             raise BadArtifact(
-                f"{path}: catalogue schema {stored['schema']}, this code reads {SCHEMA}; {REBUILD_HINT}"
+                f"{path}: catalogue schema {stored['schema']}, this code reads {SCHEMA}; "
+                f"{REBUILD_HINT}"
             )
         return tuple(_parse_entry(row) for row in stored["parts"])
     except FileNotFoundError:
@@ -115,3 +116,22 @@ def mesh_digest(
     sha.update(np.ascontiguousarray(faces, dtype="<i4").tobytes())
     sha.update(finish.tobytes())
     return sha.hexdigest()
+
+
+def install_catalogue_part(folder: Path, entry: CatalogueEntry, target: Path) -> None:
+    """Write the part folder of a baked part; raises BadPart or BadArtifact if it is not sound."""
+    save_part(target, to_part(entry), load_catalogue_mesh(entry, folder))
+
+
+def to_part(entry: CatalogueEntry) -> Part:
+    """What `part.json` says of a baked part."""
+    return Part(
+        part_id=entry.id,
+        family=entry.family,
+        designation=entry.designation,
+        origin=entry.origin,
+        source=entry.library,
+        finishes=entry.finishes,
+        defects=(),
+        **vars(entry.measured),
+    )

@@ -22,7 +22,7 @@ from industnerf.errors import BadPart
 from industnerf.parts.catalogue.catalogues import PartRecipe, find_recipe
 from industnerf.parts.catalogue.entries import SCHEMA, CatalogueEntry, mesh_digest
 from industnerf.parts.measure import measure
-from industnerf.parts.repair.residual_defects import measure_back_face_share
+from industnerf.parts.repair.defects import measure_back_face_share
 from industnerf.parts.validation import checks
 from industnerf.runner import Runner, WorkResult
 
@@ -67,14 +67,14 @@ def _require_within_tolerance(entry: CatalogueEntry) -> None:
     if entry.back_face_share > checks.MAX_BACK_FACE_SHARE:
         raise BadPart(
             f"part {entry.id!r} crosses itself: {entry.back_face_share:.2%} of the rays from "
-            f"outside meet a face from behind, at most {checks.MAX_BACK_FACE_SHARE:.2%} may. Draw it "
-            "otherwise, or unite its solids as meshes (MeshBoolean)."
+            f"outside meet a face from behind, at most {checks.MAX_BACK_FACE_SHARE:.2%} may. Draw "
+            "it otherwise, or unite its solids as meshes (MeshBoolean)."
         )
     if abs(entry.volume_deviation) > checks.VOLUME_TOLERANCE:
         raise BadPart(
             f"part {entry.id!r}: the mesh's volume is {entry.volume_deviation:+.2%} off that of "
-            f"the {entry.reference}, at most {checks.VOLUME_TOLERANCE:.2%} may be. Mesh it finer, or "
-            "mend the drawing."
+            f"the {entry.reference}, at most {checks.VOLUME_TOLERANCE:.2%} may be. Mesh it finer, "
+            "or mend the drawing."
         )
 
 

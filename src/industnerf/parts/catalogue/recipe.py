@@ -8,7 +8,7 @@ from build123d import Shape
 
 from industnerf.artifacts.part import Mesh
 from industnerf.parts.catalogue.appearances import APPEARANCES
-from industnerf.parts.catalogue.mesh_part import REFERENCE_REFINEMENT, MeshPart
+from industnerf.parts.catalogue.catalogues import REFERENCE_REFINEMENT, MeshPart
 from industnerf.parts.validation.checks import volume_mm3
 
 

@@ -12,8 +12,11 @@ from typing import Any
 
 from industnerf.artifacts.solids import solid_names
 from industnerf.errors import BadParams
-from industnerf.parts.catalogue.entries import CatalogueEntry, read_catalogue
-from industnerf.parts.catalogue.install import install_catalogue_part
+from industnerf.parts.catalogue.entries import (
+    CatalogueEntry,
+    install_catalogue_part,
+    read_catalogue,
+)
 from industnerf.parts.io.cad_files import CadFile, find_cad_files, solid_slugs
 from industnerf.parts.io.ingest import ingest
 

@@ -79,7 +79,8 @@ def file_ids(folder: Path, files: list[Path]) -> list[str]:
             str(path) for name, path in zip(ids, files, strict=True) if name == duplicates[0]
         ]
         raise BadParams(
-            f"parts.path: {' and '.join(duplicate_paths)} share the id {duplicates[0]!r}; rename one"
+            f"parts.path: {' and '.join(duplicate_paths)} share the id {duplicates[0]!r}; "
+            "rename one"
         )
     return ids
 

@@ -68,8 +68,8 @@ def _require_absent(paths: list[Path]) -> None:
     existing = [path for path in paths if path.exists()]
     if existing:
         raise BadParams(
-            f"export: {existing[0]} is there already, {len(existing)} files in all; remove them, or "
-            "give another --out"
+            f"export: {existing[0]} is there already, {len(existing)} files in all; remove them, "
+            "or give another --out"
         )
 
 
@@ -127,8 +127,12 @@ def _write(name: str, entry: CatalogueEntry, file_format: str, folder: Path) -> 
 
 
 def _writer(file_format: str) -> Callable[[Path, Mesh, tuple[Appearance, ...]], None]:
-    from industnerf.parts.io.writers.glb import write_glb
-    from industnerf.parts.io.writers.mesh_formats import write_face_ply, write_obj, write_stl
+    from industnerf.parts.io.writers.mesh_formats import (
+        write_face_ply,
+        write_glb,
+        write_obj,
+        write_stl,
+    )
 
     return {"stl": write_stl, "glb": write_glb, "ply": write_face_ply, "obj": write_obj}[
         file_format

@@ -10,22 +10,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.repair.deduplicate import deduplicate_faces
+from industnerf.parts.repair.defects import (
+    find_residual_defects,
+    measure_back_face_share,
+    require_surface,
+)
 from industnerf.parts.repair.edges import build_edges
 from industnerf.parts.repair.holes import fill_holes
-from industnerf.parts.repair.mesh_ops import concatenate
-from industnerf.parts.repair.nonfinite import drop_nonfinite
-from industnerf.parts.repair.normalization import fit_normalization
-from industnerf.parts.repair.orient import orient
-from industnerf.parts.repair.residual_defects import find_residual_defects, measure_back_face_share
+from industnerf.parts.repair.invalid_faces import deduplicate_faces, drop_nonfinite
+from industnerf.parts.repair.mesh_ops import concatenate, fit_normalization
+from industnerf.parts.repair.orient import fix_winding
 from industnerf.parts.repair.small_components import drop_small_components
 from industnerf.parts.repair.smooth import smooth
 from industnerf.parts.repair.union import boolean_union
-from industnerf.parts.repair.validate import require_surface
 from industnerf.parts.repair.weld import weld
 from industnerf.schema import RepairParams
 
-STEPS = (weld, deduplicate_faces, drop_small_components, orient, fill_holes, smooth, boolean_union)
+STEPS = (
+    weld,
+    deduplicate_faces,
+    drop_small_components,
+    fix_winding,
+    fill_holes,
+    smooth,
+    boolean_union,
+)
 
 
 @dataclass(frozen=True)

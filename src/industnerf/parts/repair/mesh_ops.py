@@ -1,11 +1,33 @@
-"""Parts of meshes, and meshes put together; order is kept, and vertices that no face uses go."""
+"""Selections and unions of meshes, and the normalization in which the repair works.
 
+Order is kept, and vertices that no face uses go.  Normalized, the box is centered and has a
+diagonal of 1.  Tolerances are then plain numbers, and neither a part of 1e-6 mm nor one 1e7 mm
+from the origin loses a digit of its file.
+"""
+
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Bool, Float, Int
 
 from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadPart
+
+
+@dataclass(frozen=True)
+class Normalization:
+    center: Float[np.ndarray, "3"]  # mm
+    diagonal: float  # mm
+
+    def normalize(self, mesh: Mesh) -> Mesh:
+        """`mesh` from mm to diagonals about the center."""
+        return Mesh((mesh.vertices - self.center) / self.diagonal, mesh.faces, mesh.finish)
+
+    def denormalize(self, mesh: Mesh) -> Mesh:
+        """The inverse of `unit`, but for rounding: 2e-16 of the diagonal or of the coordinate."""
+        return Mesh(mesh.vertices * self.diagonal + self.center, mesh.faces, mesh.finish)
 
 
 def drop_unused_vertices(mesh: Mesh) -> Mesh:
@@ -52,3 +74,14 @@ def replace_faces(solids: Sequence[Mesh], faces: Int[np.ndarray, "m 3"]) -> list
         replaced.append(Mesh(solid.vertices, corners.astype(np.int32), solid.finish))
         vertex, face = vertex + len(solid.vertices), face + len(solid.faces)
     return replaced
+
+
+def fit_normalization(solids: list[Mesh]) -> Normalization:
+    """The frame of finite `solids` whose vertices are all used; raises BadPart if it is a point."""
+    low = np.min([solid.vertices.min(axis=0) for solid in solids], axis=0)
+    high = np.max([solid.vertices.max(axis=0) for solid in solids], axis=0)
+    with np.errstate(over="ignore"):  # an infinite diagonal is refused below
+        diagonal = math.hypot(*(high - low))
+    if not 0 < diagonal < math.inf:
+        raise BadPart(f"its bounding box has a diagonal of {diagonal:g} mm")
+    return Normalization(low + (high - low) / 2, diagonal)

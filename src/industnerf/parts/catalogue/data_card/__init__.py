@@ -15,8 +15,7 @@ from industnerf.parts.catalogue.data_card.tables import (
     strata_table,
 )
 from industnerf.parts.catalogue.data_card.text import CARD_TEMPLATE, ORGANIC_TEMPLATE
-from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue, to_part
 from industnerf.parts.contact_sheet import render_tile, write_contact_sheet, write_gallery
 from industnerf.parts.split import assign_splits
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from industnerf.artifacts.appearance import Appearance
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.catalogue.mesh_part import REFERENCE_REFINEMENT, MeshPart
+from industnerf.parts.catalogue.catalogues import REFERENCE_REFINEMENT, MeshPart
 from industnerf.parts.validation import checks
 
 GRID_PER_MM = 1024.0  # coordinates are whole multiples of 1/1024 mm: a third less to store

@@ -18,10 +18,9 @@ from industnerf.errors import BadPart
 from industnerf.parts.io.readers import formats
 from industnerf.parts.io.readers.collada import read_dae, read_zae
 from industnerf.parts.io.readers.colors import quantize_finishes
-from industnerf.parts.io.readers.float32_precision import precision_warnings
 from industnerf.parts.io.readers.formats import Format, detect_format
 from industnerf.parts.io.readers.gltf import read_glb, read_gltf
-from industnerf.parts.io.readers.mesh_content import MeshContent
+from industnerf.parts.io.readers.mesh_content import MeshContent, precision_warnings
 from industnerf.parts.io.readers.obj import read_obj
 from industnerf.parts.io.readers.off import read_off
 from industnerf.parts.io.readers.ply import read_ply
@@ -87,7 +86,8 @@ def _read_content(path: Path, file_format: Format) -> tuple[str, MeshContent]:
 def _read_with_occt(path: Path, file_format: Format) -> MeshContent:
     if find_spec("OCP") is None:
         raise BadPart(
-            f"{file_format.name} needs the CAD kernel, which is not installed: pip install -e '.[cad]'"
+            f"{file_format.name} needs the CAD kernel, which is not installed: "
+            "pip install -e '.[cad]'"
         )
     from industnerf.parts.io.readers import occt
 

@@ -1,12 +1,15 @@
 """From colors as files state them to at most 256 finishes.
 
-What is called `srgb` is in [0, 1] and encoded for screens (IEC 61966-2-1), as STEP, IGES, MTL, PLY,
-OFF, 3MF, COLLADA and all pictures have it; `linear` decodes it.  Finishes keep colors to 8 bits of
-sRGB, and are plain paint: no file of these formats is believed about shine.
+`srgb` is in [0, 1] and encoded for screens (IEC 61966-2-1), as STEP, IGES, MTL, PLY, OFF, 3MF,
+COLLADA and all pictures have it; `srgb_to_linear` decodes it.  Finishes keep colors to 8 bits of
+sRGB.  All are plain paint: shine stated by these formats is ignored.  A texture becomes one color
+a face.
 """
 
+import io
+
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float, Float64, UInt8
 from PIL import Image
 
 from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
@@ -14,6 +17,8 @@ from industnerf.parts.io.readers.mesh_content import MeshBody
 
 MAX_FINISHES = 256  # finishes of one part: the mesh counts them in a byte
 ROUGHNESS = 0.5  # of paint
+TEXTURE_REDUCED = "pictures on the surface reduced to one color a face"
+TEXTURE_UNREADABLE = "a picture on the surface is missing or cannot be read"
 
 
 def srgb_to_linear(srgb: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
@@ -77,3 +82,22 @@ def _reduce_palette(
 def _finish(color: UInt8[np.ndarray, "3"]) -> Appearance:
     r, g, b = (round(float(x), 6) for x in srgb_to_linear(color / 255))
     return Appearance("#" + bytes(color).hex(), (r, g, b), 0.0, ROUGHNESS)
+
+
+def sample_texture(
+    data: bytes, corners: Float[np.ndarray, "m 3 2"]
+) -> Float64[np.ndarray, "m 3"] | None:
+    """The albedo at the middle of each face; None if `data` is no picture that can be read.
+
+    `corners` are texture coordinates, v upwards; beyond [0, 1] the picture repeats.
+    """
+    try:
+        with Image.open(io.BytesIO(data)) as image:
+            pixels = np.asarray(image.convert("RGB"))
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return None
+    height, width, _ = pixels.shape
+    uv = np.nan_to_num(corners.mean(axis=1), posinf=0.0, neginf=0.0)
+    column = (np.mod(uv[:, 0], 1.0) * width).astype(int).clip(0, width - 1)
+    row = (np.mod(1 - uv[:, 1], 1.0) * height).astype(int).clip(0, height - 1)
+    return srgb_to_linear(pixels[row, column].astype(np.float64) / 255)

@@ -36,8 +36,8 @@ def _trim_binary(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     available, tail = divmod(len(data) - HEADER_BYTES, RECORD_BYTES)
     if declared > available:
         raise BadPart(
-            f"binary STL: header promises {declared} triangles, the file holds {available}: it is cut "
-            "short"
+            f"binary STL: header promises {declared} triangles, the file holds {available}: it is "
+            "cut short"
         )
     tail += (available - declared) * RECORD_BYTES
     return data[: HEADER_BYTES + declared * RECORD_BYTES], (
