@@ -1,4 +1,8 @@
-"""glTF 2.0, binary or JSON: one body per node, in meters and y up as the standard says."""
+"""glTF 2.0, binary or JSON: one body per node, in meters and y up as the standard says.
+
+Not through trimesh, which leaves out triangle fans, makes one body of each material, keeps linear
+factors in 8 bits and reads compressed accessors as zeros (benchmarks/readers.md).
+"""
 
 import base64
 import binascii
@@ -17,7 +21,9 @@ from industnerf.parts.io.readers.mesh_content import (
     MeshBody,
     MeshContent,
     concatenate_bodies,
+    fan_triangles,
     require_valid_indices,
+    strip_triangles,
     transform_body,
     unstated_albedo,
 )
@@ -207,15 +213,10 @@ def read_primitive(
     return MeshBody(name, vertices, faces, _albedo(node, tree, buffers, faces, warnings))
 
 
-def _faces(indices: np.ndarray, mode: int) -> Int64[np.ndarray, "m 3"]:
+def _faces(indices: Int64[np.ndarray, "k"], mode: int) -> Int64[np.ndarray, "m 3"]:
     if mode == TRIANGLES:
-        return indices[: len(indices) // 3 * 3].reshape(-1, 3).astype(np.int64)
-    count = max(len(indices) - 2, 0)
-    i = np.arange(count)
-    if mode == FAN:
-        return np.stack([indices[np.zeros(count, int)], indices[i + 1], indices[i + 2]], axis=1)
-    odd = i % 2  # every other triangle of a strip runs the other way
-    return np.stack([indices[i], indices[i + 1 + odd], indices[i + 2 - odd]], axis=1).reshape(-1, 3)
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+    return strip_triangles(indices) if mode == STRIP else fan_triangles(indices)
 
 
 def _albedo(

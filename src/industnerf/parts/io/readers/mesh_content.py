@@ -71,6 +71,19 @@ def transform_body(body: MeshBody, matrix: Float64[np.ndarray, "4 4"], name: str
     return MeshBody(name, vertices, body.faces[:, ::-1] if is_mirrored else body.faces, body.albedo)
 
 
+def strip_triangles(order: Int64[np.ndarray, "k"]) -> Int64[np.ndarray, "t 3"]:
+    """The triangles of a strip; every other one runs the other way."""
+    i = np.arange(max(len(order) - 2, 0))
+    odd = i % 2
+    return np.stack([order[i], order[i + 1 + odd], order[i + 2 - odd]], axis=1)
+
+
+def fan_triangles(order: Int64[np.ndarray, "k"]) -> Int64[np.ndarray, "t 3"]:
+    """The triangles between the first corner of a fan and each two that follow."""
+    i = np.arange(max(len(order) - 2, 0))
+    return np.stack([order[0 * i], order[i + 1], order[i + 2]], axis=1)
+
+
 def require_valid_indices(faces: Int64[np.ndarray, "m k"], vertices: int, label: str) -> None:
     """Raise BadPart if a face names a vertex that is not there."""
     bad = np.flatnonzero(((faces < 0) | (faces >= vertices)).any(axis=1))

@@ -1,6 +1,7 @@
 """3DXML of the CATIA family: one body per place in the assembly.  It states no unit.
 
-Read here and not by trimesh, which repeats triangles where a surface has several colored faces.
+Not through trimesh, which repeats triangles where a surface has several faces, makes unstated colors
+gray and needs normals (benchmarks/readers.md).
 """
 
 import json
@@ -18,7 +19,9 @@ from industnerf.parts.io.readers.mesh_content import (
     MeshBody,
     MeshContent,
     concatenate_bodies,
+    fan_triangles,
     require_valid_indices,
+    strip_triangles,
     transform_body,
     unstated_albedo,
 )
@@ -143,15 +146,9 @@ def _piece(node: Any, positions: str, materials: dict[str, Albedo]) -> MeshBody 
 
 def _triangles(face: Any) -> Int64[np.ndarray, "m 3"]:
     groups = [np.array(face.get("triangles", "").split(), np.int64).reshape(-1, 3)]
-    for text in face.get("strips", "").split(","):
-        order = np.array(text.split(), np.int64)
-        i = np.arange(max(len(order) - 2, 0))
-        odd = i % 2  # every other triangle of a strip runs the other way
-        groups.append(np.stack([order[i], order[i + 1 + odd], order[i + 2 - odd]], axis=1))
-    for text in face.get("fans", "").split(","):
-        order = np.array(text.split(), np.int64)
-        i = np.arange(max(len(order) - 2, 0))
-        groups.append(np.stack([order[0 * i], order[i + 1], order[i + 2]], axis=1))
+    for key, triangles in (("strips", strip_triangles), ("fans", fan_triangles)):
+        for text in face.get(key, "").split(","):
+            groups.append(triangles(np.array(text.split(), np.int64)))
     return np.concatenate(groups)
 
 

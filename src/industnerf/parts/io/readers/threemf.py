@@ -1,4 +1,8 @@
-"""3MF: the build items, and what they are composed of, with colors and production paths."""
+"""3MF: the build items, and what they are composed of, with colors and production paths.
+
+Not through trimesh, which reads no colors and passes over a build item that is not there
+(benchmarks/readers.md).
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
