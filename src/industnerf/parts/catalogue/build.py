@@ -17,7 +17,7 @@ from industnerf.runner import runner_from_environment
 def build_catalogue(
     console: Console, name: str, family: str | None, folder: Path | None = None
 ) -> None:
-    """Bake the set `name`, or one family of it, into its folder; if a part fails, write nothing."""
+    """Build the catalogue `name`, or one family, in its folder; if a part fails, write nothing."""
     families = load_families(name)
     if family is not None and family not in families:
         raise BadParams(f"--family: no family {family!r}, only {', '.join(families)}")
@@ -29,7 +29,7 @@ def build_catalogue(
     )
     with TemporaryDirectory() as drafts:
         outcomes = build_parts(name, part_ids, Path(drafts), runner_from_environment())
-        results = list(track(outcomes, "Baking", total=len(part_ids), console=console))
+        results = list(track(outcomes, "Building", total=len(part_ids), console=console))
         failed = [
             f"{part_ids[outcome.index]}: {outcome.error}"
             for outcome in results
@@ -40,11 +40,11 @@ def build_catalogue(
         write_catalogue(
             [read_draft(Path(drafts), part_id) for part_id in part_ids], unchanged, folder
         )
-    console.print(f"{len(part_ids)} parts baked into {folder}")
+    console.print(f"{len(part_ids)} parts built into {folder}")
 
 
 def print_catalogue(console: Console, name: str) -> None:
-    """Print the set `name`, one row a part."""
+    """Print the catalogue `name`, one row a part."""
     entries = read_catalogue(catalogue_folder(name))
     families = {entry.family for entry in entries}
     table = Table(title=f"{len(entries)} parts in {len(families)} families")

@@ -28,7 +28,7 @@ class MeshPart:
 
 @runtime_checkable
 class PartRecipe(Protocol):
-    """What a family lists: a `Recipe` for the CAD kernel, or a `Sculpture` of formulas."""
+    """What a family lists: a `Recipe` for the CAD kernel, or a `ProceduralRecipe` of formulas."""
 
     id: str
     designation: str
@@ -43,14 +43,14 @@ Families = Mapping[str, Sequence[PartRecipe]]
 
 
 def catalogue_folder(name: str) -> Path:
-    """Where the set `name` is baked; raises BadParams if there is none of that name."""
+    """The folder of the catalogue `name`; raises BadParams if there is none of that name."""
     if name not in CATALOGUE_FOLDERS:
         raise BadParams(f"--set: no set {name!r}, only {', '.join(CATALOGUE_FOLDERS)}")
     return CATALOGUE_FOLDERS[name]
 
 
 def load_families(name: str) -> Families:
-    """The families of the set `name`; raises SuiteError if what draws them is not installed."""
+    """The families of the catalogue `name`; raises SuiteError without the libraries it needs."""
     catalogue_folder(name)
     if name == "organic":
         from industnerf.parts.catalogue.organic import FAMILIES as sculptures
@@ -66,7 +66,7 @@ def load_families(name: str) -> Families:
 
 
 def find_recipe(name: str, part_id: str) -> tuple[str, PartRecipe]:
-    """The family and the drawing of a part of the set `name`; raises BadParams if unknown."""
+    """The family and the drawing of a part of the catalogue `name`; raises BadParams if unknown."""
     for family, recipes in load_families(name).items():
         for recipe in recipes:
             if recipe.id == part_id:

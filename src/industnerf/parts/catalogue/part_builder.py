@@ -1,4 +1,4 @@
-"""Mesh, check and write the parts of a set.
+"""Mesh, check and write the parts of a catalogue.
 
 Parts are drawn in child processes: the CAD kernel can hang or crash on one without taking the
 others along.
@@ -74,14 +74,14 @@ def _require_within_tolerance(entry: CatalogueEntry) -> None:
         raise BadPart(
             f"part {entry.id!r}: the mesh's volume is {entry.volume_deviation:+.2%} off that of "
             f"the {entry.reference}, at most {checks.VOLUME_TOLERANCE:.2%} may be. Mesh it finer, "
-            "or mend the drawing."
+            "or correct the drawing."
         )
 
 
 def build_parts(
     name: str, part_ids: Sequence[str], drafts: Path, runner: Runner
 ) -> Iterator[WorkResult]:
-    """Bake parts of the set `name` into the folder `drafts`; each outcome as it is known."""
+    """Build parts of the catalogue `name` into `drafts`; yields outcomes as they come."""
     works = [partial(_build_draft, name, part_id, drafts) for part_id in part_ids]
     return runner.map(works, TIMEOUT_S)
 
@@ -91,12 +91,12 @@ def _build_draft(name: str, part_id: str, drafts: Path) -> None:
 
 
 def read_draft(drafts: Path, part_id: str) -> BuiltPart:
-    """What `bake_all` left; only ever called on a folder of this process's own."""
+    """What `build_parts` left; only ever called on a folder of this process's own."""
     return pickle.loads((drafts / part_id).read_bytes())
 
 
 def write_catalogue(built: list[BuiltPart], unchanged: list[CatalogueEntry], folder: Path) -> None:
-    """Write the meshes, and a catalogue of them and of the entries `kept` as they are.
+    """Write the meshes, and a catalogue of them and of the entries `unchanged` as they are.
 
     Any other mesh in `folder` goes.
     """

@@ -1,4 +1,4 @@
-"""What a family hands over to be baked."""
+"""The recipe of a part: what a family lists, and how its mesh is made."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class MeshBoolean:
 
 @dataclass(frozen=True)
 class Assembly:
-    """Bodies of several finishes, by the name of the finish (see `finishes.FINISHES`)."""
+    """Bodies of several finishes, by the name of the finish (see `appearances.APPEARANCES`)."""
 
     bodies: dict[str, Shape | MeshBoolean]
 

@@ -1,6 +1,6 @@
 """`python -m industnerf.parts export`: parts as files for other programs.
 
-Triangles come from the baked mesh.  STEP is the exact drawing where there is one; else it is the
+Triangles come from the stored mesh.  STEP is the exact drawing where there is one; else it is the
 mesh in flat facets, and its name says so: `<part>-faceted.step`.
 """
 
@@ -27,7 +27,7 @@ TIMEOUT_S = 300.0  # for one part; the slowest drawing takes about 20 s
 def export(
     console: Console, name: str, part_ids: Sequence[str] | None, file_format: str, out: Path
 ) -> None:
-    """Write parts of the set `name`, or all of them, into the folder `out`.
+    """Write parts of the catalogue `name`, or all of them, into the folder `out`.
 
     Raises BadParams if a part is unknown, a file is there already or `out` cannot be a folder, and
     PartsFailed if some could not be written; the others are.

@@ -1,7 +1,7 @@
 """The paper's "denoising" (4.1) of a user's CAD, made concrete: a chain of short steps.
 
-Each step takes the solids of a file, mends one defect, and says in one sentence what it mended and
-what it left.  Between `Frame.unit` and `Frame.restored` lengths are shares of the bounding-box
+Each step takes the solids of a file, repairs one defect, and says in one sentence what it repaired
+and what it left.  Between `normalize` and `denormalize` lengths are shares of the bounding-box
 diagonal, outside they are mm.  Slivers stay: dropping them opens closed solids.  No hole is filled
 and nothing smoothed unless asked: both move the surfaces of CAD.
 """
@@ -49,7 +49,7 @@ class RepairResult:
 
 
 def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
-    """One mesh of all `solids` (mm), mended as `settings` asks.
+    """One mesh of all `solids` (mm), repaired as `settings` asks.
 
     Raises BadPart if no surface is left.
     """

@@ -26,7 +26,7 @@ class Normalization:
         return Mesh((mesh.vertices - self.center) / self.diagonal, mesh.faces, mesh.finish)
 
     def denormalize(self, mesh: Mesh) -> Mesh:
-        """The inverse of `unit`, but for rounding: 2e-16 of the diagonal or of the coordinate."""
+        """The inverse of `normalize`, up to rounding by 2e-16 of the coordinate."""
         return Mesh(mesh.vertices * self.diagonal + self.center, mesh.faces, mesh.finish)
 
 
@@ -41,7 +41,7 @@ def drop_unused_vertices(mesh: Mesh) -> Mesh:
 
 
 def select_faces(mesh: Mesh, mask: Bool[np.ndarray, "m"]) -> Mesh:
-    """The faces of `mesh` that `which` marks."""
+    """The faces of `mesh` that `mask` marks."""
     if mask.all():
         return mesh
     return drop_unused_vertices(Mesh(mesh.vertices, mesh.faces[mask], mesh.finish[mask]))
@@ -61,12 +61,12 @@ def concatenate(solids: Sequence[Mesh]) -> Mesh:
 
 
 def solid_of_faces(solids: Sequence[Mesh]) -> Int[np.ndarray, "m"]:
-    """The number of the solid from which each face of `joined(solids)` comes."""
+    """The number of the solid from which each face of `concatenate(solids)` comes."""
     return np.repeat(np.arange(len(solids)), [len(solid.faces) for solid in solids])
 
 
 def replace_faces(solids: Sequence[Mesh], faces: Int[np.ndarray, "m 3"]) -> list[Mesh]:
-    """`solids` with the faces of their `joined` mesh replaced, each with its corners reordered."""
+    """`solids` with the `faces` of their concatenation, whose corners were reordered."""
     vertex, face = 0, 0
     replaced = []
     for solid in solids:
@@ -77,7 +77,7 @@ def replace_faces(solids: Sequence[Mesh], faces: Int[np.ndarray, "m 3"]) -> list
 
 
 def fit_normalization(solids: list[Mesh]) -> Normalization:
-    """The frame of finite `solids` whose vertices are all used; raises BadPart if it is a point."""
+    """The normalization of finite `solids` without unused vertices; BadPart if they are a point."""
     low = np.min([solid.vertices.min(axis=0) for solid in solids], axis=0)
     high = np.max([solid.vertices.max(axis=0) for solid in solids], axis=0)
     with np.errstate(over="ignore"):  # an infinite diagonal is refused below

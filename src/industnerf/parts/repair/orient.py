@@ -1,10 +1,10 @@
 """Faces turned outward, by what rays from outside see.
 
 Each patch of faces that are wound alike is turned if most rays meet it from behind.  A shell whose
-windings can be made to agree is turned as a whole where the rays do not speak against it.  A
-closed shell that hardly a ray reaches is judged by its volume and by the shell that holds it: see
-`_settle_hidden`.  Such rays came in through a crack; on all others no shell can come out worse
-than it was.
+windings can be made to agree is turned as a whole unless the rays contradict it.  A closed shell
+that hardly a ray reaches is judged by its volume and by the shell that contains it, in
+`_orient_hidden_shells`: such rays came in through a crack.  No other shell can come out worse than
+it was.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class OrientationVotes:
     density: float  # rays that would meet a unit of area of a convex solid that stood alone
 
     def back_votes(self, flipped: Bool[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
-        """The rays that would meet each face from behind, were those `turned` turned."""
+        """The rays that would meet each face from behind, were those `flipped` turned."""
         return np.where(flipped, self.front, self.back)
 
     def back_share(self, flipped: Bool[np.ndarray, "m"]) -> float:
@@ -125,7 +125,7 @@ def _orient_hidden_shells(
 
 
 def ray_votes(mesh: Mesh) -> OrientationVotes:
-    """The votes of `VIEWS` beams of `ACROSS`**2 rays each."""
+    """The votes of `NUM_BEAMS` beams of `RAYS_PER_SIDE`**2 rays each."""
     scene = RaycastingScene(mesh.vertices, mesh.faces)
     width = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
     # Cauchy: the mean shadow of a convex solid is a quarter of its surface.

@@ -24,10 +24,10 @@ class Shells:
     shell_of_face: Int[np.ndarray, "m"]  # the shell of each face
     patch_of_face: Int[np.ndarray, "m"]  # the patch of each face: the part of its shell wound alike
     is_minority: Bool[np.ndarray, "m"]  # the smaller part of a shell, wound against the rest
-    is_two_sided: Bool[np.ndarray, "s"]  # turning the odd faces makes all windings agree
+    is_two_sided: Bool[np.ndarray, "s"]  # turning the minority makes all windings agree
     is_closed: Bool[np.ndarray, "s"]  # two-sided, and every edge joins two faces of the shell
     area: Float[np.ndarray, "s"]
-    volume: Float[np.ndarray, "s"]  # with the odd faces turned; meaningful where closed
+    volume: Float[np.ndarray, "s"]  # with the minority turned; meaningful where closed
 
     def __len__(self) -> int:
         return len(self.is_closed)
@@ -52,7 +52,7 @@ class ContainmentTree:
         return self._vertices[self._corners[faces]]
 
     def containing_shells(self, inner: int, candidates: Int[np.ndarray, "k"]) -> list[int]:
-        """Those shells of `among` that hold the shell `inner`."""
+        """Those shells of `candidates` that hold the shell `inner`."""
         is_enclosing = (self.low[candidates] < self.low[inner]) & (
             self.high[candidates] > self.high[inner]
         )
@@ -107,7 +107,7 @@ def _find_minority(
     shell: Int[np.ndarray, "m"],
     area: Float[np.ndarray, "m"],
 ) -> tuple[Bool[np.ndarray, "m"], Bool[np.ndarray, "s"]]:
-    """`Shells.odd` and `Shells.two_sided`.
+    """`Shells.is_minority` and `Shells.is_two_sided`.
 
     Every face f stands twice in a graph, as it is (f) and turned (f + m); neighbors are linked
     such that their windings agree.  The copies of a two-sided shell fall apart into two halves.

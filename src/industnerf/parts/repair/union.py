@@ -24,7 +24,7 @@ MIN_VOLUME = 1e-12  # volume in cubed diagonals: a body with less is a surface f
 class Overlaps:
     pairs: Int[np.ndarray, "p 2"]  # of bodies that overlap
     max_share: float  # the largest overlap, of the smaller body's volume
-    num_unchecked: int  # pairs with boxes that overlap, beyond MOST_PAIRS
+    num_unchecked: int  # pairs with boxes that overlap, beyond MAX_PAIRS
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def boolean_union(
 
 
 def _drop_faces(solids: list[Mesh], dropped: Int[np.ndarray, "f"]) -> list[Mesh]:
-    """`solids` less the faces `taken` of their joined mesh; solids that are then empty go."""
+    """`solids` less the faces `dropped` of their concatenation; solids left empty go."""
     owner = solid_of_faces(solids)
     is_left = np.ones(len(owner), bool)
     is_left[dropped] = False

@@ -34,7 +34,7 @@ COLUMNS = (
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:
-    """A row for each of `findings`; the sentences behind the counts are in `verdicts`."""
+    """A row for each of `findings`; the sentences behind the counts are in `verdict_lines`."""
     grid = Table(title=_count_verdicts(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
     for heading in (

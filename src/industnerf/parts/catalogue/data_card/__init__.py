@@ -44,7 +44,7 @@ def render_card(folder: Path, organic: Path, splits: dict[str, SplitAssignment])
     """The text of docs/dataset.md.
 
     `folder` is the embedded set, `organic` the non-industrial one, which may be missing, and
-    `places` says of every embedded part where the split puts it.
+    `splits` has the split of every embedded part.
     """
     entries = read_catalogue(folder)
     properties = [entry.measured for entry in entries]

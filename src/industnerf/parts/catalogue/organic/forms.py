@@ -154,7 +154,7 @@ def _capped(rings: Float[np.ndarray, "n sides 3"], ends: Float[np.ndarray, "2 3"
 def sheet(
     midsurface: Float[np.ndarray, "n m 3"], thickness: float, is_ring: bool = False
 ) -> Manifold:
-    """A sheet of `thickness` about a grid of points; `around`: each row is a ring."""
+    """A sheet of `thickness` about a grid of points; `is_ring`: each row is closed."""
     n, m, _ = midsurface.shape
     along = np.gradient(midsurface, axis=0)
     wrapped = np.roll(midsurface, -1, axis=1) - np.roll(midsurface, 1, axis=1)
@@ -181,7 +181,7 @@ def _wall(border: Int[np.ndarray, "k"], below: int) -> Int[np.ndarray, "f 3"]:
 
 
 def grid_faces(n: int, m: int, is_ring: bool) -> Int[np.ndarray, "f 3"]:
-    """The triangles of an n by m grid of points, row by row; `around`: each row is a ring."""
+    """The triangles of an n by m grid of points, row by row; `is_ring`: each row is closed."""
     index = np.arange(n * m).reshape(n, m)
     right = np.roll(index, -1, axis=1) if is_ring else index[:, 1:]
     left = index if is_ring else index[:, :-1]
@@ -190,7 +190,7 @@ def grid_faces(n: int, m: int, is_ring: bool) -> Int[np.ndarray, "f 3"]:
 
 
 def revolve_profile(profile: Float[np.ndarray, "n 2"], edge_mm: float) -> Manifold:
-    """What a wheel makes of a closed outline of (radius, z), anticlockwise."""
+    """What a wheel makes of a closed outline of (radius, z), counterclockwise."""
     segments = max(12, round(2 * np.pi * float(profile[:, 0].max()) / edge_mm))
     return Manifold.revolve(CrossSection([profile]), segments)
 

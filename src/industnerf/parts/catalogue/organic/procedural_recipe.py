@@ -42,7 +42,7 @@ class ProceduralRecipe:
 
 
 def _snap_to_grid(mesh: Mesh) -> Mesh:
-    """Vertices at multiples of 1 / `GRID`; those that fall together become one."""
+    """Vertices at multiples of 1 / `GRID_PER_MM`; those that fall together become one."""
     grid_points, point_index = np.unique(
         np.round(mesh.vertices * GRID_PER_MM), axis=0, return_inverse=True
     )
@@ -54,5 +54,5 @@ def _snap_to_grid(mesh: Mesh) -> Mesh:
 def paint_appearance(
     name: str, red: float, green: float, blue: float, roughness: float = 0.5
 ) -> Appearance:
-    """A matte or glossy coat of paint, its color linear in [0, 0.72] as `finishes` has it."""
+    """A matte or glossy coat of paint, its color linear in [0, 0.72] as `APPEARANCES` has it."""
     return Appearance(name, (red, green, blue), 0.0, roughness)

@@ -1,4 +1,4 @@
-"""One CAD file to its solids in mm: as the file has them, not yet cleaned.
+"""One CAD file to its solids in mm: as the file has them, not yet repaired.
 
 Where a format says which way is up (glTF, COLLADA), the part is turned to z up; all others stay as
 they are in the file.  Every refusal is a BadPart of one sentence; a file that hangs, crashes the
@@ -69,7 +69,7 @@ def read_solids(path: Path, units: str) -> Solids:
 def _read_content(path: Path, file_format: Format) -> tuple[str, MeshContent]:
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # the libraries' own; what matters is a remark
+            warnings.simplefilter("ignore")  # the libraries' own; what matters is a warning
             warnings.filterwarnings("error", message=UNPARSED_NUMBER_WARNING)
             if file_format == formats.STL:
                 return read_stl(path)

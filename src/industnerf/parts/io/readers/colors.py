@@ -28,7 +28,7 @@ def srgb_to_linear(srgb: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n
 
 
 def linear_to_srgb8(albedo: Float64[np.ndarray, "*n 3"]) -> UInt8[np.ndarray, "*n 3"]:
-    """The inverse of `linear`, in 8 bits."""
+    """The inverse of `srgb_to_linear`, in 8 bits."""
     albedo = np.clip(albedo, 0.0, 1.0)
     srgb = np.where(albedo <= 0.0031308, 12.92 * albedo, 1.055 * albedo ** (1 / 2.4) - 0.055)
     return np.round(255 * srgb).astype(np.uint8)
@@ -65,7 +65,7 @@ def quantize_finishes(
 def _reduce_palette(
     colors: UInt8[np.ndarray, "m 3"], max_colors: int
 ) -> tuple[UInt8[np.ndarray, "k 3"], np.ndarray, tuple[str, ...]]:
-    """At most `most` colors, which of them stands for each row of `colors`, and a remark."""
+    """At most `max_colors` colors, the one of each row of `colors`, and a warning."""
     distinct, palette_index = np.unique(colors, axis=0, return_inverse=True)
     if len(distinct) <= max_colors:
         return distinct, palette_index.ravel(), ()

@@ -195,7 +195,7 @@ def _matrix(node: dict[str, Any]) -> Float64[np.ndarray, "4 4"]:
 def read_primitive(
     node: dict[str, Any], tree: dict[str, Any], buffers: Buffers, name: str, warnings: list[str]
 ) -> MeshBody | None:
-    """The body of `part`; None if it is points or lines, or empty."""
+    """The body of the primitive `node`; None if it is points or lines, or empty."""
     mode = node.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):
         warnings.append("points and lines left out")

@@ -105,7 +105,7 @@ def precision_warnings(bodies: tuple[MeshBody, ...]) -> tuple[str, ...]:
     points = points[np.isfinite(points).all(axis=1)]
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
     if diagonal == 0:
-        return ()  # no solid anyway, which cleaning says
+        return ()  # no solid anyway, which the repair says
     largest = float(np.abs(points).max())
     share = float(np.spacing(np.float32(largest))) / diagonal
     message = (

@@ -1,7 +1,7 @@
 """Wavefront OBJ: one body per `o`.  Groups are not bodies, for many programs write one per face.
 
-Not through trimesh, which fans concave polygons over their dents, joins the objects of a file, reads
-one material library a file and keeps quiet about a missing one (benchmarks/readers.md).
+Not through trimesh, which fans concave polygons over their dents, joins the objects of a file,
+reads one material library a file and keeps quiet about a missing one (benchmarks/readers.md).
 """
 
 from collections.abc import Iterator

@@ -244,7 +244,7 @@ def triangulate_piece(
 ) -> tuple[MeshArrays | None, int]:
     """The triangles of `piece` in its `box`, and how many of its faces the kernel left bare.
 
-    They are not welded: cleaning does that to what comes out of any reader.
+    They are not welded: the repair does that to what comes out of any reader.
     """
     diagonal = box.CornerMin().Distance(box.CornerMax())
     BRepMesh_IncrementalMesh(piece, LINEAR_DEFLECTION * diagonal, False, ANGULAR_DEFLECTION, False)

@@ -1,7 +1,7 @@
 """STL, binary and text.  It states neither units nor colors.
 
-Not through trimesh, which refuses decimal commas and bytes after the last triangle, and answers a file
-that is cut short with an empty scene (benchmarks/readers.md).
+Not through trimesh, which refuses decimal commas and bytes after the last triangle, and answers a
+file that is cut short with an empty scene (benchmarks/readers.md).
 """
 
 import re

@@ -1,7 +1,7 @@
 """3DXML of the CATIA family: one body per place in the assembly.  It states no unit.
 
-Not through trimesh, which repeats triangles where a surface has several faces, makes unstated colors
-gray and needs normals (benchmarks/readers.md).
+Not through trimesh, which repeats triangles where a surface has several faces, makes unstated
+colors gray and needs normals (benchmarks/readers.md).
 """
 
 import json
@@ -153,7 +153,7 @@ def _triangles(face: Any) -> Int64[np.ndarray, "m 3"]:
 
 
 def _find_albedo(node: Any, materials: dict[str, Albedo], default: Albedo) -> Albedo:
-    """The color or the material at `node`; `otherwise` if it states none."""
+    """The color or the material at `node`; `default` if it states none."""
     color = node.find("{*}SurfaceAttributes/{*}Color")
     if color is not None:
         channels = [float(color.get(name, 1)) for name in ("red", "green", "blue")]

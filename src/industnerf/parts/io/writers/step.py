@@ -61,7 +61,7 @@ def _label_solid(solid: Shape, finish: Appearance) -> Shape:
 
 
 def write_faceted(path: Path, mesh: Mesh, finishes: tuple[Appearance, ...]) -> None:
-    """Every triangle as a plane face; raises BadPart above `MOST_FACETS` of them."""
+    """Every triangle as a plane face; raises BadPart above `MAX_FACETS` of them."""
     if len(mesh.faces) > MAX_FACETS:
         raise BadPart(
             f"{path.stem}: {len(mesh.faces)} facets, and a STEP file of more than {MAX_FACETS} "
