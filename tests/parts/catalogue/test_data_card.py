@@ -23,8 +23,8 @@ from industnerf.parts.catalogue.entries import (
     CatalogueEntry,
     mesh_digest,
     read_catalogue,
+    to_part,
 )
-from industnerf.parts.catalogue.install import to_part
 from industnerf.parts.contact_sheet import CAPTION_LINES, LINE_PX, TILE_PX
 from industnerf.parts.measure import measure
 from industnerf.parts.split import assign_splits

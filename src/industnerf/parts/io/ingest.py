@@ -20,9 +20,9 @@ def ingest(
     settings: RepairParams,
     target: Path,
 ) -> None:
-    """Write the part folder of what `folder` holds, or of its solid number `which` alone.
+    """Write the part folder of what `folder` holds, or of its solid `solid_index` alone.
 
-    Raises BadArtifact if `folder` holds no `Solids`, BadPart if no surface is left after cleaning.
+    Raises BadArtifact if `folder` holds no `Solids`, BadPart if the repair leaves no surface.
     """
     file = Solids.load(folder)
     selected = file.solids if solid_index is None else (file.solids[solid_index],)

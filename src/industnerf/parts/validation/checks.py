@@ -105,8 +105,8 @@ def back_face_share(
 ) -> float:
     """Of the rays from outside that hit the part, the share that meets a face from behind.
 
-    Zero for a sound surface.  The rays are `views` parallel beams of `rays_across`**2 from all
-    round.  Only such a test sees a solid that crosses itself: it can be closed, valid and of
+    Zero for a sound surface.  The rays are `views` parallel beams of `rays_per_side`**2 from all
+    around.  Only such a test sees a solid that crosses itself: it can be closed, valid and of
     positive volume all the same.
     """
     normals = double_area_normals(vertices, faces)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from industnerf.parts.repair.deduplicate import deduplicate_faces, unique_first
+from industnerf.parts.repair.invalid_faces import deduplicate_faces, unique_first
 from tests.parts.repair.shapes import box, concatenated, flipped, select_faces, settings
 
 

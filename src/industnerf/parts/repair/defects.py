@@ -1,13 +1,17 @@
-"""What is still wrong with a mesh when cleaning is done."""
+"""What makes a mesh unusable, and what is still wrong with it after the repair."""
 
 import numpy as np
 
 from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadPart
 from industnerf.geometry.raycast import RaycastingScene
 from industnerf.parts.repair.edges import Edges
 from industnerf.parts.validation import checks
+from industnerf.parts.validation.checks import area_mm2
 
 MIN_THICKNESS = 1e-6  # diagonals: the thickness below which a part is a sheet
+MIN_FACES = 2  # a single triangle is no part; two make a sheet, and four a solid
+MIN_AREA = 1e-6  # area in squared diagonals: a ribbon so narrow is a line to any camera
 
 
 def measure_back_face_share(mesh: Mesh) -> float:
@@ -36,3 +40,17 @@ def _thickness(mesh: Mesh) -> float:
     centered = mesh.vertices - mesh.vertices.mean(axis=0)
     direction = np.linalg.eigh(centered.T @ centered)[1][:, 0]
     return float(np.ptp(centered @ direction))
+
+
+def require_surface(solids: list[Mesh]) -> None:
+    """Raise BadPart unless `solids`, in the unit frame, hold a surface that can be seen."""
+    faces = sum(len(solid.faces) for solid in solids)
+    if faces < MIN_FACES:
+        raise BadPart(f"it has {faces} sound face, and no part has fewer than {MIN_FACES}")
+    area = sum(area_mm2(solid.vertices, solid.faces) for solid in solids)
+    if area < MIN_AREA:
+        raise BadPart(
+            f"its {faces} faces lie on a line: their area is {area:.1e} of the squared diagonal"
+        )
+    if not np.isfinite(area):
+        raise BadPart("its area is not finite")
