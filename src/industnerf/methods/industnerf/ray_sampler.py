@@ -4,13 +4,13 @@ Reading R10: re-rendering the views is the only training signal.
 """
 
 from copy import copy
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 from torch.nn.functional import adaptive_avg_pool2d, adaptive_max_pool2d, max_pool2d
 
-from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import reduced_size
 from industnerf.methods.industnerf.projection import project
 from industnerf.methods.industnerf.scene import NerfScene, TorchCameras, source_target_split
@@ -18,6 +18,16 @@ from industnerf.rendering.render import Rays
 from industnerf.schema.readings import TargetViewsReading
 
 DEPTH_EDGE = 0.02  # unit lengths: depths within a pixel that differ more are of an edge
+
+
+@dataclass(frozen=True)
+class RayBatch:
+    """Some rays, and what rendering them should give."""
+
+    rays: Rays
+    target: Float32[Tensor, "r 3"]
+    background: Float32[Tensor, "r 3"]
+    measured_depth: Float32[Tensor, "r"] | None  # along the ray; 0: not measured
 
 
 class RaySampler:
@@ -45,6 +55,13 @@ class RaySampler:
         sampler = copy(self)
         sampler.visible_pixels = mask.nonzero()
         return sampler
+
+    def sample(self, count: int, noise: float, generator: torch.Generator) -> RayBatch:
+        """The rays of random pixels; `noise` is the standard deviation of that of their colors."""
+        pixels, offsets = self.sample_pixels(count, generator)
+        rays, colors, background = self.rays(pixels, offsets)
+        target = add_noise(colors, noise, generator)
+        return RayBatch(rays, target, background, self.ray_depths(pixels, rays))
 
     def sample_pixels(
         self, count: int, generator: torch.Generator
@@ -131,18 +148,10 @@ def target_footprint(
     image_px: int,
     reading: TargetViewsReading,
 ) -> Bool[Tensor, "n h w"]:
-    """`footprint` in the target views of R10; empty in the others.
-
-    Raises ReconstructionFailed if it is empty in all.
-    """
+    """`footprint` in the target views of R10; empty in the others."""
     visible = footprint(points, spacing, cameras, image_px)
     target_pixels, target_views = torch.zeros_like(visible), source_target_split(reading).target
     target_pixels[target_views] = visible[target_views]
-    if not target_pixels.any():
-        raise ReconstructionFailed(
-            "no target view can see a point: are there views enough, and do their cameras agree "
-            "on where the part is?"
-        )
     return target_pixels
 
 

@@ -4,7 +4,6 @@ Reading R10: re-rendering the views is the only training signal.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -30,8 +29,8 @@ from industnerf.methods.industnerf.point_levels import (
     within_radius,
 )
 from industnerf.methods.industnerf.ray_sampler import (
+    RayBatch,
     RaySampler,
-    add_noise,
     footprint,
     target_footprint,
 )
@@ -43,16 +42,6 @@ from industnerf.schema import IndustnerfSettings
 
 REFRESH_INTERVAL = 20  # steps between updates of all points and all views; one more at the end
 MAX_KEPT_FRACTION = 0.9  # of the points; to take out fewer is not worth sorting the rest
-
-
-@dataclass(frozen=True)
-class RayBatch:
-    """Rendered rays, and the colors and depths that they should have."""
-
-    output: RenderOutput
-    background: Float32[Tensor, "r 3"]
-    target: Float32[Tensor, "r 3"]
-    measured_depth: Float32[Tensor, "r"] | None  # along the ray; 0: not measured
 
 
 class Trainer:
@@ -122,7 +111,13 @@ class Trainer:
     def _visible_pixels(self, points: Float32[Tensor, "m 3"]) -> Bool[Tensor, "v h w"]:
         """The pixels of the target views that can see any of the points."""
         radius, reading = self.points.support_radius, self.settings.readings.target_views
-        return target_footprint(points, radius, self._scene.cameras, self.image_px, reading)
+        pixels = target_footprint(points, radius, self._scene.cameras, self.image_px, reading)
+        if not pixels.any():
+            raise ReconstructionFailed(
+                f"no target view can see a point of {level_name(self.level)}: are there views "
+                "enough, and do their cameras agree on where the part is?"
+            )
+        return pixels
 
     @property
     def _length_unit(self) -> float:
@@ -205,8 +200,7 @@ class Trainer:
         self._optimizer.set_lrs(self._progress(), self.constraints.lr(beta))
         self._update_beta()
         self.field.refresh_views(self.steps_done, self._generator)
-        batch = self.render_batch(*self.field())
-        output = batch.output
+        output, batch = self.render_batch(*self.field())
         photometric = photometric_loss(output, batch.background, batch.target)
         loss = photometric + opacity_regularizer(
             output, settings.opacity_weight, settings.binary_opacity_weight
@@ -224,17 +218,15 @@ class Trainer:
             self.field.recompute_features()
         return photometric.detach()
 
-    def render_batch(self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]) -> RayBatch:
+    def render_batch(
+        self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]
+    ) -> tuple[RenderOutput, RayBatch]:
         """Render `rays_per_step` random pixels of points with these values and colors."""
-        pixel_indices, offsets = self.ray_sampler.sample_pixels(
-            self.settings.rays_per_step, self._generator
+        settings = self.settings
+        batch = self.ray_sampler.sample(
+            settings.rays_per_step, settings.image_noise, self._generator
         )
-        rays, target, background = self.ray_sampler.rays(pixel_indices, offsets)
-        output = self.renderer.render(rays, values, rgb)
-        target = add_noise(target, self.settings.image_noise, self._generator)
-        return RayBatch(
-            output, background, target, self.ray_sampler.ray_depths(pixel_indices, rays)
-        )
+        return self.renderer.render(batch.rays, values, rgb), batch
 
     @torch.no_grad()
     def values(self) -> tuple[Tensor, Tensor]:

@@ -31,8 +31,8 @@ def refine_colors(
     for step in range(settings.steps):
         optimizer.param_groups[0]["lr"] = settings.lr * LR_DECAY ** (step / settings.steps)
         values, rgb = field()
-        batch = trainer.render_batch(values.detach(), rgb)
-        loss = photometric_loss(batch.output, batch.background, batch.target)
+        output, batch = trainer.render_batch(values.detach(), rgb)
+        loss = photometric_loss(output, batch.background, batch.target)
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
