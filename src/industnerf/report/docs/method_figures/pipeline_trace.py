@@ -9,18 +9,13 @@ from scipy.spatial import cKDTree
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
-from industnerf.methods.industnerf.pipeline import (
-    Callback,
-    ReconstructionResult,
-    Reconstructor,
-    render_views,
-)
+from industnerf.methods.industnerf.confidence import compute_view_confidence
+from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult, Reconstructor
 from industnerf.methods.industnerf.point_levels import WARM_UP
 from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
-from industnerf.methods.industnerf.scene import NerfScene, PosedImages
+from industnerf.methods.industnerf.rerender import render_views
+from industnerf.methods.industnerf.scene import NerfScene, PosedImages, source_target_split
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.methods.industnerf.view_confidence import compute_view_confidence
-from industnerf.methods.industnerf.view_split import source_target_split
 from industnerf.report.figures.error_distances import best_view
 from industnerf.schema import IndustnerfSettings
 

@@ -1,4 +1,8 @@
-"""What the source views say of the points: section 3.4, and the surface that they see."""
+"""Section 3.4: confidence of the source views in the cloud points, and the surface they see.
+
+Equations (10)-(13) themselves are in `industnerf.rendering.confidence`; this file re-renders every
+view and collects its confidences.
+"""
 
 from dataclasses import dataclass
 
@@ -15,7 +19,7 @@ from industnerf.schema.readings import Readings
 
 @dataclass(frozen=True)
 class ObservedSurface:
-    """Where pixels of the source views meet the surface: half of their light is left there."""
+    """Points where the rays of source pixels meet the surface: half of their light is left."""
 
     points: Float32[Tensor, "n 3"]
     rgb: Float32[Tensor, "n 3"]
@@ -23,16 +27,16 @@ class ObservedSurface:
     view: Int64[Tensor, "n"]
 
     def select(self, mask: Bool[Tensor, "n"]) -> "ObservedSurface":
-        """These of the points, in this order."""
+        """Those of the points in `mask`."""
         return ObservedSurface(*(values[mask] for values in vars(self).values()))
 
 
 @dataclass(frozen=True)
 class ViewConfidence:
-    """(13) of every point in the view that is surest of it, which view that is, and the surface."""
+    """Confidence (13) of every point, the maximum over the views, and the surface."""
 
     confidence: Float32[Tensor, "m"]
-    view: Int64[Tensor, "m"]  # -1: none
+    view: Int64[Tensor, "m"]  # that has the maximum; -1: none
     surface: ObservedSurface
     per_view: Float32[Tensor, "v m"]  # (13), view by view
 
@@ -46,18 +50,16 @@ def compute_view_confidence(
     rgb: Float32[Tensor, "m 3"],
     readings: Readings,
 ) -> ViewConfidence:
-    """Re-render every source view and ask it for its confidence in every point."""
+    """Re-render every source view, and collect its confidence in every point."""
     scale = color_scale(readings.color_scale, color_contrast(ray_sampler))
     surfaces: list[ObservedSurface] = []
     view_confidences = []
     for view in range(len(scene)):
         view_confidence = torch.zeros_like(values)
-        for pixels in ray_sampler.visible_pixels[ray_sampler.visible_pixels[:, 0] == view].split(
-            renderer.chunk_size
-        ):
-            rays, target, background = ray_sampler.rays(
-                pixels, torch.full((len(pixels),), 0.5).to(values)
-            )
+        in_view = ray_sampler.visible_pixels[:, 0] == view
+        for pixels in ray_sampler.visible_pixels[in_view].split(renderer.chunk_size):
+            middle = torch.full((len(pixels),), 0.5).to(values)
+            rays, target, background = ray_sampler.rays(pixels, middle)
             output = renderer.render(rays, values, rgb)
             pixel_confidence = color_confidence(target, output.composite_over(background), scale)
             renderer.accumulate_confidence(
@@ -83,9 +85,9 @@ def compute_view_confidence(
 
 
 def color_contrast(ray_sampler: RaySampler) -> float:
-    """R8 `contrast`: the largest distance between two colors of the views, along their axes.
+    """L of eq. (12) under reading R8 `contrast`: the diagonal of the box of all pixel colors.
 
-    At least one step of an 8-bit picture, for (12) divides by it.
+    At least one step of an 8-bit image, because (12) divides by it.
     """
     view, row, column = ray_sampler.visible_pixels.unbind(1)
     colors = ray_sampler.colors[view, row, column]
@@ -93,15 +95,15 @@ def color_contrast(ray_sampler: RaySampler) -> float:
 
 
 def concatenate(surfaces: list[ObservedSurface]) -> ObservedSurface:
-    """All of `parts` in one."""
+    """All points of the surfaces, in one."""
     columns = zip(*(vars(surface).values() for surface in surfaces), strict=True)
     return ObservedSurface(*(torch.cat(column) for column in columns))
 
 
 def voxel_downsample(surface: ObservedSurface, voxel_size: float) -> ObservedSurface:
-    """One point for every cell of side `spacing`: the mean of those in it, of the surest the rest.
+    """One point a voxel: the mean position, and the attributes of the most confident point.
 
-    Pixels crowd where views are many and faces look at them; a surface is sought that is even.
+    Pixels are dense where many views face the surface; the result is even.
     """
     _, voxel = torch.unique(voxel_ids(surface.points, voxel_size), return_inverse=True)
     count = torch.bincount(voxel)
@@ -120,9 +122,9 @@ def voxel_downsample(surface: ObservedSurface, voxel_size: float) -> ObservedSur
 
 
 def voxel_ids(points: Float32[Tensor, "n 3"], voxel_size: float) -> Int64[Tensor, "n"]:
-    """A number for the cell of each point, in the order of x, then y, then z.
+    """A number for the voxel of each point, ordered by x, then y, then z.
 
-    Sorting numbers takes a fortieth of the time of sorting rows of three.
+    Sorting numbers is forty times as fast as sorting rows of three.
     """
     x, y, z = (points / voxel_size).floor().long().unbind(1)
     if not len(points):

@@ -6,19 +6,17 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.methods.industnerf import (
-    view_confidence,  # a class called Test... would be collected
-)
-from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
-from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
-from industnerf.methods.industnerf.scene import NerfScene
-from industnerf.methods.industnerf.view_confidence import (
+from industnerf.methods.industnerf.confidence import (
     ObservedSurface,
     color_contrast,
+    compute_view_confidence,
     concatenate,
     voxel_downsample,
     voxel_ids,
 )
+from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
+from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
+from industnerf.methods.industnerf.scene import NerfScene
 from industnerf.rendering.confidence import color_confidence, color_scale
 from industnerf.rendering.points import PointGrid
 from industnerf.rendering.reference_renderer import confidence_reference, render_reference
@@ -32,7 +30,13 @@ from tests.methods.industnerf.synthetic_scenes import (
 )
 
 VIEWS, SIDE = 3, 14
-RENDER_OPTIONS = {"step": 0.1, "radius": 0.35, "k": 4, "weights": "inverse_square", "stop": 0.01}
+RENDER_OPTIONS = {
+    "step": 0.1,
+    "radius": 0.35,
+    "k": 4,
+    "weights": "inverse_square",
+    "early_stop_transmittance": 0.01,
+}
 BOX = torch.tensor([-1.2, -1.2, -1.2]), torch.tensor([1.2, 1.2, 1.2])
 
 
@@ -63,7 +67,11 @@ def reference_confidence(
         render_inputs = (rays.origins, rays.directions, rays.offsets, *BOX, points, sigma)
         pixel = render_reference(*render_inputs, rgb, background, **RENDER_OPTIONS).rgb
         pixel_confidence = color_confidence(target, pixel, scale)
-        choice = {name: getattr(readings, name) for name in ("transmittance", "opacity", "samples")}
+        choice = {
+            "transmittance": readings.transmittance,
+            "opacity": readings.opacity,
+            "samples": readings.sample_reduction,
+        }
         rows.append(
             confidence_reference(*render_inputs, pixel_confidence, **RENDER_OPTIONS, **choice)
         )
@@ -79,17 +87,15 @@ def test_confidence_is_what_the_readable_renderer_says(transmittance, opacity, s
         readings={
             "transmittance": transmittance,
             "opacity": opacity,
-            "samples": samples,
-            "scale": scale,
+            "sample_reduction": samples,
+            "color_scale": scale,
         }
     ).readings
     views, (points, sigma, rgb) = make_test_scene(ball(18.0), VIEWS, SIDE), cloud(3)
     renderer = make_renderer(points)
     points, sigma, rgb = (values[renderer.points.order] for values in (points, sigma, rgb))
     sampler = RaySampler(views, torch.ones(VIEWS, SIDE, SIDE, dtype=torch.bool))
-    view_confidence = view_confidence.compute_view_confidence(
-        views, sampler, renderer, sigma, rgb, readings
-    )
+    view_confidence = compute_view_confidence(views, sampler, renderer, sigma, rgb, readings)
     expected = reference_confidence(views, sampler, points, sigma, rgb, readings)
     best = expected.amax(dim=0)
     # kernels are compiled with fast exponentials: 1e-5 of sums of up to 20 samples
@@ -117,10 +123,10 @@ def ball_confidence():
     """An opaque ball of 0.6 that all 6 views agree with, and what they say of it."""
     views, (renderer, sigma, rgb) = make_test_scene(ball(18.0), 6, 48), solid_ball(24, 0.6)
     visible = footprint(
-        renderer.points.positions[sigma > 0], renderer.points.radius, views.cameras, 48
+        renderer.points.positions[sigma > 0], renderer.points.support_radius, views.cameras, 48
     )
     sampler = RaySampler(views, visible)
-    view_confidence = view_confidence.compute_view_confidence(
+    view_confidence = compute_view_confidence(
         views, sampler, renderer, sigma, rgb, settings().readings
     )
     return views, renderer.points, view_confidence
@@ -131,8 +137,8 @@ def test_surface_points_of_an_opaque_ball_lie_on_it(ball_confidence):
     distance = view_confidence.surface.points.norm(dim=1)
     # The ball ends with its last points, up to a cell's diagonal short of 0.6, and reaches as
     # far beyond them as neighbors count; half of the light is gone within a step of there.
-    spacing = points.radius / 1.1
-    assert (distance < 0.6 + points.radius + spacing / 2).all()
+    spacing = points.support_radius / 1.1
+    assert (distance < 0.6 + points.support_radius + spacing / 2).all()
     assert (distance > 0.6 - (3**0.5 + 0.5) * spacing).all()
     assert distance.mean() == pytest.approx(0.6, abs=spacing)
 
@@ -140,7 +146,7 @@ def test_surface_points_of_an_opaque_ball_lie_on_it(ball_confidence):
 def test_the_views_are_sure_of_the_front_and_know_nothing_of_the_inside(ball_confidence):
     _, points, view_confidence = ball_confidence
     distance = points.positions.norm(dim=1)
-    spacing = points.radius / 1.1
+    spacing = points.support_radius / 1.1
     shell = (distance < 0.6) & (distance > 0.6 - 0.5 * spacing)
     assert (view_confidence.confidence[shell] > 0.5).float().mean() > 0.9
     assert (view_confidence.confidence[distance < 0.6 - 4 * spacing] < 0.01).all()
@@ -151,7 +157,7 @@ def test_the_views_are_sure_of_the_front_and_know_nothing_of_the_inside(ball_con
 def test_points_are_told_of_by_a_view_that_they_face(ball_confidence):
     views, points, view_confidence = ball_confidence
     is_confident = (view_confidence.confidence > 0.5) & (points.positions.norm(dim=1) > 0.4)
-    centers = views.eyes.c2w[view_confidence.view[is_confident], :3, 3]
+    centers = views.cameras.c2w[view_confidence.view[is_confident], :3, 3]
     confident_points = points.positions[is_confident]
     # Before the horizon, n . eye > r.  A ray that grazes the ball passes it up to a neighbor's
     # radius away, and may first meet a point behind the horizon: that is rare.
@@ -175,11 +181,9 @@ def test_a_surface_of_the_wrong_color_is_less_sure():
     """(12) falls by the distance of the colors over L, and (13) with it."""
     views, (renderer, sigma, rgb) = make_test_scene(ball(18.0), 2, 24), solid_ball(16, 0.6)
     sampler = RaySampler(views, torch.ones(2, 24, 24, dtype=torch.bool))
-    readings = settings(readings={"scale": "unit"}).readings
+    readings = settings(readings={"color_scale": "unit"}).readings
     right, wrong = (
-        view_confidence.compute_view_confidence(
-            views, sampler, renderer, sigma, rgb + off, readings
-        ).surface
+        compute_view_confidence(views, sampler, renderer, sigma, rgb + off, readings).surface
         for off in (0.0, -0.2)
     )
     assert torch.equal(right.points, wrong.points)
