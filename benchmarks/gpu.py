@@ -38,7 +38,7 @@ from industnerf.schema.readings import InterpolationReading
 RAY_COUNTS = 4096, 65536, 262144  # rays at a time
 READINGS: dict[str, InterpolationReading] = {
     "inverse square, searched": "inverse_square",
-    "tents, on a lattice": "tent",
+    "tents, on a lattice": "trilinear",
 }
 
 
@@ -66,9 +66,9 @@ def time_sample(
     device: str, density: str, reading: InterpolationReading, count: int
 ) -> tuple[float, float]:
     """Nanoseconds forward and backward, the median of TURNS after one that compiles."""
-    point_cloud = make_cloud(1.0, DENSITY[density], jittered=reading != "tent")
+    point_cloud = make_cloud(1.0, DENSITY[density], jittered=reading != "trilinear")
     points = PointGrid(point_cloud.positions.to(device), point_cloud.radius, NEIGHBORS, reading)
-    points.cells.is_grid_aligned = reading == "tent"
+    points.cells.is_grid_aligned = reading == "trilinear"
     renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
     batch = make_rays(count)
     samples = int(samples_in_box(batch)[1].sum())

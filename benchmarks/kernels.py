@@ -254,8 +254,8 @@ def compare_lattice() -> Table:
     for name, density in DENSITY.items():
         point_cloud, batch = make_cloud(1.0, density, jittered=False), make_rays(RAYS)
         renderers = {
-            "searched": compiled_renderer(point_cloud, reading="tent"),
-            "looked up": compiled_renderer(point_cloud, reading="tent", lattice=True),
+            "searched": compiled_renderer(point_cloud, reading="trilinear"),
+            "looked up": compiled_renderer(point_cloud, reading="trilinear", lattice=True),
         }
         times_by_renderer = median_times(
             {lookup: (render, point_cloud, batch) for lookup, render in renderers.items()}

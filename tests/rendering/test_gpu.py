@@ -8,7 +8,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from tests.rendering.compiled import compiled_renderer, to_renderer_order, to_scene_order
+from tests.rendering.compiled_renderer import compiled_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 GPU = "cuda"
@@ -36,9 +36,9 @@ def rendered_outputs(scene: RenderScene, device: str) -> dict[str, Tensor]:
     )
     of_rays = {
         "color": output.color,
-        "through": output.transmittance,
+        "transmittance": output.transmittance,
         "depth": depth,
-        "median": median,
+        "median_depth": median,
     }
     of_points = {"values": values.grad, "rgb": rgb.grad, "confidence": confidence}
     return {name: x.detach().double().cpu() for name, x in of_rays.items()} | {

@@ -16,7 +16,7 @@ from industnerf.rendering.points import PointGrid
 from industnerf.rendering.reference_renderer import confidence_reference, render_reference
 from industnerf.rendering.render import Rays, Renderer, RenderOutput
 from industnerf.rendering.sdf_density import density
-from tests.rendering.compiled import compiled_renderer, to_renderer_order, to_scene_order
+from tests.rendering.compiled_renderer import compiled_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 DEFAULT = {"transmittance": "shared", "opacity": "with", "samples": "max"}
@@ -32,7 +32,7 @@ def test_pixels_are_the_twins(scene):
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     )
-    reference = render_reference(*scene.inputs, **scene.settings)
+    reference = render_reference(*scene.render_inputs, **scene.settings)
     pixels = rendered.composite_over(scene.background.float())
     torch.testing.assert_close(pixels.double(), reference.rgb, rtol=1e-4, atol=1e-5)
     torch.testing.assert_close(
@@ -47,7 +47,7 @@ def test_pixels_are_the_twins(scene):
 def test_a_neighbor_that_weighs_nothing_is_none():
     """Rays graze a ball of the radius about one point: a tapered weight of 0 is not divided by."""
     radius, n = 0.03, 5000
-    points = PointGrid(torch.zeros(1, 3), radius, 4, "tapered")
+    points = PointGrid(torch.zeros(1, 3), radius, 4, "modified_shepard")
     rotation = torch.linspace(0, 2 * math.pi, n, dtype=torch.float64)
     edge = torch.stack(
         [torch.full_like(rotation, -2.0), radius * rotation.cos(), radius * rotation.sin()], 1
@@ -77,8 +77,8 @@ def test_gradients_are_the_twins(scene):
         + depths
     ).backward()
 
-    leaves = [x.clone().requires_grad_() for x in scene.inputs[6:9]]
-    reference = render_reference(*scene.inputs[:6], *leaves, **scene.settings)
+    leaves = [x.clone().requires_grad_() for x in scene.render_inputs[6:9]]
+    reference = render_reference(*scene.render_inputs[:6], *leaves, **scene.settings)
     pull = pull.double()
     depths = (reference.depth * pull[:, 1])[solid].sum()
     ((reference.rgb * pull).sum() + (1 - reference.opacity) @ pull[:, 0] + depths).backward()
@@ -104,7 +104,7 @@ def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
     renderer.render(rays, sigma, to_renderer_order(renderer, scene.rgb))
     ours = torch.zeros_like(sigma)
     renderer.accumulate_confidence(sigma, scene.agreement.float(), ours, **readings)
-    reference = confidence_reference(*scene.witnesses, **readings, **scene.settings)
+    reference = confidence_reference(*scene.confidence_inputs, **readings, **scene.settings)
     torch.testing.assert_close(to_scene_order(renderer, ours), reference, rtol=1e-3, atol=1e-5)
 
 
@@ -144,7 +144,7 @@ def test_half_of_the_light_is_left_at_the_median():
 @pytest.mark.parametrize("harder", [0.1, 0.6, 3.0])
 def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
     """Bit for bit; neither the pixel nor the way back hears of it, though they end before it."""
-    scene = SCENES["distance"].with_settings(stop=0.3)
+    scene = SCENES["sdf"].with_settings(early_stop_transmittance=0.3)
     renderer, rays = compiled_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
 
@@ -160,7 +160,7 @@ def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
     (once, slope), (own, own_slope), (second, _) = (
         look(*betas) for betas in ((smooth, other), (smooth, smooth), (other, other))
     )
-    for name in ("color", "through", "depth"):
+    for name in ("color", "transmittance", "depth"):
         assert torch.equal(getattr(once, name), getattr(own, name))
     assert torch.equal(slope, own_slope)
     expected = torch.where(second.median_depth > 0, second.median_depth, own.median_depth)
@@ -218,12 +218,12 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
 
 def test_what_is_found_on_a_lattice_is_what_a_search_finds():
     """But for roundings, on which no neighbor hangs here: `test_scenes`."""
-    scene = SCENES["lattice"]
+    scene = SCENES["grid"]
     renderer, rays = compiled_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
-    assert renderer.points.cells.lattice
+    assert renderer.points.cells.is_grid_aligned
     quick = renderer.render(rays, values, rgb)
-    renderer.points.cells.lattice = False
+    renderer.points.cells.is_grid_aligned = False
     slow = renderer.render(rays, values, rgb)
     for name, value in vars(slow).items():
         torch.testing.assert_close(getattr(quick, name), value, rtol=1e-5, atol=1e-5)
@@ -233,8 +233,8 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
     """All tents end there: no weight is left to be divided by."""
     axis = torch.arange(-1.0, 1.5, 0.5)
     points = torch.cartesian_prod(axis, axis, axis)
-    renderer = Renderer(PointGrid(points, 0.5, 8, "tent"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0)
-    assert renderer.points.cells.lattice
+    renderer = Renderer(PointGrid(points, 0.5, 8, "trilinear"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0)
+    assert renderer.points.cells.is_grid_aligned
     camera_center, ahead = torch.tensor([[-4.0, 0.0, 0.25]]), torch.tensor([[1.0, 0.0, 0.0]])
     values, rgb = torch.ones(len(points)), torch.ones(len(points), 3)
     for height, is_hit in ((-1.5, False), (-1.25, True)):
@@ -255,14 +255,14 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
     ],
 )
 def test_what_is_no_lattice_is_searched(change, settings):
-    scene = SCENES["lattice"].with_settings(**settings)
+    scene = SCENES["grid"].with_settings(**settings)
     points = scene.points.clone()
     if change == "a point is off its place":
         points[5, 1] += 1e-3
     if change == "there is another":
         points = torch.cat([points, points[5:6]])
     renderer, _ = compiled_renderer(replace(scene, points=points))
-    assert not renderer.points.cells.lattice
+    assert not renderer.points.cells.is_grid_aligned
 
 
 def test_more_neighbors_than_can_be_numbered_are_refused():

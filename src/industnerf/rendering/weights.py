@@ -25,7 +25,7 @@ def inverse_distance_weights(
     ValueError for `tent`, which takes more than a distance: `tent_weights`.
     """
     if reading == "trilinear":
-        raise ValueError("tent is no weight by distance alone: `tent_weights` takes the axes")
+        raise ValueError("trilinear is no weight by distance alone: `trilinear_weights` takes the offsets")
     is_near = distance < radius
     distance = torch.where(is_near, distance, radius)  # inf - inf is no number
     weight = 1 / distance.clamp(min=FLOOR * radius)

@@ -13,7 +13,7 @@ def compiled_renderer(scene: RenderScene, device: str = "cpu") -> tuple[Renderer
         scene.points.to(device), settings["radius"], settings["k"], settings["weights"]
     )
     box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
-    renderer = Renderer(points, *box, settings["step"], settings["stop"])
+    renderer = Renderer(points, *box, settings["step"], settings["early_stop_transmittance"])
     renderer.beta = settings.get("beta", 0.0)
     rays = (scene.origins, scene.directions, scene.offsets)
     return renderer, Rays(*(values.to(device) for values in rays))
