@@ -29,11 +29,12 @@ from rich.table import Table
 from scipy.spatial import cKDTree
 from torch import Tensor
 
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.compositing import opacities, terminated_density, transmittance
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.reference_renderer import render_reference
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays
 from industnerf.rendering.samples import Samples, sample_distances
+from industnerf.rendering.torch_renderer import render_reference
 from industnerf.rendering.weights import inverse_distance_weights
 from industnerf.schema.readings import InterpolationReading
 
@@ -111,7 +112,7 @@ def compiled_renderer(
         points.update_occupancy(is_occupied[points.order])
     if not skipping:
         points._distance_to_occupied.zero_()
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
+    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
 
     def render(batch: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
         output = renderer.render(batch, sigma[points.order], rgb[points.order])

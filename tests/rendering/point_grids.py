@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from industnerf.rendering.compositing import CompositeOutput
-from industnerf.rendering.reference_renderer import render_reference
+from industnerf.rendering.torch_renderer import render_reference
 
 
 def f64(*x) -> Tensor:

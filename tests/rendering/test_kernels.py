@@ -12,10 +12,11 @@ import pytest
 import torch
 
 from industnerf.errors import ReconstructionFailed
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.reference_renderer import confidence_reference, render_reference
-from industnerf.rendering.render import Rays, Renderer, RenderOutput
+from industnerf.rendering.render import Rays, RenderOutput
 from industnerf.rendering.sdf_density import density
+from industnerf.rendering.torch_renderer import confidence_reference, render_reference
 from tests.rendering.compiled_renderer import compiled_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
@@ -54,7 +55,7 @@ def test_a_neighbor_that_weighs_nothing_is_none():
     )
     rays = Rays(edge.float(), torch.tensor([[1.0, 0.0, 0.0]]).expand(n, 3), torch.full((n,), 0.5))
     sigma = torch.ones(1, requires_grad=True)
-    rendered = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 2.0, 1e-3).render(
+    rendered = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, 2.0, 1e-3).render(
         rays, sigma, torch.ones(1, 3)
     )
     rendered.transmittance.sum().backward()
@@ -133,7 +134,9 @@ def test_half_of_the_light_is_left_at_the_median():
     """A slab of density 2 from x = 0: T = exp(-2 x) is 1/2 at x = ln 2 / 2."""
     grid = torch.linspace(0.01, 0.99, 50)
     points = torch.stack(torch.meshgrid(grid, grid, grid, indexing="ij"), -1).reshape(-1, 3)
-    renderer = Renderer(PointGrid(points, 0.03, 8, "inverse"), (0.0,) * 3, (1.0,) * 3, 0.01, 0.0)
+    renderer = CompiledRenderer(
+        PointGrid(points, 0.03, 8, "inverse"), (0.0,) * 3, (1.0,) * 3, 0.01, 0.0
+    )
     rays = Rays(
         torch.tensor([[-1.0, 0.5, 0.5]]), torch.tensor([[1.0, 0.0, 0.0]]), torch.tensor([0.5])
     )
@@ -212,7 +215,7 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
     values = to_renderer_order(renderer, scene.sigma)
     renderer.render(rays, values, to_renderer_order(renderer, scene.rgb))
     confidence = torch.zeros_like(values)
-    with pytest.raises(RuntimeError, match=f"agreement of 1 rays, looked along {len(rays)}"):
+    with pytest.raises(RuntimeError, match=f"agreement of 1 rays, {len(rays)} were rendered"):
         renderer.accumulate_confidence(values, torch.ones(1), confidence, **DEFAULT)
 
 
@@ -233,7 +236,9 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
     """All tents end there: no weight is left to be divided by."""
     axis = torch.arange(-1.0, 1.5, 0.5)
     points = torch.cartesian_prod(axis, axis, axis)
-    renderer = Renderer(PointGrid(points, 0.5, 8, "trilinear"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0)
+    renderer = CompiledRenderer(
+        PointGrid(points, 0.5, 8, "trilinear"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0
+    )
     assert renderer.points.cells.is_grid_aligned
     camera_center, ahead = torch.tensor([[-4.0, 0.0, 0.25]]), torch.tensor([[1.0, 0.0, 0.0]])
     values, rgb = torch.ones(len(points)), torch.ones(len(points), 3)
@@ -267,12 +272,12 @@ def test_what_is_no_lattice_is_searched(change, settings):
 
 def test_more_neighbors_than_can_be_numbered_are_refused():
     points = PointGrid(torch.zeros(1, 3), 1.0, 64, "inverse")
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 1e-3, 0.01)
-    with pytest.raises(ReconstructionFailed, match="lower `rays` or `neighbors`"):
+    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, 1e-3, 0.01)
+    with pytest.raises(ReconstructionFailed, match="lower `rays_per_step` or `neighbors`"):
         renderer._neighbor_buffer(10_000)
 
 
 def test_more_cells_than_fit_into_memory_are_refused():
     corners = torch.tensor([[-1.0, -1, -1], [1, 1, 1]])
-    with pytest.raises(ReconstructionFailed, match="raise `radius`"):
+    with pytest.raises(ReconstructionFailed, match="raise `neighbor_radius`"):
         PointGrid(corners, 1e-3, 8, "inverse")

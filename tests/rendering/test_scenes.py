@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 import torch
 
-from industnerf.rendering.reference_renderer import render_reference
 from industnerf.rendering.samples import radiance_points
+from industnerf.rendering.torch_renderer import render_reference
 from tests.rendering.scenes import SCENES, RenderScene
 
 

@@ -27,7 +27,7 @@ from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
 from industnerf.methods.industnerf_plus.sdf_constraints import SdfConstraints, grid_neighbors
 from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer, RenderOutput
+from industnerf.rendering.render import Renderer, RenderOutput, make_renderer
 from industnerf.rendering.sdf_density import density
 from industnerf.schema import IndustnerfSettings
 
@@ -106,10 +106,15 @@ class Trainer:
             points, support_radius, settings.neighbors, settings.readings.interpolation
         )
         box = (-half_extent,) * 3, (half_extent,) * 3
-        self.renderer = Renderer(
-            self.points, *box, settings.step_size * self.spacing, settings.early_stop_transmittance
+        self.renderer = make_renderer(
+            settings.renderer,
+            self.points,
+            *box,
+            settings.step_size * self.spacing,
+            settings.early_stop_transmittance,
         )
-        self._fine_renderer = Renderer(
+        self._fine_renderer = make_renderer(
+            settings.renderer,
             self.points,
             *box,
             settings.fine_step_size * self.spacing,

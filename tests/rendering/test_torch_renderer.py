@@ -7,10 +7,10 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.rendering.reference_renderer import render_reference
+from industnerf.rendering.torch_renderer import render_reference
 from industnerf.rendering.weights import inverse_distance_weights
-from tests.rendering.point_grids import f64, point_grid, render_points
 from tests.rendering.loops import render_loops
+from tests.rendering.point_grids import f64, point_grid, render_points
 from tests.rendering.scenes import SCENES, random_scene
 
 READINGS = ["inverse", "inverse_square", "modified_shepard"]

@@ -7,9 +7,9 @@ import pytest
 import torch
 from jaxtyping import TypeCheckError
 
-from industnerf.rendering.reference_renderer import confidence_reference
-from tests.rendering.point_grids import f64, point_grid
+from industnerf.rendering.torch_renderer import confidence_reference
 from tests.rendering.loops import Sample, confidence_loops, march_rays
+from tests.rendering.point_grids import f64, point_grid
 from tests.rendering.scenes import SCENES, RenderScene
 
 READINGS = [
