@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from tests.finite_differences import directional_derivative
-from tests.rendering.compiled_renderer import compiled_renderer, to_renderer_order
+from tests.rendering.scene_renderers import scene_renderer, to_renderer_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 Loss = Callable[[Tensor], Tensor]
@@ -19,7 +19,7 @@ def make_loss(scene: RenderScene, leaf: int) -> tuple[Loss, Tensor, float]:
 
     The depth is counted where most of the light is stopped: elsewhere, 1 - T may come near 0.
     """
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     options = [to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)]
     shares = torch.randn(len(rays), 5, generator=torch.Generator().manual_seed(1)).double()
     firm = renderer.render(rays, *options).transmittance < 0.5

@@ -17,7 +17,7 @@ from industnerf.rendering.points import PointGrid
 from industnerf.rendering.render import Rays, RenderOutput
 from industnerf.rendering.sdf_density import density
 from industnerf.rendering.torch_renderer import confidence_reference, render_reference
-from tests.rendering.compiled_renderer import compiled_renderer, to_renderer_order, to_scene_order
+from tests.rendering.scene_renderers import scene_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 DEFAULT = {"transmittance": "shared", "opacity": "with", "samples": "max"}
@@ -29,7 +29,7 @@ def scene(request: pytest.FixtureRequest) -> RenderScene:
 
 
 def test_pixels_are_the_twins(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     )
@@ -65,7 +65,7 @@ def test_a_neighbor_that_weighs_nothing_is_none():
 
 
 def test_gradients_are_the_twins(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma, rgb = (to_renderer_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb))
     back_color = scene.background.float().requires_grad_()
     pull = torch.linspace(-1, 1, 3 * len(rays)).reshape(-1, 3)
@@ -100,7 +100,7 @@ def test_gradients_are_the_twins(scene):
 @pytest.mark.parametrize("opacity", ["without", "with"])
 def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
     readings = {"transmittance": transmittance, "opacity": opacity, "samples": samples}
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma = to_renderer_order(renderer, scene.sigma)
     renderer.render(rays, sigma, to_renderer_order(renderer, scene.rgb))
     ours = torch.zeros_like(sigma)
@@ -110,7 +110,7 @@ def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
 
 
 def test_skipping_empty_points_changes_nothing(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     before = renderer.render(rays, sigma, rgb)
     renderer.points.update_occupancy(density(sigma, renderer.beta) > 0)
@@ -121,7 +121,7 @@ def test_skipping_empty_points_changes_nothing(scene):
 
 
 def test_nothing_filled_leaves_the_background(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     renderer.points.update_occupancy(torch.zeros(len(renderer.points), dtype=torch.bool))
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
@@ -148,7 +148,7 @@ def test_half_of_the_light_is_left_at_the_median():
 def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
     """Bit for bit; neither the pixel nor the way back hears of it, though they end before it."""
     scene = SCENES["sdf"].with_settings(early_stop_transmittance=0.3)
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
 
     def look(beta: float, median_beta: float) -> tuple[RenderOutput, torch.Tensor]:
@@ -173,8 +173,8 @@ def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
 
 def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(scene):
     """The memory of what the first rays met is used again, and nothing in it counts."""
-    renderer, rays = compiled_renderer(scene)
-    fresh, _ = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
+    fresh, _ = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     few = Rays(rays.origins[::3], rays.directions[::3], rays.offsets[::3])
     renderer.render(rays, values, rgb)
@@ -190,7 +190,7 @@ def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(sce
 
 
 def test_the_way_back_is_refused_after_another_look(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values = to_renderer_order(renderer, scene.sigma).requires_grad_()
     rgb = to_renderer_order(renderer, scene.rgb)
     rendered = renderer.render(rays, values, rgb)
@@ -201,7 +201,7 @@ def test_the_way_back_is_refused_after_another_look(scene):
 
 def test_rays_on_another_device_are_refused(scene):
     """A kernel would take their addresses for its own."""
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values, rgb = (to_renderer_order(renderer, x) for x in (scene.sigma, scene.rgb))
     elsewhere = Rays(*(x.to("meta") for x in (rays.origins, rays.directions, rays.offsets)))
     with pytest.raises(RuntimeError, match="not all on one device"):
@@ -211,7 +211,7 @@ def test_rays_on_another_device_are_refused(scene):
 
 
 def test_confidence_is_of_the_rays_last_looked_along(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values = to_renderer_order(renderer, scene.sigma)
     renderer.render(rays, values, to_renderer_order(renderer, scene.rgb))
     confidence = torch.zeros_like(values)
@@ -222,7 +222,7 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
 def test_what_is_found_on_a_lattice_is_what_a_search_finds():
     """But for roundings, on which no neighbor hangs here: `test_scenes`."""
     scene = SCENES["grid"]
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     assert renderer.points.cells.is_grid_aligned
     quick = renderer.render(rays, values, rgb)
@@ -266,7 +266,7 @@ def test_what_is_no_lattice_is_searched(change, settings):
         points[5, 1] += 1e-3
     if change == "there is another":
         points = torch.cat([points, points[5:6]])
-    renderer, _ = compiled_renderer(replace(scene, points=points))
+    renderer, _ = scene_renderer(replace(scene, points=points))
     assert not renderer.points.cells.is_grid_aligned
 
 
