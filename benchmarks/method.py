@@ -157,16 +157,16 @@ def profile_steps(clock: Clock) -> Iterator[None]:
     from industnerf.methods.industnerf.ray_sampler import RaySampler
     from industnerf.methods.industnerf.source_features import SourceFeatures
     from industnerf.methods.industnerf.trainer import Trainer
-    from industnerf.rendering.render import Renderer
+    from industnerf.rendering.compiled_renderer import CompiledRenderer
 
     timed_methods = [
         ("place points", Trainer, "__init__"),
         ("draw rays", RaySampler, "sample_pixels"),
         ("encode views", SourceFeatures, "refresh_views"),
         ("field", Field, "forward"),
-        ("render", Renderer, "_forward"),
+        ("render", CompiledRenderer, "_forward"),
         ("backward, all but rendering", torch.Tensor, "backward"),
-        ("render, backward", Renderer, "_backward"),
+        ("render, backward", CompiledRenderer, "_backward"),
         ("Adam", torch.optim.Adam, "step"),
         ("prune", Trainer, "_prune_empty"),
         ("confidence", Trainer, "view_confidence"),

@@ -23,6 +23,7 @@ from industnerf.schema.validators import (
     require,
 )
 
+RendererName = Literal["compiled", "torch"]
 MULTIPLE_OF_6 = Rule(
     lambda count: count > 0 and count % 6 == 0, "a multiple of 6: sine, cosine, 3 axes"
 )
@@ -119,6 +120,7 @@ class IndustnerfSettings:
     neighbor_radius: Annotated[float, in_interval("(0, 8]", " spacings")]
     neighbors: Annotated[int, in_interval("[1, 64]")]
     early_stop_transmittance: Fraction
+    renderer: RendererName
     opacity_weight: NonNegativeFloat
     binary_opacity_weight: NonNegativeFloat
     image_noise: Fraction

@@ -17,10 +17,10 @@ from industnerf.methods.industnerf.confidence import (
 from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
 from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
 from industnerf.methods.industnerf.scene import NerfScene
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.confidence import color_confidence, color_scale
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.reference_renderer import confidence_reference, render_reference
-from industnerf.rendering.render import Renderer
+from industnerf.rendering.torch_renderer import confidence_reference, render_reference
 from tests.methods.industnerf.synthetic_scenes import (
     CPU,
     SCENE_RADIUS,
@@ -47,12 +47,14 @@ def cloud(seed: int) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
     return points, sigma, torch.rand(60, 3, generator=generator)
 
 
-def make_renderer(points: torch.Tensor) -> Renderer:
+def make_renderer(points: torch.Tensor) -> CompiledRenderer:
     cells = PointGrid(
         points, RENDER_OPTIONS["radius"], RENDER_OPTIONS["k"], RENDER_OPTIONS["weights"]
     )
     lo, hi = (tuple(corner.tolist()) for corner in BOX)
-    return Renderer(cells, lo, hi, RENDER_OPTIONS["step"], RENDER_OPTIONS["stop"])
+    return CompiledRenderer(
+        cells, lo, hi, RENDER_OPTIONS["step"], RENDER_OPTIONS["early_stop_transmittance"]
+    )
 
 
 def reference_confidence(
@@ -108,14 +110,14 @@ def test_confidence_is_what_the_readable_renderer_says(transmittance, opacity, s
     assert ((view_confidence.view >= -1) & (view_confidence.view < VIEWS)).all()
 
 
-def solid_ball(grid_res: int, radius: float) -> tuple[Renderer, torch.Tensor, torch.Tensor]:
+def solid_ball(grid_res: int, radius: float) -> tuple[CompiledRenderer, torch.Tensor, torch.Tensor]:
     """Opaque points of the grid, in the colors of the photographed ball, and empty ones."""
     spacing = grid_spacing(grid_res, 0)
     side = 1 + spacing
     points = PointGrid(initial_grid(spacing, CPU), 1.1 * spacing, 8, "inverse_square")
     sigma = torch.where(points.positions.norm(dim=1) < radius, 50 / spacing, 0.0)
     rgb = 0.45 + 0.35 * torch.sin(points.positions * SCENE_RADIUS / 5)
-    return Renderer(points, (-side,) * 3, (side,) * 3, spacing, 0.01), sigma, rgb
+    return CompiledRenderer(points, (-side,) * 3, (side,) * 3, spacing, 0.01), sigma, rgb
 
 
 @pytest.fixture(scope="module")

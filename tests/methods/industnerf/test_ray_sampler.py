@@ -19,8 +19,8 @@ from industnerf.methods.industnerf.ray_sampler import (
     footprint,
 )
 from industnerf.methods.industnerf.scene import NerfScene, TorchCameras
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer
 from tests.methods.industnerf.synthetic_scenes import ball, make_test_scene
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -129,7 +129,7 @@ def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     rays = cameras.rays(
         view, (torch.stack([column, row], 1) + HALF) * scale, torch.full((len(view),), 0.5)
     )
-    renderer = Renderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
+    renderer = CompiledRenderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
     output = renderer.render(rays, torch.full((8,), 1e4), torch.zeros(8, 3))
     assert (output.transmittance == 1).all()
     assert (output.color == 0).all()

@@ -36,7 +36,7 @@ from industnerf.methods.industnerf.ray_sampler import (
 )
 from industnerf.methods.industnerf.scene import NerfScene
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer, RenderOutput
+from industnerf.rendering.render import Renderer, RenderOutput, make_renderer
 from industnerf.rendering.sdf_density import density
 from industnerf.schema import IndustnerfSettings
 
@@ -91,10 +91,15 @@ class Trainer:
             points, support_radius, settings.neighbors, settings.readings.interpolation
         )
         box = (-half_extent,) * 3, (half_extent,) * 3
-        self.renderer = Renderer(
-            self.points, *box, settings.step_size * self.spacing, settings.early_stop_transmittance
+        self.renderer = make_renderer(
+            settings.renderer,
+            self.points,
+            *box,
+            settings.step_size * self.spacing,
+            settings.early_stop_transmittance,
         )
-        self._fine_renderer = Renderer(
+        self._fine_renderer = make_renderer(
+            settings.renderer,
             self.points,
             *box,
             settings.fine_step_size * self.spacing,

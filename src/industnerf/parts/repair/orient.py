@@ -13,8 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from industnerf.artifacts.part import Mesh
-from industnerf.geometry.raycast import parallel_ray_bundles
-from industnerf.geometry.raycast import RaycastingScene
+from industnerf.geometry.raycast import RaycastingScene, parallel_ray_bundles
 from industnerf.parts.repair.mesh_ops import concatenate, replace_faces, solid_of_faces
 from industnerf.parts.repair.shells import ContainmentTree, Shells, find_shells
 from industnerf.parts.validation.checks import double_area_normals

@@ -7,13 +7,13 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.rendering.reference_renderer import render_reference
+from industnerf.rendering.torch_renderer import render_reference
 from industnerf.rendering.weights import inverse_distance_weights
-from tests.rendering.lattices import f64, point_grid, render_points
 from tests.rendering.loops import render_loops
+from tests.rendering.point_grids import f64, point_grid, render_points
 from tests.rendering.scenes import SCENES, random_scene
 
-READINGS = ["inverse", "inverse_square", "tapered"]
+READINGS = ["inverse", "inverse_square", "modified_shepard"]
 SEEDS = st.integers(0, 2**32 - 1)
 RED, BLUE, GRAY = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.5, 0.5]
 FROM_LEFT = f64([-3, 0, 0]), f64([1, 0, 0])
@@ -139,7 +139,7 @@ def test_a_point_on_a_sample_is_not_the_only_one(weights):
     on, aside = {
         "inverse": (1 / 5e-4, 1 / 0.3),
         "inverse_square": (1 / 5e-4**2, 1 / 0.09),
-        "tapered": (1 / 5e-4**2, (0.2 / (0.5 * 0.3)) ** 2),
+        "modified_shepard": (1 / 5e-4**2, (0.2 / (0.5 * 0.3)) ** 2),
     }[weights]
     mean = (2 * on + 8 * aside) / (on + aside)
     torch.testing.assert_close(rendered.opacity, f64(1 - math.exp(-4 * mean)), rtol=1e-14, atol=0)
@@ -182,7 +182,7 @@ def test_the_order_of_the_points_does_not_matter(name):
     mine = render_reference(*scene.rays, points, sigma, rgb, scene.background, **scene.settings)
     # No point is as far as another, so the neighbors come in the same order, bit by bit; but on a
     # lattice, where eight terms are added in another.
-    roundings = 1e-14 if name == "lattice" else 0
+    roundings = 1e-14 if name == "grid" else 0
     assert_same(
         mine, render_reference(*scene.render_inputs, **scene.settings), rtol=0, atol=roundings
     )
@@ -197,25 +197,40 @@ def test_colors_stay_in_range(seed, weights):
 
 
 @given(SEEDS, st.floats(0, 0.5))
-def test_ending_early_changes_a_pixel_by_at_most_stop(seed, stop):
+def test_ending_early_changes_a_pixel_by_at_most_its_threshold(seed, early_stop):
     scene = random_scene(seed, 100, rays=12, step=0.125, density=10.0)
-    full = render_reference(*scene.render_inputs, **scene.settings | {"stop": 0.0})
-    early = render_reference(*scene.render_inputs, **scene.settings | {"stop": stop})
-    # What is dropped and what replaces it both weigh less than `stop`; colors are in [0, 1].
-    assert (early.rgb - full.rgb).abs().max() <= stop + 1e-14
+    full = render_reference(
+        *scene.render_inputs, **scene.settings | {"early_stop_transmittance": 0.0}
+    )
+    early = render_reference(
+        *scene.render_inputs, **scene.settings | {"early_stop_transmittance": early_stop}
+    )
+    # What is dropped and what replaces it both weigh less than `early_stop`; colors are in [0, 1].
+    assert (early.rgb - full.rgb).abs().max() <= early_stop + 1e-14
 
 
 def test_ending_early_does_change_pixels():
     scene = SCENES["opaque"]
-    full = render_reference(*scene.render_inputs, **scene.settings | {"stop": 0.0})
+    full = render_reference(
+        *scene.render_inputs, **scene.settings | {"early_stop_transmittance": 0.0}
+    )
     early = render_reference(*scene.render_inputs, **scene.settings)
     assert (early.rgb - full.rgb).abs().max() > 1e-4
 
 
-@pytest.mark.parametrize("stop", [0.0, 0.05])
+@pytest.mark.parametrize("early_stop", [0.0, 0.05])
 @pytest.mark.parametrize("weights", READINGS)
-def test_gradients(weights, stop):
-    scene = random_scene(8, 12, rays=6, step=0.25, radius=0.6, k=3, weights=weights, stop=stop)
+def test_gradients(weights, early_stop):
+    scene = random_scene(
+        8,
+        12,
+        rays=6,
+        step=0.25,
+        radius=0.6,
+        k=3,
+        weights=weights,
+        early_stop_transmittance=early_stop,
+    )
     inputs = (scene.sigma + 0.1, scene.rgb, scene.background)
 
     def seen(*inputs):
@@ -226,11 +241,19 @@ def test_gradients(weights, stop):
     torch.autograd.gradcheck(seen, tuple(x.clone().requires_grad_() for x in inputs))
 
 
-@pytest.mark.parametrize("stop", [0.0, 0.05])
-def test_gradients_of_distances(stop):
+@pytest.mark.parametrize("early_stop", [0.0, 0.05])
+def test_gradients_of_distances(early_stop):
     """Away from where a density is cut off, at -6 and 6 beta: these reach 1 beta either way."""
     scene = random_scene(
-        8, 12, rays=6, step=0.25, radius=0.6, k=3, weights="tent", stop=stop, beta=0.5
+        8,
+        12,
+        rays=6,
+        step=0.25,
+        radius=0.6,
+        k=3,
+        weights="trilinear",
+        early_stop_transmittance=early_stop,
+        beta=0.5,
     )
     values = scene.sigma.clamp(-0.5, 0.5)
 

@@ -1,19 +1,23 @@
-"""The compiled renderer on a scene of `scenes.py`, on a device, and back to the scene's order."""
+"""A renderer of a scene of `scenes.py`, on a device, and back to the scene's order."""
 
 import torch
 
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays, Renderer, make_renderer
+from industnerf.schema.industnerf import RendererName
 from tests.rendering.scenes import RenderScene
 
 
-def compiled_renderer(scene: RenderScene, device: str = "cpu") -> tuple[Renderer, Rays]:
+def scene_renderer(
+    scene: RenderScene, device: str = "cpu", name: RendererName = "compiled"
+) -> tuple[Renderer, Rays]:
     scene, settings = scene.to(torch.float32), scene.settings
     points = PointGrid(
         scene.points.to(device), settings["radius"], settings["k"], settings["weights"]
     )
     box = tuple(scene.lo.tolist()), tuple(scene.hi.tolist())
-    renderer = Renderer(points, *box, settings["step"], settings["stop"])
+    step, early_stop = settings["step"], settings["early_stop_transmittance"]
+    renderer = make_renderer(name, points, *box, step, early_stop)
     renderer.beta = settings.get("beta", 0.0)
     rays = (scene.origins, scene.directions, scene.offsets)
     return renderer, Rays(*(values.to(device) for values in rays))

@@ -7,9 +7,9 @@ import pytest
 import torch
 from jaxtyping import TypeCheckError
 
-from industnerf.rendering.reference_renderer import confidence_reference
-from tests.rendering.lattices import f64, point_grid
+from industnerf.rendering.torch_renderer import confidence_reference
 from tests.rendering.loops import Sample, confidence_loops, march_rays
+from tests.rendering.point_grids import f64, point_grid
 from tests.rendering.scenes import SCENES, RenderScene
 
 READINGS = [
@@ -24,7 +24,7 @@ CORNER = f64(2, 2, 2)
 
 def confidence_from_left(points, sigma, agreement=1.0, **settings):
     """Along the x axis, with samples at the middles of steps."""
-    settings = {"k": 8, "weights": "inverse", "stop": 0.0} | PRINTED | settings
+    settings = {"k": 8, "weights": "inverse", "early_stop_transmittance": 0.0} | PRINTED | settings
     rays = f64([-2, 0, 0]), f64([1, 0, 0]), f64(0.5), -CORNER, CORNER
     return confidence_reference(*rays, points, sigma, f64(agreement), **settings)
 
@@ -39,7 +39,7 @@ def marched_scene(request) -> tuple[RenderScene, list[Sample]]:
 @pytest.mark.parametrize("reading", READINGS)
 def test_loops_find_the_same(marched_scene, reading):
     scene, steps = marched_scene
-    mine = confidence_reference(*scene.witnesses, **scene.settings, **reading)
+    mine = confidence_reference(*scene.confidence_inputs, **scene.settings, **reading)
     truth = confidence_loops(scene, steps, **reading)
     # Sums of some hundred terms in another order.
     torch.testing.assert_close(mine, truth, rtol=1e-12, atol=1e-14)
@@ -74,7 +74,7 @@ def test_what_is_behind_a_plane_sees_less():
 def test_beyond_the_end_of_a_ray_nobody_is_seen():
     points, sigma = f64([-1, 0, 0], [1, 0, 0]), f64(100, 4)
     assert (confidence_from_left(points, sigma, step=0.1, radius=0.2) > 0).all()
-    early = confidence_from_left(points, sigma, step=0.1, radius=0.2, stop=1e-3)
+    early = confidence_from_left(points, sigma, step=0.1, radius=0.2, early_stop_transmittance=1e-3)
     assert early.tolist() == [1, 0]
 
 

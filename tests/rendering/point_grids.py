@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from industnerf.rendering.compositing import CompositeOutput
-from industnerf.rendering.reference_renderer import render_reference
+from industnerf.rendering.torch_renderer import render_reference
 
 
 def f64(*x) -> Tensor:
@@ -26,7 +26,7 @@ def render_points(
     """
     rgb = options.pop("rgb", torch.ones_like(points))
     background = options.pop("background", torch.zeros_like(origins))
-    settings = {"k": 8, "weights": "inverse", "stop": 0.0} | options
+    settings = {"k": 8, "weights": "inverse", "early_stop_transmittance": 0.0} | options
     corner = f64(2, 2, 2)
     offsets = torch.full_like(origins[:, 0], 0.5)
     rays = origins, directions, offsets, -corner, corner
