@@ -49,6 +49,7 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
     parser = argparse.ArgumentParser(
         prog="python -m industnerf.reconstruct",
         description=description,
+        allow_abbrev=False,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     # argparse's own takes -2.3e-05 for an option
@@ -87,7 +88,7 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--cameras", required=True, type=Path, metavar="transforms.json")
     group.add_argument("--images", type=Path, metavar="DIR", help="default: beside the cameras")
     group.add_argument(
-        "--all", dest="every", action="store_true", help="every frame, not train_filenames alone"
+        "--all-frames", action="store_true", help="every frame, not train_filenames alone"
     )
     group.add_argument(
         "--background",
@@ -98,7 +99,6 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--max-size",
-        dest="longest",
         type=_int_at_least(16),
         default=512,
         metavar="PX",
@@ -133,7 +133,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="seconds (30); 0: only on Ctrl-C",
     )
-    group.add_argument("--fresh", action="store_true", help="drop a checkpoint that is there")
+    group.add_argument("--no-resume", action="store_true", help="drop a checkpoint that is there")
     group.add_argument(
         "--preview",
         type=Path,
@@ -167,7 +167,7 @@ def _add_settings(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="such as method.industnerf.grid_res=48 or seed=1; VALUE is JSON or a word",
     )
-    group.add_argument("--show", action="store_true", help="print the settings used")
+    group.add_argument("--print-config", action="store_true", help="print the settings used")
 
 
 def _color(text: str) -> FloatTriple:

@@ -80,7 +80,7 @@ def _list_error(override: str, sections: Sequence[str]) -> str:
     key = ".".join(sections)
     return (
         f"--set {override}: {key} is a list, which is given as a whole, as JSON: --set "
-        f"'{key}=[...]'; --show prints it as it is"
+        f"'{key}=[...]'; --print-config prints it as it is"
     )
 
 
