@@ -66,7 +66,10 @@ def test_the_method_gets_what_the_user_gave(workspace, fake):
     workspace.run("--force", "--method", "industnerf_plus", "--center", 9, -4, 3, "--radius", 0.5)
     assert fake.LAST_CALL["settings"].steps == 2
     assert fake.LAST_CALL["posed_images"].background is None
-    assert (fake.LAST_CALL["posed_images"].center.tolist(), fake.LAST_CALL["posed_images"].radius) == ([9, -4, 3], 0.5)
+    assert (
+        fake.LAST_CALL["posed_images"].center.tolist(),
+        fake.LAST_CALL["posed_images"].radius,
+    ) == ([9, -4, 3], 0.5)
 
 
 @pytest.mark.parametrize("y", ["-4", "-4.", "-4e0", "-.4E+1"])

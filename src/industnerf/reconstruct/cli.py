@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from industnerf.renamed import FLAGS
+
 METHODS = ("industnerf", "industnerf_plus")
 MESH_SUFFIXES = (".stl", ".ply", ".obj")
 COLORS = {
@@ -57,6 +59,8 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
     _add_inputs(parser)
     _add_outputs(parser)
     _add_settings(parser)
+    for flag in FLAGS.keys() & set(arguments):
+        parser.error(f"{flag} is now {FLAGS[flag]}")
     args = vars(parser.parse_args(arguments))
     out, cameras, npz, preview, center = (
         args.pop(key) for key in ("out", "cameras", "npz", "preview", "center")
