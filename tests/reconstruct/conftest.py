@@ -55,7 +55,7 @@ def fake(monkeypatch):
     fake_pipeline.LAST_CALL.clear()
     for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
-    yield fake_run
+    yield fake_pipeline
     for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
 

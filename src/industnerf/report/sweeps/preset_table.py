@@ -25,10 +25,10 @@ RESULT_LINKS = {
 }
 # all others are brought by pipeline.sweep_docs
 PUBLISHED_BY = {
-    "ablation": "effects",
-    "readings": "effects",
-    "seeds": "spread",
-    "seeds_nets": "spread",
+    "ablation": "ablation_effects",
+    "readings": "ablation_effects",
+    "seeds": "seed_variance",
+    "seeds_nets": "seed_variance",
 }
 INFLATED_SECONDS = "seconds are inflated"  # is said of a machine that was shared with other work
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
