@@ -7,7 +7,7 @@ from industnerf.report.tables.formats import csv_text
 
 DIFFERENCE_COLUMNS = ("difference", "ci_low", "ci_high", "difference_mm")
 COMPARISONS = ("method", "other", *DIFFERENCE_COLUMNS, "p_holm", "win_rate")
-GOALS = ("method", "goal", "wanted", "value", "met", "tsdf", "oracle")
+GOALS = ("method", "goal", "target", "value", "met", "tsdf", "oracle")
 TABLE1 = ("method", "split", "undertrained")
 INSPECTION = ("method", "covered_0.5mm", "covered_1mm")
 

@@ -66,7 +66,7 @@ def test_what_others_wrote_stays_text(study):
 
 def test_what_a_method_remarked_stands_with_the_part_and_in_a_list(study):
     input_warnings = {"hull": {"near-ball": ["the <images> contradict each other"]}}
-    page_html = bare_page(replace(study, remarks=input_warnings))
+    page_html = bare_page(replace(study, input_warnings=input_warnings))
     assert page_html.count("the &lt;images&gt; contradict each other") == 2
     assert "What methods remarked" not in bare_page(study)
 

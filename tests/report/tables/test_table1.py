@@ -128,9 +128,9 @@ def with_nets(study, has_converged=True):
         study,
         methods={name: retrieval_named(name) for name in names},
         scores=[s for name, v in zip(names, values, strict=True) for s in scores(name, v)],
-        training=dict.fromkeys(names, (1_200_000, 4000)),
+        parameters_and_steps=dict.fromkeys(names, (1_200_000, 4000)),
         training_summaries=training_summaries,
-        given=dict.fromkeys(names, InputViews(12)) | {"occupancy": InputViews(1, 8)},
+        input_views=dict.fromkeys(names, InputViews(12)) | {"occupancy": InputViews(1, 8)},
     )
 
 

@@ -83,7 +83,7 @@ def _missed_goals(rows: Sequence[CsvRow], link: str) -> str:
         [
             f"`{row['method']}`",
             row["goal"],
-            row["wanted"],
+            row["target"],
             *map(format_csv_number, map(row.get, VALUE_COLUMNS)),
         ]
         for row in missed

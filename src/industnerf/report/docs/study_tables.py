@@ -53,7 +53,7 @@ def nets_block(folder: Path) -> str:
             *(_win_rate(emds, row["method"], baseline) for baseline in BASELINE_HEADERS),
         ]
         for row in rows
-        if int(row["learned_from"])
+        if int(row["num_train_parts"])
     ]
     heads += ["paper, x its own", *BASELINE_HEADERS.values()]
     return f"On {describe_provenance(folder)}.\n\n{markdown_table(heads, table_rows)}"
@@ -175,7 +175,7 @@ def _format_duration(seconds: float) -> str:
 
 def _extra_seconds(costs: list[CsvRow], method: str | None = None) -> float:
     """Seconds for the pictures of held-out views."""
-    return sum(float(row["aside_s"]) for row in costs if method in (None, row["method"]))
+    return sum(float(row["extra_seconds"]) for row in costs if method in (None, row["method"]))
 
 
 def _seconds(costs: list[CsvRow], stage: str, method: str | None = None) -> list[float]:

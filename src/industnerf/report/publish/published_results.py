@@ -57,7 +57,9 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
             name: (int(row["parameters"]), int(row["steps"])) for name, row in rows.items()
         },
         training_summaries={
-            name: _training_summary(row) for name, row in rows.items() if int(row["learned_from"])
+            name: _training_summary(row)
+            for name, row in rows.items()
+            if int(row["num_train_parts"])
         },
         train_visible_share={},
         rig_visible_share={},
@@ -71,8 +73,8 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
 def _empty_predictions(folder: Path) -> dict[tuple[str, str], int]:
     """None in a table of before it had that column."""
     rows = read_csv(folder / "table1.csv")
-    known = [row for row in rows if row.get("empty_answers")]
-    return {(row["method"], row["split"]): int(row["empty_answers"]) for row in known}
+    known = [row for row in rows if row.get("empty_predictions")]
+    return {(row["method"], row["split"]): int(row["empty_predictions"]) for row in known}
 
 
 def _input_views(params: Mapping[str, Any]) -> dict[str, InputViews]:
@@ -101,7 +103,7 @@ def _score(row: CsvRow) -> PartScore:
 
 def _training_summary(row: CsvRow) -> TrainingSummary:
     has_converged = STILL_TRAINING not in row["undertrained"]
-    return TrainingSummary(row["size"], int(row["learned_from"]), row["hold_out"], has_converged)
+    return TrainingSummary(row["size"], int(row["num_train_parts"]), row["hold_out"], has_converged)
 
 
 def _costs(folder: Path) -> list[CostRow]:
@@ -113,6 +115,6 @@ def _costs(folder: Path) -> list[CostRow]:
 
 def _cost(row: CsvRow) -> Cost:
     seconds, peak_mb, extra_seconds = (
-        float(row[name]) for name in ("seconds", "peak_mb", "aside_s")
+        float(row[name]) for name in ("seconds", "peak_mb", "extra_seconds")
     )
     return Cost(seconds, peak_mb, row["device"], extra_seconds)

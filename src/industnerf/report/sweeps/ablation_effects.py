@@ -15,7 +15,7 @@ from industnerf.report.tables.score_lookup import EMD_EVEN
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 
-METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
+METHODS = ("industnerf", "industnerf_shared")  # the second is reading `pretrained` of R14
 HEADS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
 NOT_MEASURED = "not yet measured"
 RGB_MSE = ("rgb_mse", "P1-union")

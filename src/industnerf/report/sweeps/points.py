@@ -141,7 +141,7 @@ def core_seconds(sweep: Path) -> float:
     """What all stages of all points took together; what points share counts once."""
     rows = [row for path in sweep.glob("*/reports/cost.csv") for row in read_csv(path)]
     distinct = {tuple(row.values()): row for row in rows}.values()
-    return sum(float(row["seconds"]) + float(row["aside_s"]) for row in distinct)
+    return sum(float(row["seconds"]) + float(row["extra_seconds"]) for row in distinct)
 
 
 def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:

@@ -40,7 +40,7 @@ def _result(row: CsvRow) -> PointResult:
     emd_mm, seconds, peak_mb = (
         _optional_float(row, name) for name in ("emd_mm", "seconds", "peak_mb")
     )
-    num_parameters = int(row["numbers"]) if row.get("numbers") else None
+    num_parameters = int(row["parameters"]) if row.get("parameters") else None
     means = (emd, low, high, emd_mm, ratio)
     return PointResult(row["method"], row["split"], *means, seconds, peak_mb, num_parameters, {})
 

@@ -1,6 +1,6 @@
 """After a sweep: a table of its points, what each step changes, how costs grow, and a plot.
 
-sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, numbers learned
+sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, learned parameters
 steps.csv    from each point to the next: the mean paired difference of the EMD, with its interval
 trend.csv    exponents of seconds and memory, where what is swept is a number
 sweep.png    the same
@@ -35,7 +35,7 @@ COLUMNS = (
     "x floor",
     "seconds",
     "peak_mb",
-    "numbers",
+    "parameters",
 )
 FILE_ONLY_COLUMNS = (
     "point",
@@ -43,7 +43,7 @@ FILE_ONLY_COLUMNS = (
     "low",
     "high",
     "emd_mm",
-    "numbers",
+    "parameters",
 )  # the others fit into 80 characters
 
 
@@ -74,8 +74,8 @@ def _point_row(point: SweepPoint, swept: list[str], result: PointResult) -> list
     emd = [f"{value:.5f}" for value in (result.emd, result.low, result.high)]
     keys = [str(point.params.get(key)) for key in swept]
     means = [*emd, format_fixed(result.emd_mm), f"{result.ratio_to_floor:.3f}"]
-    numbers = "" if result.num_parameters is None else str(result.num_parameters)
-    return [str(point.number), *keys, result.method, result.split, *means, *costs, numbers]
+    parameters = "" if result.num_parameters is None else str(result.num_parameters)
+    return [str(point.number), *keys, result.method, result.split, *means, *costs, parameters]
 
 
 def _trend_rows(fitted: list[Trend]) -> list[list[str]]:

@@ -45,7 +45,7 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 
 def costs_csv(rows: list[CostRow]) -> str:
-    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,aside_s."""
+    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,extra_seconds."""
     return csv_text(
         ["stage", "method", "part_id", *Cost.__dataclass_fields__], map(_row_cells, rows)
     )

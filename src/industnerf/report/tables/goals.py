@@ -217,7 +217,7 @@ def add_capture_goals(goals: Sequence[Goal], published: Sequence[Mapping[str, st
 
 
 def _parse_goal(row: Mapping[str, str]) -> Goal:
-    direction, bound = row["wanted"].rsplit(" ", 1)
+    direction, bound = row["target"].rsplit(" ", 1)
     # an older file has no column of them
     reference_values = {name: float(row[name]) for name in REFERENCE_METHODS if row.get(name)}
     value, at_least = float(row["value"]), direction == "at least"
@@ -227,7 +227,7 @@ def _parse_goal(row: Mapping[str, str]) -> Goal:
 def goals_csv(goals: Sequence[Goal]) -> str:
     """`goals.csv`."""
     return csv_text(
-        ("method", "goal", "wanted", "value", "met", "beside", "unit", *REFERENCE_METHODS),
+        ("method", "goal", "target", "value", "met", "supplement", "unit", *REFERENCE_METHODS),
         [
             (
                 *(
