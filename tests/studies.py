@@ -8,8 +8,7 @@ from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews
-from industnerf.report.study import Study, StudyFolders
+from industnerf.report.study import InputViews, Study, StudyFolders
 from industnerf.schema import ReportParams
 
 SETTINGS = ReportParams(bootstrap_resamples=200, confidence_level=0.9, contact_sheet_parts=4)

@@ -13,7 +13,7 @@ from industnerf.config import build, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.docs.markdown_blocks import read_block
 from industnerf.report.flatten_config import flatten
-from industnerf.report.sweeps.additions_ablation import describe_changes
+from industnerf.report.sweeps.ablations import describe_changes
 from industnerf.schema import Params
 from pipeline import ablation_effects
 

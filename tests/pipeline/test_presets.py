@@ -27,7 +27,7 @@ from industnerf.methods.base import Scope
 from industnerf.parts.split import assign_splits
 from industnerf.report.flatten_config import flatten
 from industnerf.report.part_subsets import SEED_PARTS, order_by_hash
-from industnerf.report.sweeps.command_line import COMMAND, command_line_of
+from industnerf.report.sweeps.preset_table import COMMAND, command_line_of
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
 from pipeline.preset import _relative_to_project

@@ -8,7 +8,7 @@ import pytest
 
 from industnerf.config import load_params
 from industnerf.methods import MODULES, load_method
-from industnerf.report.input_views import LIMITED_BY, InputViews, input_views_of
+from industnerf.report.study import LIMITED_BY, InputViews, input_views_of
 from industnerf.schema import MethodSettings
 
 NETWORK_SETTINGS = SimpleNamespace(

@@ -8,7 +8,7 @@ import yaml
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact
-from industnerf.report.sweeps.ablation_effects import read_point_scores, readings_table
+from industnerf.report.sweeps.ablations import read_point_scores, readings_table
 from industnerf.schema import ReportParams
 
 ROOT = Path(__file__).parents[3]

@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from industnerf.report.statistics.power_law import PowerLaw
 from industnerf.report.sweeps.plot import FRONT_COLOR, plot_sweep
-from industnerf.report.sweeps.points import SELECT_KEY, PointResult
-from industnerf.report.sweeps.published_sweep import read_published_sweep
-from industnerf.report.sweeps.series import Series, Trend, fit_trends, make_series
+from industnerf.report.sweeps.points import SELECT_KEY, PointResult, read_published_sweep
+from industnerf.report.sweeps.series import PowerLaw, Series, Trend, fit_trends, make_series
 from industnerf.report.tables.formats import read_csv
 
 PUBLISHED = [

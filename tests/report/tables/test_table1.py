@@ -10,12 +10,17 @@ import pytest
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews
-from industnerf.report.study import Study, StudyFolders, TrainingSummary
+from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary
 from industnerf.report.tables.formats import format_fixed
-from industnerf.report.tables.scores_csv import scores_csv
-from industnerf.report.tables.table1 import mean_without_failures, table1_rows
-from industnerf.report.tables.table1_text import SEEDS_COLUMN, Table1Extra, table1_csv, table1_md
+from industnerf.report.tables.scores import scores_csv
+from industnerf.report.tables.table1 import (
+    SEEDS_COLUMN,
+    Table1Extra,
+    mean_without_failures,
+    table1_csv,
+    table1_md,
+    table1_rows,
+)
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
 

@@ -14,7 +14,7 @@ from industnerf.report.tables.formats import (
     markdown_table,
     read_csv,
 )
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.tables.scores import EMD_EVEN
 
 CsvRow = dict[str, str]
 BASELINE_HEADERS = {"retrieval": "better than retrieval on", "mean_shape": "than the mean shape on"}

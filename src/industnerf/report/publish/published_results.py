@@ -16,10 +16,9 @@ from industnerf.artifacts.split import SplitAssignment
 from industnerf.config import build, read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews, input_views_of
 from industnerf.report.results import Results
-from industnerf.report.statistics.seed_variance_table import add_seed_variance
-from industnerf.report.study import Study, StudyFolders, TrainingSummary
+from industnerf.report.statistics.seed_variance import add_seed_variance
+from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary, input_views_of
 from industnerf.report.tables.costs import CostRow
 from industnerf.report.tables.formats import read_csv
 from industnerf.report.tables.goals import add_capture_goals

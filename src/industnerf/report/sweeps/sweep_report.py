@@ -13,7 +13,6 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_text
-from industnerf.report.sweeps import steps
 from industnerf.report.sweeps.plot import plot_sweep
 from industnerf.report.sweeps.points import (
     PointResult,
@@ -22,7 +21,7 @@ from industnerf.report.sweeps.points import (
     read_points,
     swept_keys,
 )
-from industnerf.report.sweeps.series import Trend, fit_trends, make_series
+from industnerf.report.sweeps.series import Trend, fit_trends, make_series, step_changes, step_table
 from industnerf.report.tables.formats import csv_text, format_fixed
 
 COLUMNS = (
@@ -55,7 +54,7 @@ def write_sweep_report(folder: Path) -> int:
         series_list = make_series(points, swept)
         fitted = fit_trends(series_list, swept[0])
         point_rows, trend_rows = _point_rows(points, swept), _trend_rows(fitted)
-        step_rows = steps.step_table(steps.step_changes(series_list, points))
+        step_rows = step_table(step_changes(series_list, points))
         write_text(folder / "sweep.csv", csv_text(point_rows[0], point_rows[1:]))
         write_text(folder / "steps.csv", csv_text(step_rows[0], step_rows[1:]))
         write_text(folder / "trend.csv", csv_text(trend_rows[0], trend_rows[1:]))

@@ -17,15 +17,16 @@ from industnerf.report.statistics.comparisons import emd_even_by_part
 from industnerf.report.study import Study
 from industnerf.report.tables.costs import CostRow
 from industnerf.report.tables.formats import csv_text, format_significant, markdown_table
-from industnerf.report.tables.score_lookup import (
+from industnerf.report.tables.scores import (
     AUSE,
     AUSE_RANDOM,
     EMD_EVEN,
     SPEARMAN,
     scores_of,
     select_scores,
+    unit_in_mm,
+    values_in_mm,
 )
-from industnerf.report.tables.units import unit_in_mm, values_in_mm
 
 PLUS, HULL = "industnerf_plus", "hull"
 REFERENCE_METHODS = ("tsdf", "oracle")
@@ -245,7 +246,7 @@ def goals_csv(goals: Sequence[Goal]) -> str:
     )
 
 
-COLUMNS = ("method", "goal", "wanted", "measured", "met", "beside it", *REFERENCE_METHODS)
+COLUMNS = ("method", "goal", "target", "measured", "met", "also", *REFERENCE_METHODS)
 
 
 def format_row(goal: Goal) -> list[str]:
