@@ -96,7 +96,7 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
 
 
 def _rebuilt_sentence(provenance: dict[str, Any]) -> str:
-    if (rebuilt := provenance.get("retabled")) is None:
+    if (rebuilt := provenance.get("rebuilt")) is None:
         return ""
     return (
         f"  Its tables were made anew from its scores and costs on {rebuilt['date']}, commit "
