@@ -10,10 +10,9 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.cli import run_command
-from industnerf.config import load_params
+from industnerf.config import flatten, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.docs.markdown_blocks import replace_block
-from industnerf.report.flatten_config import flatten
 from industnerf.report.publish.provenance import read_provenance
 from industnerf.report.sweeps.ablations import (
     ADDITION_METHODS,
@@ -47,7 +46,7 @@ def effects_table(sweep: Path, preset: str) -> str:
     """The table of what the sweep found."""
     params = load_params()
     if preset == "ablation":
-        default_settings = flatten(asdict(params.method.industnerf_plus))
+        default_settings = flatten(asdict(params.method.industnerf_plus), split_lists=True)
         return ablation_table(
             read_point_scores(sweep, ADDITION_METHODS),
             default_settings,

@@ -9,9 +9,8 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any, get_args, get_type_hints
 
-from industnerf.config import read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.flatten_config import flatten
 from industnerf.report.statistics.significance import BOOTSTRAP_SEED, paired_change
 from industnerf.report.tables.formats import label_intervals, markdown_table, read_csv
 from industnerf.report.tables.scores import EMD_EVEN
@@ -68,7 +67,7 @@ def _read_point(point: Path, methods: Sequence[str]) -> PointScores:
     emd_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == EMD_EVEN]
     rgb_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == RGB_MSE]
     return PointScores(
-        flatten(params["method"][method]),
+        flatten(params["method"][method], split_lists=True),
         {row["part_id"]: float(row["value"]) for row in emd_rows},
         {row["part_id"]: row["family"] for row in emd_rows},
         sum(row["status"] != "ok" for row in emd_rows),

@@ -7,9 +7,8 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-from industnerf.config import read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.flatten_config import flatten
 from industnerf.report.tables.formats import read_csv
 from industnerf.report.tables.scores import EMD_EVEN
 
@@ -111,7 +110,7 @@ def _read_point(folder: Path) -> SweepPoint:
         json.loads(path.read_text(encoding="utf-8"))
         for path in folder.glob("data/parts/*/part.json")
     ]
-    params = flatten(read_yaml(folder / "params.yaml"))
+    params = flatten(read_yaml(folder / "params.yaml"), split_lists=True)
     faces = fmean(part["faces"] for part in parts)
     return SweepPoint(int(folder.name), params, faces, results, families)
 
