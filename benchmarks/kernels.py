@@ -223,7 +223,10 @@ def measure_savings(radii: list[float]) -> Table:
         for ball in (False, True):
             full_cloud, variants = make_cloud(radius, DENSITY["opaque"], ball=ball), {}
             for ends, stop in {"early": 0.01, "never": 0.0}.items():
-                point_cloud, batch = replace(full_cloud, early_stop_transmittance=stop), make_rays(RAYS)
+                point_cloud, batch = (
+                    replace(full_cloud, early_stop_transmittance=stop),
+                    make_rays(RAYS),
+                )
                 variants[ends, "nothing"] = (
                     compiled_renderer(point_cloud, skipping=False),
                     point_cloud,

@@ -1,7 +1,7 @@
 """Bring a sweep of one change at a time into the document that asks about it, its points beside it.
 
-python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>    docs/readings.md
-python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>    docs/method.md
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>    docs/reference/readings.md
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>    docs/reference/method.md
 """
 
 import shutil
@@ -24,8 +24,8 @@ from industnerf.report.sweeps.points import preset_of
 from industnerf.schema.readings import READING_IDS
 
 DOCUMENTS = {
-    "readings": (Path("docs/readings.md"), Path("docs/readings.csv")),
-    "ablation": (Path("docs/method.md"), Path("docs/ablation.csv")),
+    "readings": (Path("docs/reference/readings.md"), Path("docs/reference/readings.csv")),
+    "ablation": (Path("docs/reference/method.md"), Path("docs/reference/ablation.csv")),
 }
 
 

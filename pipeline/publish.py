@@ -32,9 +32,11 @@ from industnerf.report.sweeps.preset_table import PRESETS, multirun_presets, pub
 from industnerf.schema import Params
 
 OUT, README = Path("results/study"), Path("README.md")
-GRID = Path("results/grid")  # which docs/readings.md shows beside the study
+GRID = Path("results/grid")  # which docs/reference/readings.md shows beside the study
 SEEDS = Path("results/seeds")  # whose mm are those of the study
-LEAKAGE = Path("docs/sweeps/leakage")  # a sweep that docs/baselines.md shows too
+LEAKAGE = Path(
+    "docs/reference/sweeps/leakage"
+)  # a sweep that docs/reference/baselines.md shows too
 
 
 def main(target: str = "study") -> None:
@@ -79,9 +81,12 @@ def document_blocks(study: Path, params: Path) -> dict[Path, dict[str, str]]:
     reading_blocks = {"measuring": protocol_block(study, GRID)} if GRID.exists() else {}
     return {
         README: {"study": study_block(study, params)},
-        Path("docs/baselines.md"): {"nets": nets_block(study), **leakage},
-        Path("docs/scaling.md"): {"costs": costs_block(study), "cluster": cluster_block(study)},
-        **({Path("docs/readings.md"): reading_blocks} if reading_blocks else {}),
+        Path("docs/reference/baselines.md"): {"nets": nets_block(study), **leakage},
+        Path("docs/reference/scaling.md"): {
+            "costs": costs_block(study),
+            "cluster": cluster_block(study),
+        },
+        **({Path("docs/reference/readings.md"): reading_blocks} if reading_blocks else {}),
     }
 
 

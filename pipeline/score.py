@@ -1,4 +1,4 @@
-"""Score clouds that were made elsewhere, as the study scores its own (docs/protocol.md).
+"""Score clouds that were made elsewhere, as the study scores its own (docs/reference/protocol.md).
 
 python -m pipeline.score clouds/                       files named after parts: gear-spur-m2-z24.ply
 python -m pipeline.score cloud.ply gear-spur-m2-z24    one cloud of a part of the suite

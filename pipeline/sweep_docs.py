@@ -1,4 +1,4 @@
-"""Bring a finished sweep into docs/sweeps/, and its row into the table of docs/sweeps.md.
+"""Bring a finished sweep into docs/reference/sweeps/, and its row into the table of docs/reference/sweeps.md.
 
 python -m pipeline.sweep_docs runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
 python -m pipeline.sweep_docs        only writes the table anew
@@ -32,7 +32,7 @@ from industnerf.report.sweeps.preset_table import (
 )
 from industnerf.report.sweeps.series import fit_trends, make_series
 
-DOCUMENT, PALETTE_SIZE = Path("docs/sweeps.md"), 64
+DOCUMENT, PALETTE_SIZE = Path("docs/reference/sweeps.md"), 64
 
 
 def main(sweep: str = "", machine: str = "") -> None:

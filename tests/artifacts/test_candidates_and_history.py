@@ -13,7 +13,7 @@ CANDIDATES = Candidates(
 HISTORY = History(
     np.array([0, 10, 20]), np.array([0.3, np.nan, 0.1]), {"32 cells": 0, "64 cells": 15}
 )
-BOTH = pytest.mark.parametrize("kept", [CANDIDATES, HISTORY])
+BOTH = pytest.mark.parametrize("artifact", [CANDIDATES, HISTORY])
 
 
 @BOTH

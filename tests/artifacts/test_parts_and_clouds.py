@@ -75,8 +75,8 @@ def test_a_cloud_survives_its_files(tmp_path):
 
 
 def test_a_cloud_of_another_schema_is_refused(tmp_path):
-    np.savez_compressed(tmp_path / "cloud.npz", schema=1, **vars(CLOUD))
-    with pytest.raises(BadArtifact, match=r"cloud\.npz has schema 1, this code reads 2"):
+    np.savez_compressed(tmp_path / "cloud.npz", schema=2, **vars(CLOUD))
+    with pytest.raises(BadArtifact, match=r"cloud\.npz has schema 2, this code reads 3"):
         Cloud.load(tmp_path)
 
 

@@ -38,7 +38,7 @@ def solids():
 def test_what_is_saved_is_read(solids, tmp_path):
     solids.save(tmp_path)
     loaded = Solids.load(tmp_path)
-    for name in ("file", "format", "unit", "finishes", "remarks"):
+    for name in ("file", "format", "unit", "finishes", "warnings"):
         assert getattr(loaded, name) == getattr(solids, name)
     for saved_solid, loaded_solid in zip(loaded.solids, solids.solids, strict=True):
         assert saved_solid.name == loaded_solid.name
@@ -89,5 +89,5 @@ def test_what_is_missing_torn_or_of_another_schema_is_named(solids, tmp_path):
         Solids.load(tmp_path)
     metadata = json.loads((tmp_path / "solids.json").read_text())
     (tmp_path / "solids.json").write_text(json.dumps(metadata | {"schema": 0}))
-    with pytest.raises(BadArtifact, match="has schema 0, this code reads 1"):
+    with pytest.raises(BadArtifact, match="has schema 0, this code reads 2"):
         solid_names(tmp_path)

@@ -32,7 +32,7 @@ def test_both_curves_are_kept(tmp_path):
 def test_the_summary_needs_no_arrays(tmp_path):
     STATE.save(tmp_path)
     (tmp_path / "state.npz").unlink()
-    expected = {"parts": 78, "size": "cpu", "parameters": 6, "steps": 3, "settled": False}
+    expected = {"num_parts": 78, "size": "cpu", "num_parameters": 6, "steps": 3, "converged": False}
     assert ModelState.summary(tmp_path) == expected
     with pytest.raises(BadArtifact, match=r"state\.npz"):
         ModelState.load(tmp_path)

@@ -75,7 +75,7 @@ def test_rolls_are_uniform_turns_about_the_optical_axis(wide_settings):
 
 
 def test_the_point_looked_at_is_uniform_over_a_disc_across_the_line_of_sight(wide_settings):
-    rig, cameras = jittered_pair(wide_settings, aim=0.4)
+    rig, cameras = jittered_pair(wide_settings, look_at=0.4)
     np.testing.assert_allclose(cameras.centers, rig.centers, rtol=0, atol=1e-10)
     # where the new axis pierces the plane through the center, across the old axis
     axis, old = cameras.c2w[:, :3, 2], rig.c2w[:, :3, 2]
@@ -90,7 +90,7 @@ def test_the_point_looked_at_is_uniform_over_a_disc_across_the_line_of_sight(wid
 SPREADS = st.fixed_dictionaries(
     {
         "distance": st.floats(0, 0.5),
-        "aim": st.floats(0, 0.06),
+        "look_at": st.floats(0, 0.06),
         "roll_deg": st.floats(0, 180),
         "focal": st.floats(0, 0.5),
     }
@@ -138,11 +138,11 @@ def test_a_camera_that_would_come_too_near_stays_where_the_frame_needs_it(shippe
 
 
 def test_aiming_so_far_aside_that_the_part_may_leave_the_frame_is_refused(shipped):
-    with pytest.raises(BadParams, match=r"0\.2 radii around it for views\.jitter\.aim") as refused:
-        jittered_pair(shipped, aim=0.2)
+    with pytest.raises(BadParams, match=r"0\.2 radii around it for views\.jitter\.look_at") as refused:
+        jittered_pair(shipped, look_at=0.2)
     # (1 + 0.2) / sin(15 degrees) = 4.6364
     assert "Raise views.radius to 4.637" in str(refused.value)
-    jittered_pair(replace(shipped, radius=4.637), aim=0.2)
+    jittered_pair(replace(shipped, radius=4.637), look_at=0.2)
 
 
 def test_one_knob_leaves_the_draws_of_the_others(wide_settings):

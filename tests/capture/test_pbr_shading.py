@@ -156,7 +156,7 @@ def one_light(shipped):
 
 @pytest.fixture
 def point_light(shipped):
-    return replace(shipped.photo, light_half_angle_deg=0.0, shadow_samples=1)
+    return replace(shipped.photorealistic, light_half_angle_deg=0.0, shadow_samples=1)
 
 
 def radiance_at(
@@ -214,7 +214,7 @@ def test_metal_colors_what_it_mirrors_and_paint_does_not(one_light, point_light)
 def test_an_unstated_finish_is_dull_and_nearly_matte(shipped):
     """Its fields say: no metal, roughness 1.  What it mirrors is 4 % of the light, all over."""
     light = replace(shipped.light, ambient=0.0)
-    photo = replace(shipped.photo, light_half_angle_deg=0.0, shadow_samples=1)
+    photo = replace(shipped.photorealistic, light_half_angle_deg=0.0, shadow_samples=1)
     surface, shade = pbr_of(trimesh.creation.box((20, 20, 20)), UNSPECIFIED, light, photo)
     for up in np.vstack([np.eye(3), -np.eye(3)]):
         radiance = radiance_at(surface, shade, 200 * up, 10 * up)[:, 0]
@@ -254,7 +254,7 @@ def test_metal_depends_on_the_view_and_a_dull_paint_hardly_does(shipped):
     point = np.array([[6.0, 6, 5.0]]) * 10 / np.linalg.norm([6, 6, 5.0])
     spread = {}
     for appearance in (GOLD, replace(GOLD, metallic=0.0, roughness=1.0)):
-        surface, shade = pbr_of(ball, appearance, shipped.light, shipped.photo)
+        surface, shade = pbr_of(ball, appearance, shipped.light, shipped.photorealistic)
         radiance = [
             radiance_at(surface, shade, camera_center, point)[0, 0]
             for camera_center in camera_centers

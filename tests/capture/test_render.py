@@ -88,8 +88,8 @@ def with_all_randomness(settings: ViewsParams) -> ViewsParams:
     """All that is random, and all that a sensor does."""
     return replace(
         settings,
-        rig="rings",
-        shading="photo",
+        rig="turntable",
+        shading="photorealistic",
         background="random",
         light=replace(settings.light, rotation_jitter_deg=20.0, intensity_jitter=0.2),
         jitter=JitterParams(distance=0.1, look_at=0.05, roll_deg=10.0, focal=0.1),
@@ -125,10 +125,10 @@ def test_without_a_random_knob_the_seed_does_not_matter(block, tmp_path, setting
     [
         ({"calibration": CalibrationParams(1.0, 0.01, 0.01)}, {"cameras.json", "transforms.json"}),
         ({"sensor": SensorParams(1.0, 0.02, 80)}, {"rgb"}),
-        ({"shading": "photo"}, {"rgb"}),
+        ({"shading": "photorealistic"}, {"rgb"}),
         ({"background": "gray"}, {"cameras.json", "rgb"}),
     ],
-    ids=["calibration", "sensor", "photo", "background"],
+    ids=["calibration", "sensor", "photorealistic", "background"],
 )
 def test_a_knob_touches_what_it_is_for(block, tmp_path, settings, change, touched):
     render_part(block, tmp_path / "before", settings, 0)
@@ -219,7 +219,7 @@ def test_held_out_views_do_not_count_as_seeing(block, tmp_path, settings):
 
 def test_fewer_training_views_see_less(block, tmp_path, settings):
     """From above alone, nothing of the underside."""
-    above = replace(settings, rig="rings", elevations_deg=[80.0])
+    above = replace(settings, rig="turntable", elevations_deg=[80.0])
     render_part(block, tmp_path / "all", replace(settings, count=20), 0)
     render_part(block, tmp_path / "above", above, 0)
     everything, upper = (

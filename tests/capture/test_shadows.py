@@ -20,10 +20,10 @@ def disc_over_floor() -> Mesh:
     return Mesh.with_one_appearance(vertices, faces.astype(np.int32))
 
 
-def visibility_at(mesh: Mesh, at: np.ndarray, lamp_deg: float, samples: int, light_dir=UP):
+def visibility_at(mesh: Mesh, at: np.ndarray, light_half_angle_deg: float, samples: int, light_dir=UP):
     """What points of the floor see of a lamp, looked at along a line that misses the disc."""
     surface = Surface(mesh, 30.0)
-    shadows = Shadows(surface, lamp_deg, samples)
+    shadows = Shadows(surface, light_half_angle_deg, samples)
     camera_center = np.array([0.0, -500, 10])
     hits = surface.intersect(camera_center, (at - camera_center).astype(np.float32))
     assert len(hits.ray) == len(at)
@@ -68,9 +68,9 @@ def test_a_penumbra_is_the_part_of_the_lamp_that_the_disc_leaves():
     some 4 / sqrt(1024); the mean over the penumbra is better than that.
     """
     x = np.linspace(0.5, 30, 40)
-    lamp_deg = 15.0
-    light_radius = GAP * np.tan(np.radians(lamp_deg))
-    visibility = visibility_at(disc_over_floor(), along_x(x), lamp_deg, 1024)
+    light_half_angle_deg = 15.0
+    light_radius = GAP * np.tan(np.radians(light_half_angle_deg))
+    visibility = visibility_at(disc_over_floor(), along_x(x), light_half_angle_deg, 1024)
     truth = 1 - overlap(x, RADIUS, light_radius) / (np.pi * light_radius**2)
     np.testing.assert_allclose(visibility.visible_share, truth, rtol=0, atol=0.03)
     assert np.abs(visibility.visible_share - truth).mean() < 0.01

@@ -87,7 +87,7 @@ def test_held_out_cameras_stand_all_round():
     assert counts.min() >= 2
 
 
-@pytest.mark.parametrize("rig", ["rings", "hemisphere"])
+@pytest.mark.parametrize("rig", ["turntable", "hemisphere"])
 def test_other_rigs_frame_the_part_as_the_sphere_does(shipped, rig):
     center, radius = bounding_ball(np.array([[0.0, 0, 0], [20, 30, 60]]))
     cameras, held_out = cameras_around(center, radius, replace(shipped, rig=rig))
@@ -112,6 +112,6 @@ def test_a_hemisphere_looks_down_on_the_part_from_all_round(shipped):
 
 def test_a_ring_near_the_pole_is_no_error(shipped):
     cameras, _ = cameras_around(
-        np.zeros(3), 1.0, replace(shipped, rig="rings", elevations_deg=[89.9, -89.9])
+        np.zeros(3), 1.0, replace(shipped, rig="turntable", elevations_deg=[89.9, -89.9])
     )
     assert np.isfinite(cameras.c2w).all()

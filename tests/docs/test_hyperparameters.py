@@ -1,4 +1,4 @@
-"""docs/hyperparameters.md is what its command writes."""
+"""docs/reference/hyperparameters.md is what its command writes."""
 
 from pathlib import Path
 
@@ -12,4 +12,4 @@ def test_the_document_is_up_to_date(root: Path):
     expected = render_document(
         params.read_text(), read_yaml(params), load_stages(root / "dvc.yaml")
     )
-    assert (root / "docs/hyperparameters.md").read_text() == expected
+    assert (root / "docs/reference/hyperparameters.md").read_text() == expected

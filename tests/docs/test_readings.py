@@ -1,4 +1,4 @@
-"""docs/readings.md says what the code can do, all of it, and nothing else."""
+"""docs/reference/readings.md says what the code can do, all of it, and nothing else."""
 
 import re
 from dataclasses import fields
@@ -14,7 +14,7 @@ from industnerf.report.docs.protocol_readings import PROTOCOL_VARIANTS, protocol
 from industnerf.schema.readings import READING_IDS, Readings
 
 ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "docs/readings.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs/reference/readings.md").read_text(encoding="utf-8")
 SECTIONS = {part.split(":")[0]: part for part in re.split(r"^## ", TEXT, flags=re.MULTILINE)[1:]}
 HINTS = get_type_hints(Readings)
 LITERALS = {name: set(get_args(hint)) for name, hint in HINTS.items()}

@@ -1,4 +1,4 @@
-"""docs/sweeps.md: its table is what the presets and the published sweeps say."""
+"""docs/reference/sweeps.md: its table is what the presets and the published sweeps say."""
 
 import re
 from pathlib import Path
@@ -13,7 +13,7 @@ from industnerf.report.sweeps.preset_table import (
 )
 
 ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs/reference/sweeps.md").read_text(encoding="utf-8")
 
 
 def test_the_table_is_up_to_date():
@@ -40,7 +40,7 @@ def test_every_preset_that_sweeps_has_its_line_and_where_its_result_stands():
     }
     for link in RESULT_LINKS.values():
         (target,) = re.findall(r"\]\((.*)\)", link)
-        assert (ROOT / "docs" / target).exists()
+        assert (ROOT / "docs/reference" / target).exists()
 
 
 def test_every_preset_that_is_named_is_there():

@@ -56,7 +56,7 @@ def train_scalar(validation, scratch, **changes):
 
 
 def test_the_weights_of_the_best_validation_are_kept(tmp_path):
-    number, result = train_scalar([3.0, 2.0, 1.0, 2.0, 3.0], tmp_path, validate_every=2)
+    number, result = train_scalar([3.0, 2.0, 1.0, 2.0, 3.0], tmp_path, val_interval=2)
     assert number == pytest.approx(6 * 0.25)
     assert result.steps == 10
     assert result.val_history.loss.tolist() == [3.0, 2.0, 1.0, 2.0, 3.0]
@@ -66,7 +66,7 @@ def test_the_weights_of_the_best_validation_are_kept(tmp_path):
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):
-    number, result = train_scalar([2.0, 1.0], tmp_path, steps=5, validate_every=3)
+    number, result = train_scalar([2.0, 1.0], tmp_path, max_steps=5, val_interval=3)
     assert result.val_history.steps.tolist() == [2, 4]
     assert number == pytest.approx(5 * 0.25)
 
@@ -86,7 +86,7 @@ def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
 
 def test_the_rate_falls_to_a_tenth_after_each_share_of_the_steps(tmp_path):
     down = np.arange(10.0)[::-1].tolist()
-    number, _ = train_scalar(down, tmp_path, drops=[0.5, 0.8])
+    number, _ = train_scalar(down, tmp_path, lr_milestones=[0.5, 0.8])
     assert number == pytest.approx(0.25 * (5 + 3 * 0.1 + 2 * 0.01), rel=1e-6)
 
 
@@ -199,7 +199,7 @@ def test_a_loss_that_is_no_number_ends_it_with_a_reason(tmp_path, wrong, when):
         calm = net.training != (when == "training") or net.number.item() < 0.7
         return net.number.sum() * (-1.0 if calm else wrong)
 
-    with pytest.raises(ReconstructionFailed, match=rf"{when} loss .* step \d+.*training\.rate"):
+    with pytest.raises(ReconstructionFailed, match=rf"{when} loss .* step \d+.*training\.lr"):
         train(net, diverging, ([0], [1]), SETTINGS, 0, tmp_path / "checkpoint")
 
 

@@ -40,7 +40,7 @@ SETTINGS = CarveSettings(
     min_silhouette_coverage=0.95,
     points=20_000,
 )
-STRICT = replace(SETTINGS, threshold=0.0, outlier_fraction=0.0, voxel_footprint=0.3, min_view_cosine=-0.9, max_sweeps=200)
+STRICT = replace(SETTINGS, color_threshold=0.0, outlier_fraction=0.0, voxel_footprint=0.3, min_view_cosine=-0.9, max_sweeps=200)
 CUP = cup(18.0, 13.0, 24.0, 6.0)  # its floor is at -6, its rim at 12
 
 

@@ -34,7 +34,7 @@ INPUT_ATTRIBUTES = {
     Input.BACKGROUND: "background",
     Input.MASK: "mask",
     Input.DEPTH: "depth_mm",
-    Input.PART_FRAME: "frame",
+    Input.PART_FRAME: "part_frame",
     Input.OWN_MESH: "own_mesh",
 }
 # Depth is float32 mm: its last digit decides how marching cubes cut a cell, and one face more
@@ -56,8 +56,8 @@ def quick_settings(name: str, params: Params) -> Any:
             values = getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
             # so few steps do not teach how a part lies in every view; that answers in a view's axes
             # come back to the part's is tested with each net
-            if hasattr(values, "frame"):
-                values = replace(values, frame="part")
+            if hasattr(values, "output_axes"):
+                values = replace(values, output_axes="part")
             if name == "atlasnet":  # of a third as many steps its sheets still reach past the part
                 values = replace(values, training=replace(values.training, max_steps=500))
             return values
@@ -65,15 +65,15 @@ def quick_settings(name: str, params: Params) -> Any:
     level = {"image_px": 48, "steps": 100, "points": 2000}
     return industnerf_settings(
         name,
-        readings={"cloud": "surface"},
-        network={"rate": 0.01},
+        readings={"extraction": "surface_points"},
+        network={"lr": 0.01},
         grid_res=16,
-        rays=512,
+        rays_per_step=512,
         warm_up={"steps": 20 if name == "industnerf_shared" else 0},
         levels=[level],
-        spacing=0.05,
-        emptiness=0.003,
-        least_confidence=0.6,  # so short a training leaves a haze
+        surface_spacing=0.05,
+        opacity_weight=0.003,
+        min_confidence=0.6,  # so short a training leaves a haze
     )
 
 

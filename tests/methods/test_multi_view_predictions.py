@@ -21,7 +21,7 @@ def test_the_unit_cube_lies_round_the_part():
 
 def test_it_tells_what_was_trained():
     one = predictions_to_reconstruction([CORNERS], FRAME, STATE)
-    assert (one.parameters, one.steps) == (11, 5)
+    assert (one.num_parameters, one.steps) == (11, 5)
 
 
 def test_every_answer_is_kept_and_one_with_points_comes_first():

@@ -97,7 +97,7 @@ def fit(examples, settings, seed, scratch):
 def recall_training(inputs, settings, state, seed):
     corners = state.arrays["corners"]
     return predictions_to_reconstruction(
-        [np.zeros((0, 3)), corners, corners[:2]], inputs.frame, state
+        [np.zeros((0, 3)), corners, corners[:2]], inputs.part_frame, state
     )
 
 

@@ -38,8 +38,8 @@ def test_what_is_left_out_is_allowed_and_changes_something(name, monkeypatch):
 def workspace(tmp_path, monkeypatch):
     """The documents and params of this repository, and one point of a sweep of `preset`."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "docs").mkdir()
-    for name in ("params.yaml", "docs/readings.md", "docs/method.md"):
+    (tmp_path / "docs/reference").mkdir(parents=True)
+    for name in ("params.yaml", "docs/reference/readings.md", "docs/reference/method.md"):
         (tmp_path / name).write_text((ROOT / name).read_text())
 
     def make_sweep(preset: str) -> Path:
@@ -71,10 +71,10 @@ def workspace(tmp_path, monkeypatch):
 )
 def test_a_sweep_goes_into_the_document_that_asks_about_it(workspace, preset, document, row):
     ablation_effects.main(str(workspace(preset)))
-    content = read_block(Path(f"docs/{document}.md").read_text(), preset)
+    content = read_block(Path(f"docs/reference/{document}.md").read_text(), preset)
     assert content.startswith("2026-01-31, commit abc.\n")
     assert row in content
-    assert Path(f"docs/{preset}.csv").read_text() == "of the sweep\n"
+    assert Path(f"docs/reference/{preset}.csv").read_text() == "of the sweep\n"
 
 
 def test_a_sweep_of_something_else_is_refused(workspace):

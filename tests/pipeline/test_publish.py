@@ -19,9 +19,9 @@ from tests.pipeline.lock_check import lock_mismatches
 
 DOCUMENTS = {
     "README.md": ["study"],
-    "docs/baselines.md": ["nets"],
-    "docs/scaling.md": ["costs", "cluster"],
-    "docs/readings.md": ["measuring"],
+    "docs/reference/baselines.md": ["nets"],
+    "docs/reference/scaling.md": ["costs", "cluster"],
+    "docs/reference/readings.md": ["measuring"],
 }
 MARKS = "<!-- study -->\n<!-- end study -->\n"
 
@@ -32,7 +32,7 @@ def project(root, tmp_path):
     project = Project(root, tmp_path / "project")
     for document, names in DOCUMENTS.items():
         marks = "".join(MARKS.replace("study", name) for name in names)
-        (project.folder / document).parent.mkdir(exist_ok=True)
+        (project.folder / document).parent.mkdir(parents=True, exist_ok=True)
         (project.folder / document).write_text(marks)
     (project.folder / ".gitignore").write_text("/.dvc\n/data\n/reports\n__pycache__\n")
     names = ("-c", "user.name=n", "-c", "user.email=e@example.org")

@@ -18,8 +18,10 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         text = f"# @package _global_\n# What of {name}?\n# About 3 minutes on 2 cores.\npreset: x\n"
         text += "hydra: {sweeper: {params: {n: '1,4'}}}\n"
         (tmp_path / f"conf/experiment/{name}.yaml").write_text(text)
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs/sweeps.md").write_text("a\n<!-- sweeps -->\n<!-- end sweeps -->\nb\n")
+    (tmp_path / "docs/reference").mkdir(parents=True)
+    (tmp_path / "docs/reference/sweeps.md").write_text(
+        "a\n<!-- sweeps -->\n<!-- end sweeps -->\nb\n"
+    )
     sweep = tmp_path / "runs/sweeps/now"
     for number in "01":
         (sweep / number / "reports").mkdir(parents=True)
@@ -44,7 +46,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path):
     main("runs/sweeps/now", "a quiet machine")
-    text = (project / "docs/sweeps.md").read_text()
+    text = (project / "docs/reference/sweeps.md").read_text()
     first, second = [line for line in text.splitlines() if line.startswith("| `sweep")]
     assert first == (
         "| `sweep-a` | What of sweep-a? |  | about 3 minutes on 2 cores, estimated "
@@ -58,18 +60,18 @@ def test_a_sweep_comes_with_its_row_its_plot_and_where_it_was_made(project: Path
     assert "![sweep-b](sweeps/sweep-b/sweep.png)" in text
     assert "a quiet machine" in text
     assert text.count("    python -m pipeline.sweep --multirun preset=x n=1,4\n") == 2
-    metadata = json.loads((project / "docs/sweeps/sweep-b/about.json").read_text())
+    metadata = json.loads((project / "docs/reference/sweeps/sweep-b/about.json").read_text())
     assert set(metadata) == {"schema", "date", "commit", "machine", "core_minutes"}
     assert "2026-01-02, at commit 0123456 with changes, a quiet machine" in text
-    with Image.open(project / "docs/sweeps/sweep-b/sweep.png") as plot:
+    with Image.open(project / "docs/reference/sweeps/sweep-b/sweep.png") as plot:
         assert plot.size == (640, 800)
 
 
 def test_the_table_alone_can_be_written_anew(project: Path):
     main()
-    once = (project / "docs/sweeps.md").read_text()
+    once = (project / "docs/reference/sweeps.md").read_text()
     main()
-    assert (project / "docs/sweeps.md").read_text() == once
+    assert (project / "docs/reference/sweeps.md").read_text() == once
     assert once.count("not yet run") == 2
 
 
@@ -91,7 +93,7 @@ def test_every_split_of_a_sweep_has_ends_of_its_own(project: Path):
         "1,4,hull,dev,0.6\n"
     )
     main("runs/sweeps/now")
-    text = (project / "docs/sweeps.md").read_text()
+    text = (project / "docs/reference/sweeps.md").read_text()
     assert "`hull` (test) 0.0300 to 0.0200, `hull` (dev) 0.5000 to 0.6000" in text
 
 
@@ -100,7 +102,7 @@ def test_ends_are_in_mm_too_where_the_sweep_knows_them(project: Path):
         "point,n,method,split,emd,emd_mm\n0,1,hull,dev,0.0179,2.4665\n1,4,hull,dev,0.0228,12.1\n"
     )
     main("runs/sweeps/now")
-    text = (project / "docs/sweeps.md").read_text()
+    text = (project / "docs/reference/sweeps.md").read_text()
     assert "`hull` 0.0179 (2.47 mm) to 0.0228 (12.1 mm)" in text
 
 
@@ -110,7 +112,7 @@ def test_exponents_stand_in_the_table_and_their_file_is_linked(project: Path):
         "hull,peak_mb,-0.003,0.039,4\nbox,peak_mb,1.000,0.000,4\n"
     )
     main("runs/sweeps/now")
-    text = (project / "docs/sweeps.md").read_text()
+    text = (project / "docs/reference/sweeps.md").read_text()
     assert (
         "[trend](sweeps/sweep-b/trend.csv)) "
         "| `hull` seconds 0.86 ± 0.18, MB 0.00 ± 0.04; `box` MB 1.00 ± 0.00 |\n"
@@ -122,7 +124,7 @@ def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
     for name in ("ablation", "seeds", "seeds_nets"):
         text = f"preset: {name}\nhydra: {{mode: MULTIRUN, sweeper: {{params: {{n: '1,4'}}}}}}\n"
         (project / f"conf/experiment/{name}.yaml").write_text(text)
-    (project / "docs/ablation.csv").touch()
+    (project / "docs/reference/ablation.csv").touch()
     (project / "results/seeds").mkdir(parents=True)
     (project / "results/seeds/made.json").write_text('{"schema": 1, "sweeps": {"seeds": {}}}')
     main()
@@ -132,7 +134,7 @@ def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
         "    python -m pipeline.sweep --multirun preset=ablation n=1,4\n"
         "    python -m pipeline.sweep --multirun preset=seeds n=1,4\n"
         "    python -m pipeline.sweep --multirun preset=seeds_nets n=1,4\n"
-    ) in (project / "docs/sweeps.md").read_text()
+    ) in (project / "docs/reference/sweeps.md").read_text()
 
 
 def test_a_sweep_of_no_preset_is_refused(project: Path):
@@ -148,4 +150,4 @@ def test_a_sweep_without_one_of_its_files_changes_nothing(project: Path):
     (project / "runs/sweeps/now/steps.csv").unlink()
     with pytest.raises(BadArtifact, match=r"lacks steps\.csv"):
         main("runs/sweeps/now", "")
-    assert not (project / "docs/sweeps").exists()
+    assert not (project / "docs/reference/sweeps").exists()

@@ -29,9 +29,9 @@ class Shadows:
     the others are taken to agree with them: a wire thin enough to hide the middle alone is missed.
     """
 
-    def __init__(self, surface: Surface, lamp_deg: float, samples: int) -> None:
+    def __init__(self, surface: Surface, light_half_angle_deg: float, samples: int) -> None:
         self._surface, self._samples = surface, samples
-        self._disc_radius = np.tan(np.radians(lamp_deg))
+        self._disc_radius = np.tan(np.radians(light_half_angle_deg))
         self._offset_mm = RAY_OFFSET * float(np.ptp(surface.vertices, axis=0).max())
 
     def ray_origins(

@@ -167,7 +167,7 @@ class _Trainer:
         if not math.isfinite(loss):
             raise ReconstructionFailed(
                 f"the {kind} loss is {loss} at step {self.progress.step} of {self.settings.max_steps}: the "
-                f"training diverged; its rate (training.rate of the method) is "
+                f"training diverged; its rate (training.lr of the method) is "
                 f"{self.settings.lr:g}, lower it"
             )
         return loss
@@ -175,9 +175,9 @@ class _Trainer:
     def save(self, path: Path) -> None:
         """Write all that the rest of the training depends on."""
         state = {
-            "now": vars(self.progress),
+            "progress": vars(self.progress),
             "net": self.net.state_dict(),
-            "adam": self.optimizer.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
             "rng": self.rng.bit_generator.state,
         }
         checkpoint.save(path, state)
@@ -187,9 +187,9 @@ class _Trainer:
         state = checkpoint.load(path)
         if state is None:
             return
-        self.progress = TrainingProgress(**state["now"])
+        self.progress = TrainingProgress(**state["progress"])
         self.net.load_state_dict(state["net"])
-        self.optimizer.load_state_dict(state["adam"])
+        self.optimizer.load_state_dict(state["optimizer"])
         self.rng.bit_generator.state = state["rng"]
 
     def result(self) -> TrainResult:

@@ -5,7 +5,7 @@ python -m industnerf.parts build [--family gears]     needs the [cad] extra
 python -m industnerf.parts build --set organic        does not
 python -m industnerf.parts export PART... | --all --format step|stl|glb|ply|obj --out FOLDER
 python -m industnerf.parts check FILES... [--units mm] [--split-bodies] [--out cad-check]
-python -m industnerf.parts card                       docs/dataset.md and its contact sheets
+python -m industnerf.parts card                       docs/reference/dataset.md and its contact sheets
 """
 
 import argparse
@@ -72,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
     check_command.add_argument("--units", choices=UNITS, help="of files that state none")
     check_command.add_argument("--split-bodies", action="store_true", help="one row per solid")
     check_command.add_argument("--out", type=Path, default=Path("cad-check"), metavar="FOLDER")
-    commands.add_parser("card", help="write docs/dataset.md and its contact sheets")
+    commands.add_parser("card", help="write docs/reference/dataset.md and its contact sheets")
     return parser
 
 

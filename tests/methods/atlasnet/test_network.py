@@ -27,9 +27,9 @@ def count(net):
 def test_full_is_as_published(full):
     """github.com/ThibaultGROUEIX/AtlasNet, auxiliary/argument_parser.py."""
     assert full.size == "full"
-    assert (full.image_px, full.width, full.latent, full.hidden) == (224, 64, 1024, 512)
+    assert (full.image_px, full.encoder_width, full.latent_dim, full.hidden_dim) == (224, 64, 1024, 512)
     assert (full.patches, full.patches * full.patch_points) == (25, 2500)
-    assert (full.training.batch, full.training.rate, full.phases) == (32, 1e-3, [150, 150, 50])
+    assert (full.training.batch_size, full.training.lr, full.phase_fractions) == (32, 1e-3, [150, 150, 50])
 
 
 def test_the_decoder_has_the_published_layers(full):
@@ -61,7 +61,7 @@ def test_the_point_encoder_has_the_published_layers(full):
     layers = 3 * 64 + 64, 64 * 128 + 128, 128 * 1024 + 1024, 2 * (1024 * 1024 + 1024)
     norms = 2 * (64 + 128 + 3 * 1024)
     with torch.device("meta"):
-        encoder = PointNet(full.latent)
+        encoder = PointNet(full.latent_dim)
         assert count(encoder) == sum(layers) + norms == 2_246_400
         assert encoder(torch.zeros(2, 2500, 3)).shape == (2, 1024)
     kinds = [type(layer) for layer in (*encoder.points, *encoder.cloud)]

@@ -73,10 +73,10 @@ def test_each_phase_teaches_what_it_should(examples, settings, tmp_path, traced_
 def test_phases_share_the_steps_and_the_last_learns_slowly(settings):
     plans = run.phase_settings(replace(settings, training=replace(settings.training, max_steps=700)))
     assert [plan.max_steps for plan in plans] == [300, 300, 100]
-    rate = settings.training.rate
-    assert [plan.lr for plan in plans] == [rate, rate, pytest.approx(rate / 10)]
-    drops = settings.training.drops
-    assert [plan.lr_milestones for plan in plans] == [drops, drops, drops[:1]]
+    lr = settings.training.lr
+    assert [plan.lr for plan in plans] == [lr, lr, pytest.approx(lr / 10)]
+    milestones = settings.training.lr_milestones
+    assert [plan.lr_milestones for plan in plans] == [milestones, milestones, milestones[:1]]
 
 
 def test_an_interrupted_training_ends_in_the_same_bytes(
@@ -132,14 +132,14 @@ def test_there_is_an_answer_to_each_view_asked(rendered_part, examples, settings
 
 def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
     settings_diverging = replace(settings, training=replace(settings.training, lr=1e30))
-    with pytest.raises(ReconstructionFailed, match=r"not finite.*training.rate is 1e\+30, lower"):
+    with pytest.raises(ReconstructionFailed, match=r"not finite.*training\.lr is 1e\+30, lower"):
         METHOD.fit(examples, settings_diverging, 0, tmp_path)
 
 
 def test_the_last_phase_learns_with_the_statistics_it_predicts_with(
     examples, settings, tmp_path, monkeypatch
 ):
-    loss, is_training = run.AtlasNetDataset.METHOD_NAME, []
+    loss, is_training = run.AtlasNetDataset.image_loss, []
 
     def record(dataset, net, batch, rng):
         if net.training:
@@ -147,7 +147,7 @@ def test_the_last_phase_learns_with_the_statistics_it_predicts_with(
             is_training.append({norm.training for norm in norms})
         return loss(dataset, net, batch, rng)
 
-    monkeypatch.setattr(run.AtlasNetDataset, "METHOD_NAME", record)
+    monkeypatch.setattr(run.AtlasNetDataset, "image_loss", record)
     METHOD.fit(examples, settings, 0, tmp_path)
     assert is_training == 6 * [{True}] + 2 * [{False}]
 

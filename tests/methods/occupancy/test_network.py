@@ -40,7 +40,7 @@ def test_its_shapes_are_as_published(full, published):
     with torch.no_grad():
         code = full.encode(images)
         logits = full.decoder(torch.rand(2, 7, 3), code)
-    assert (published.image_px, published.queries) == (224, 2048)
+    assert (published.image_px, published.points_subsample) == (224, 2048)
     assert code.shape == (2, 256)
     assert logits.shape == (2, 7)
     assert [m.weight.shape for m in full.decoder.blocks[0].children() if hasattr(m, "weight")] == [

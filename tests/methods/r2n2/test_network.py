@@ -24,16 +24,16 @@ def full():
 def published(full):
     """The net at its full width, without numbers: shapes alone."""
     with torch.device("meta"):
-        return R2N2(full.image_px, full.divisor)
+        return R2N2(full.image_px, full.channel_divisor)
 
 
 def test_full_is_as_published(full):
     """github.com/chrischoy/3D-R2N2, lib/config.py: the residual GRU net for several views."""
     assert full.size == "full"
-    assert (full.image_px, full.divisor, full.views) == (127, 1, 5)
+    assert (full.image_px, full.channel_divisor, full.max_views) == (127, 1, 5)
     training = full.training
-    assert (training.steps, training.batch, training.rate) == (60_000, 36, 1e-4)
-    assert training.drops == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
+    assert (training.max_steps, training.batch_size, training.lr) == (60_000, 36, 1e-4)
+    assert training.lr_milestones == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
 
 
 def conv(kernel, dims, before, after):
@@ -170,8 +170,8 @@ def test_the_memory_in_closed_form(gru_unit, views):
 
 @torch.no_grad()
 def test_what_is_reset_is_not_heard(gru_unit):
-    identity_layer(gru_unit.candidate.of_memory, 1.0)
-    nn.init.constant_(gru_unit.candidate.of_memory.bias, 1.1)
+    identity_layer(gru_unit.candidate.hidden_conv, 1.0)
+    nn.init.constant_(gru_unit.candidate.hidden_conv.bias, 1.1)
     u, r, images = 1 / (1 + math.exp(-0.7)), 1 / (1 + math.exp(0.3)), torch.zeros(1, 2, 6)
     first = (1 - u) * math.tanh(1.1)
     second = u * first + (1 - u) * math.tanh(r * first + 1.1)
@@ -180,7 +180,7 @@ def test_what_is_reset_is_not_heard(gru_unit):
 
 @torch.no_grad()
 def test_a_gate_gives_every_cell_of_the_grid_a_number_of_its_own(gru_unit):
-    image, weight = torch.eye(6)[:1], gru_unit.candidate.of_picture.weight
+    image, weight = torch.eye(6)[:1], gru_unit.candidate.input_linear.weight
     weight[:, 0] = torch.arange(256.0) / 256
     u = 1 / (1 + math.exp(-0.7))
     expected = (1 - u) * torch.tanh(weight[:, 0].view(1, 4, 4, 4, 4) + 1.1)

@@ -23,7 +23,7 @@ CENTERS = (np.arange(32) + 0.5) / 32 - 0.5
 @pytest.fixture
 def state(settings):
     """A net that was not trained."""
-    net = new_net(settings.image_px, settings.divisor, 0)
+    net = new_net(settings.image_px, settings.channel_divisor, 0)
     return ModelState(
         {name: tensor.numpy() for name, tensor in net.state_dict().items()}, num_parts=1
     )
@@ -95,7 +95,7 @@ def test_a_net_that_sees_nothing_fails_with_a_reason(predicted_points):
 
 def images_shown(inputs, settings) -> list[int]:
     """Which views the net is shown, in one pass."""
-    net, recorded = new_net(settings.image_px, settings.divisor, 0), []
+    net, recorded = new_net(settings.image_px, settings.channel_divisor, 0), []
 
     def record(images):
         recorded.append((255 * images).mean(dim=(2, 3, 4)))
@@ -109,7 +109,7 @@ def images_shown(inputs, settings) -> list[int]:
 
 @pytest.mark.parametrize(("views", "chosen"), [(3, [0, 3, 6]), (7, range(7)), (9, range(7))])
 def test_the_views_farthest_apart_are_seen_in_one_pass(inputs, settings, views, chosen):
-    assert images_shown(inputs, replace(settings, views=views)) == list(chosen)
+    assert images_shown(inputs, replace(settings, max_views=views)) == list(chosen)
 
 
 def test_they_look_from_all_sides():

@@ -19,7 +19,7 @@ from tests.methods.r2n2.conftest import NO_AUGMENTATION
 @pytest.fixture
 def dataset(boxes, settings):
     """Three parts, and a net that says what it is asked to say."""
-    net = new_net(settings.image_px, settings.divisor, 0)
+    net = new_net(settings.image_px, settings.channel_divisor, 0)
     return R2N2Dataset.of(boxes, replace(settings, augment=NO_AUGMENTATION), net, 0)
 
 
@@ -39,7 +39,7 @@ def test_the_loss_is_the_mean_over_all_voxels_of_the_right_part(dataset):
     dataset.net.forward = full
     for part_indices, size in enumerate((0.25, 0.5, 0.75)):
         loss = dataset.loss(np.array([part_indices, part_indices]), np.random.default_rng(0))
-        share = dataset.full[part_indices].mean()
+        share = dataset.occupied[part_indices].mean()
         # Edges of the bar are on borders of voxels: the surface fills at most one more all round.
         assert size**2 <= share <= (size + 2 / 32) ** 2
         right, wrong = math.log1p(math.exp(-3)), math.log1p(math.exp(3))
@@ -71,7 +71,7 @@ def test_a_batch_has_one_to_so_many_views_drawn_from_each_part(dataset):
 
 
 def test_pictures_differ_while_it_learns_and_stay_when_it_is_asked(boxes, settings):
-    net = new_net(settings.image_px, settings.divisor, 0)
+    net = new_net(settings.image_px, settings.channel_divisor, 0)
     dataset = R2N2Dataset.of(boxes, settings, net, 0)
     known = {150, 151, 152, 153, 50, 51, 52, 53}
     assert set(np.concatenate([batch.ravel() for batch in sampled_images(dataset)])) > known

@@ -86,7 +86,7 @@ def test_the_tracked_card_is_what_the_tracked_catalogue_gives(root):
     splits = assign_splits([to_part(entry) for entry in read_catalogue()], settings)
     text = render_card(EMBEDDED_FOLDER, root / "data/organic", splits)
     # If not: `python -m industnerf.parts card`.
-    assert (root / "docs/dataset.md").read_text(encoding="utf-8") == text
+    assert (root / "docs/reference/dataset.md").read_text(encoding="utf-8") == text
 
 
 def test_a_table_in_markdown():
@@ -154,7 +154,7 @@ def test_the_sheet_shows_every_part(embedded, tmp_path):
 
 
 def test_writing_the_card_writes_all_of_it(embedded, tmp_path, root):
-    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/reference").mkdir(parents=True)
     (tmp_path / "params.yaml").write_text((root / "params.yaml").read_text())
     written = write_card(tmp_path)
     assert [path.name for path in written] == ["dataset.md", "dataset.png", "parts.png"]

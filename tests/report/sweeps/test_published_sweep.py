@@ -14,7 +14,7 @@ from industnerf.report.tables.formats import read_csv
 
 PUBLISHED = [
     path
-    for path in sorted((Path(__file__).parents[3] / "docs/sweeps").glob("*/sweep.csv"))
+    for path in sorted((Path(__file__).parents[3] / "docs/reference/sweeps").glob("*/sweep.csv"))
     if SELECT_KEY not in path.read_text().splitlines()[0]  # the faces of its parts are not kept
 ]
 

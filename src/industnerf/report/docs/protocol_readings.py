@@ -1,4 +1,4 @@
-"""docs/readings.md: what R12 and R13, which are about measuring, make of the paper's method.
+"""docs/reference/readings.md: what R12 and R13, which are about measuring, make of the paper's method.
 
 The same pictures and clouds, measured otherwise: R12 by the scores of the published study, R13 by
 the grid of protocols, of which one choice at a time is another than in P1-even.

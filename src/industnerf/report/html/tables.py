@@ -210,7 +210,7 @@ PART_COLUMNS = (
     Column("part", True),
     Column("family", True),
     Column("split", True),
-    Column("strata", True, "formulas on the mesh: docs/dataset.md"),
+    Column("strata", True, "formulas on the mesh: docs/reference/dataset.md"),
     Column("diagonal, mm"),
     Column(
         "visible", tooltip="share of the surface that can be seen from anywhere around the part"

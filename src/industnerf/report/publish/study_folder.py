@@ -88,7 +88,7 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
     ]
     return (
         f"# Results of `{provenance['command']}`\n\n"
-        "Copied from its report by `pipeline/publish.py`; not to be edited.  docs/protocol.md says "
+        "Copied from its report by `pipeline/publish.py`; not to be edited.  docs/reference/protocol.md says "
         f"what the numbers are.{_rebuilt_sentence(provenance)}\n\n"
         f"{markdown_table(['file', 'what'], files)}\n"
         + "".join(f"![{name}]({name})\n" for name in images)

@@ -1,5 +1,7 @@
-"""What single changes cost: each reading of the paper (docs/readings.md), each addition of
-`industnerf_plus` (docs/method.md); from the points of a sweep.
+"""What single changes cost, from the points of a sweep.
+
+Each reading of the paper for docs/reference/readings.md, each addition of `industnerf_plus` for
+docs/reference/method.md.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""The table of docs/sweeps.md: every sweep preset, what it asks, and what came out.
+"""The table of docs/reference/sweeps.md: every sweep preset, what it asks, and what came out.
 
 Below it are the presets whose results have documents of their own.
 """
@@ -13,15 +13,15 @@ from industnerf.config import flatten, read_yaml
 from industnerf.report.publish.provenance import read_provenance
 from industnerf.report.tables.formats import format_significant, read_csv
 
-PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/sweeps")
+PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/reference/sweeps")
 HEADERS = ("sweep", "question", "points", "time", "result", "cost exponents")
 TABLES = (("table", "sweep.csv"), ("steps", "steps.csv"), ("trend", "trend.csv"))
 SEED_RESULTS = Path("results/seeds")
 RESULT_LINKS = {
     "ablation": "[method.md](method.md)",
     "readings": "[readings.md](readings.md)",
-    "seeds": f"[{SEED_RESULTS}](../{SEED_RESULTS}/seeds.md)",
-    "seeds_nets": f"[{SEED_RESULTS}](../{SEED_RESULTS}/seeds.md)",
+    "seeds": "[protocol.md](protocol.md)",
+    "seeds_nets": "[protocol.md](protocol.md)",
 }
 # all others are brought by pipeline.sweep_docs
 PUBLISHED_BY = {
@@ -105,7 +105,7 @@ def _result_location(root: Path, name: str) -> str:
         if (root / SEED_RESULTS / "made.json").exists()
         else ()
     )
-    is_published = name in seeds or (root / f"docs/{name}.csv").exists()
+    is_published = name in seeds or (root / f"docs/reference/{name}.csv").exists()
     return f"in {RESULT_LINKS[name]}" if is_published else "not yet run"
 
 

@@ -1,6 +1,6 @@
 """How each method does on each kind of test part: thin ones, ones with pockets, and so on.
 
-The strata are formulas on the mesh (docs/dataset.md).  A part may be in several, or in none, so
+The strata are formulas on the mesh (docs/reference/dataset.md).  A part may be in several, or in none, so
 their means do not add up to that of `all`.
 """
 

@@ -1,4 +1,4 @@
-"""The plates: all are drawn, and docs/method.md shows those that there are."""
+"""The plates: all are drawn, and docs/reference/method.md shows those that there are."""
 
 import io
 import re
@@ -34,8 +34,8 @@ def test_plates_that_are_no_more_are_removed(trace, tmp_path, monkeypatch):
 
 
 def test_the_document_shows_every_plate_and_no_other(root):
-    linked = re.findall(r"\]\(method/(\S+\.png)\)", (root / "docs/method.md").read_text())
-    sizes = {path.name: path.stat().st_size for path in (root / "docs/method").iterdir()}
+    linked = re.findall(r"\]\(method/(\S+\.png)\)", (root / "docs/reference/method.md").read_text())
+    sizes = {path.name: path.stat().st_size for path in (root / "docs/reference/method").iterdir()}
     assert set(linked) == set(sizes) == set(FIGURES)
     assert sum(sizes.values()) < 1.5e6  # bytes: they are part of the repository
 

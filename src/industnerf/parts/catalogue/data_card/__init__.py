@@ -1,4 +1,4 @@
-"""The data card: docs/dataset.md and its contact sheets, all from the catalogues."""
+"""The data card: docs/reference/dataset.md and its contact sheets, all from the catalogues."""
 
 from collections import Counter
 from pathlib import Path
@@ -26,23 +26,25 @@ GALLERY = 13, 110  # columns and px of the README's picture
 
 def write_card(root: Path) -> list[Path]:
     """Write the card of the repository at `root` and its sheets; returns what was written."""
-    embedded, organic, docs = root / "data/embedded", root / "data/organic", root / "docs"
+    embedded, organic = root / "data/embedded", root / "data/organic"
+    document, sheets = root / "docs/reference/dataset.md", root / "docs/reference"
+    gallery = root / "docs/parts.png"
     settings = load_params(root / "params.yaml").split
     splits = assign_splits([to_part(entry) for entry in read_catalogue(embedded)], settings)
-    (docs / "dataset.md").write_text(render_card(embedded, organic, splits), encoding="utf-8")
-    write_sheet(embedded, docs / "dataset.png")
+    document.write_text(render_card(embedded, organic, splits), encoding="utf-8")
+    write_sheet(embedded, sheets / "dataset.png")
     parts = [
         (load_catalogue_mesh(entry, embedded), entry.finishes) for entry in read_catalogue(embedded)
     ]
-    write_gallery(parts, docs / "parts.png", *GALLERY)
+    write_gallery(parts, gallery, *GALLERY)
     if not organic.exists():
-        return [docs / "dataset.md", docs / "dataset.png", docs / "parts.png"]
-    write_sheet(organic, docs / "organic.png")
-    return [docs / name for name in ("dataset.md", "dataset.png", "parts.png", "organic.png")]
+        return [document, sheets / "dataset.png", gallery]
+    write_sheet(organic, sheets / "organic.png")
+    return [document, sheets / "dataset.png", gallery, sheets / "organic.png"]
 
 
 def render_card(folder: Path, organic: Path, splits: dict[str, SplitAssignment]) -> str:
-    """The text of docs/dataset.md.
+    """The text of docs/reference/dataset.md.
 
     `folder` is the embedded set, `organic` the non-industrial one, which may be missing, and
     `places` says of every embedded part where the split puts it.

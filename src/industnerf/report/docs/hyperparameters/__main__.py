@@ -1,4 +1,4 @@
-"""Write docs/hyperparameters.md: python -m industnerf.report.docs.hyperparameters"""
+"""Write docs/reference/hyperparameters.md: python -m industnerf.report.docs.hyperparameters"""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from industnerf.cli import exit_with_message
 from industnerf.config import PARAMS, load_stages, read_yaml
 from industnerf.report.docs.hyperparameters.document import render_document
 
-OUT = Path("docs/hyperparameters.md")
+OUT = Path("docs/reference/hyperparameters.md")
 
 
 def main() -> None:

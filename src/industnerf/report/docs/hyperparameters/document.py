@@ -9,14 +9,16 @@ from industnerf.report.docs.hyperparameters.paper_symbols import NERF_METHODS, P
 from industnerf.report.docs.hyperparameters.reader_stages import reader_stages
 from industnerf.report.docs.hyperparameters.yaml_comments import find_meaning, parse_comments
 
-HEAD = """# Hyper-parameters
+HEAD = """# Hyperparameters
 
 Section 4.2 of the paper promises "a list of the hyperparameters and other pertinent training
-details"; none follows. This is ours: every value of `params.yaml` with its comment there, what it
-may be, what the paper calls it, and the stages of `dvc.yaml` that read it: they rerun when it
-changes.
+details", and gives none. This list has every value of `params.yaml`. *Allowed* is the range or the
+choices, and *paper* is the paper's symbol or section. *Read by* names the stages of `dvc.yaml` that
+rerun when the value changes.
 
-This file is generated: `python -m industnerf.report.docs.hyperparameters` writes it.
+This file is generated. Write it again with
+
+    python -m industnerf.report.docs.hyperparameters
 """
 
 
@@ -56,7 +58,7 @@ def _nerf_section(sources: Sources) -> str:
         f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
     )
     keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
-    title = f"\n## `method.{'`, `method.'.join(NERF_METHODS)}`\n\nOne code, five settings.\n\n{descriptions}\n"
+    title = f"\n## `method.{'`, `method.'.join(NERF_METHODS)}`\n\nThese methods share one code.\n\n{descriptions}\n"
     return title + _table(sources, "", keys)
 
 

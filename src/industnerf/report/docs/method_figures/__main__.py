@@ -1,6 +1,6 @@
-"""The plates of docs/method.md, from one part's photographs.
+"""The plates of docs/reference/method.md, from one part's photographs.
 
-python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out docs/method]
+python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out docs/reference/method]
 
 The photographs are what `dvc repro views` writes; the settings are those of params.yaml, and the
 seed that of the study, so this is the study's own run.
@@ -25,7 +25,7 @@ def main() -> None:
         "part", nargs="?", default=DEFAULT_PART, metavar="PART", help=f"default: {DEFAULT_PART}"
     )
     parser.add_argument("--views", type=Path, default=Path("data/views"), metavar="FOLDER")
-    parser.add_argument("--out", type=Path, default=Path("docs/method"), metavar="FOLDER")
+    parser.add_argument("--out", type=Path, default=Path("docs/reference/method"), metavar="FOLDER")
     arguments = parser.parse_args()
     exit_with_message(lambda: write_part_figures(arguments.views / arguments.part, arguments.out))
 
