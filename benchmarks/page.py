@@ -12,11 +12,10 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from tests.report.browser import visit
-from tests.report.test_page import bare_page
-from tests.report.test_size import with_parts
-
-from tests.report import gallery
+from tests.report import ball_study
+from tests.report.html.browser import visit
+from tests.report.html.test_page import bare_page
+from tests.report.html.test_size import with_parts
 
 REPEATS = 3
 PROBE = """
@@ -37,9 +36,9 @@ def main(*pages: str) -> None:
 def page_of_parts(count: int) -> str:
     """The page of a study of equal balls."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in gallery.PARTS:
-            gallery.write_part(Path(folder), name)
-        return bare_page(with_parts(gallery.study(Path(folder)), count))
+        for name in ball_study.PARTS:
+            ball_study.write_part(Path(folder), name)
+        return bare_page(with_parts(ball_study.study(Path(folder)), count))
 
 
 def open_page(page: str) -> dict[str, float]:

@@ -10,12 +10,16 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.cli import run_command
-from industnerf.config import load_params
+from industnerf.config import flatten, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.docs.markdown_blocks import replace_block
-from industnerf.report.flatten_config import flatten
 from industnerf.report.publish.provenance import read_provenance
-from industnerf.report.sweeps import ablation_effects, additions_ablation
+from industnerf.report.sweeps.ablations import (
+    ADDITION_METHODS,
+    ablation_table,
+    read_point_scores,
+    readings_table,
+)
 from industnerf.report.sweeps.points import preset_of
 from industnerf.schema.readings import READING_IDS
 
@@ -42,16 +46,14 @@ def effects_table(sweep: Path, preset: str) -> str:
     """The table of what the sweep found."""
     params = load_params()
     if preset == "ablation":
-        default_settings = flatten(asdict(params.method.industnerf_plus))
-        return additions_ablation.ablation_table(
-            ablation_effects.read_point_scores(sweep, additions_ablation.METHODS),
+        default_settings = flatten(asdict(params.method.industnerf_plus), split_lists=True)
+        return ablation_table(
+            read_point_scores(sweep, ADDITION_METHODS),
             default_settings,
             params.report,
         )
     default = params.method.industnerf.readings
-    return ablation_effects.readings_table(
-        ablation_effects.read_point_scores(sweep), default, READING_IDS, params.report
-    )
+    return readings_table(read_point_scores(sweep), default, READING_IDS, params.report)
 
 
 if __name__ == "__main__":

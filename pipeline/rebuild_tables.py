@@ -33,7 +33,7 @@ def main(published: str) -> None:
     _check_part_sizes(folder, tables_by_name["table1.csv"])
     for name, text in tables_by_name.items():
         write_text(folder / name, text)
-    provenance = read_provenance(folder) | {"retabled": _current_commit()}
+    provenance = read_provenance(folder) | {"rebuilt": _current_commit()}
     write_json(folder / "made.json", provenance)
     write_text(folder / "README.md", readme_text(folder, provenance))
 

@@ -22,9 +22,11 @@ from industnerf.report.statistics.seed_variance import (
     SeedVariance,
     add_mean_mm,
     emds_with_seed_0,
+    read_seed_variances,
     seed_variances,
+    seeds_csv,
+    seeds_md,
 )
-from industnerf.report.statistics.seed_variance_io import read_seed_variances, seeds_csv, seeds_md
 from industnerf.report.sweeps.points import preset_of
 
 PRESETS = ("seeds", "seeds_nets")

@@ -16,7 +16,12 @@ from industnerf.errors import BadArtifact
 from industnerf.report.docs.markdown_blocks import replace_block
 from industnerf.report.publish.provenance import read_provenance
 from industnerf.report.sweeps.plot import plot_sweep
-from industnerf.report.sweeps.points import SELECT_KEY, core_seconds, preset_of
+from industnerf.report.sweeps.points import (
+    SELECT_KEY,
+    core_seconds,
+    preset_of,
+    read_published_sweep,
+)
 from industnerf.report.sweeps.preset_table import (
     PUBLISHED,
     PUBLISHED_BY,
@@ -25,7 +30,6 @@ from industnerf.report.sweeps.preset_table import (
     sweep_presets,
     sweep_table,
 )
-from industnerf.report.sweeps.published_sweep import read_published_sweep
 from industnerf.report.sweeps.series import fit_trends, make_series
 
 DOCUMENT, PALETTE_SIZE = Path("docs/reference/sweeps.md"), 64

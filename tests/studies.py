@@ -8,8 +8,7 @@ from industnerf.artifacts.part import Part
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews
-from industnerf.report.study import Study, StudyFolders
+from industnerf.report.study import InputViews, Study, StudyFolders
 from industnerf.schema import ReportParams
 
 SETTINGS = ReportParams(bootstrap_resamples=200, confidence_level=0.9, contact_sheet_parts=4)
@@ -28,23 +27,23 @@ def make_study(
     values = {
         "preset": "smoke",
         "seed": 0,
-        "views": 12,
+        "num_train_views": 12,
         "methods": {name: load_method(name) for name in emds},
         "parts": {part.part_id: part for part in parts},
-        "places": {
+        "assignments": {
             name: SplitAssignment("dev" if name in dev else "test", None) for name in part_ids
         },
         "scores": [row for name in emds for row in _make_scores(name, part_ids, emds[name])],
         "failures": {},
-        "remarks": {},
-        "training": dict.fromkeys(emds, (0, 0)),
-        "lessons": {},
-        "seen_by_training": {},
-        "seen_by_rig": dict.fromkeys(part_ids, 1.0),
+        "input_warnings": {},
+        "parameters_and_steps": dict.fromkeys(emds, (0, 0)),
+        "training_summaries": {},
+        "train_visible_share": {},
+        "rig_visible_share": dict.fromkeys(part_ids, 1.0),
         "folders": StudyFolders(*[Path("nowhere")] * 8),
-        "given": dict.fromkeys(emds, InputViews(12)),
+        "input_views": dict.fromkeys(emds, InputViews(12)),
         "seeds_sd": {},
-        "empty_answers": {},
+        "empty_predictions": {},
     }
     return Study(**(values | changes))
 

@@ -33,7 +33,7 @@ a,gears,net,test,psnr,P1-union,20,ok
 b,gears,hull,dev,emd,P1-even,0.5,ok
 """
 COSTS = """\
-stage,method,part_id,seconds,peak_mb,device,aside_s
+stage,method,part_id,seconds,peak_mb,device,extra_seconds
 views,,a,100,900,cpu,0
 reconstruct,hull,a,1,50,cpu,0.5
 reconstruct,hull,b,3,70,cpu,0.5

@@ -69,7 +69,7 @@ def report(tmp_path, monkeypatch):
         "p1,gears,net,test,emd,P1-even,0.1,ok\n"
     )
     (folder / "cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device,aside_s\nreconstruct,net,p1,3,70,cpu,0\n"
+        "stage,method,part_id,seconds,peak_mb,device,extra_seconds\nreconstruct,net,p1,3,70,cpu,0\n"
     )
     cloud = tmp_path / "data" / "clouds" / "net" / "p1"
     cloud.mkdir(parents=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from industnerf.cli import run_as_stage
 from industnerf.config import PARAMS, StageParams, read_yaml
 from industnerf.report.build import build_report
-from industnerf.report.statistics.seed_variance_table import add_seed_variance
+from industnerf.report.statistics.seed_variance import add_seed_variance
 from industnerf.report.study import RunMetadata, StudyFolders, load_study
 from industnerf.report.tables.costs import CostRow, add_cost
 from industnerf.stage import run_timed

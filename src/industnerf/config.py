@@ -103,16 +103,24 @@ def load_stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Sta
     )
 
 
-def flatten(params: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested sections to dotted keys."""
-    flattened: dict[str, Any] = {}
-    for key, value in params.items():
-        flattened |= (
-            flatten(value, f"{prefix}{key}.")
-            if isinstance(value, Mapping)
-            else {f"{prefix}{key}": value}
-        )
-    return flattened
+def flatten(values: Any, prefix: str = "", *, split_lists: bool = False) -> dict[str, Any]:
+    """Nested sections to dotted keys.
+
+    With `split_lists` sections in a list have keys of their own, `levels[1].points`; else, and in
+    all other cases, a list is one value.
+    """
+    if isinstance(values, Mapping):
+        dot = "." if prefix else ""
+        sections = {f"{prefix}{dot}{key}": value for key, value in values.items()}
+    elif split_lists and isinstance(values, list) and any(isinstance(v, Mapping) for v in values):
+        sections = {f"{prefix}[{i}]": value for i, value in enumerate(values)}
+    else:
+        return {prefix: values}
+    return {
+        key: leaf
+        for name, section in sections.items()
+        for key, leaf in flatten(section, name, split_lists=split_lists).items()
+    }
 
 
 class StageParams:

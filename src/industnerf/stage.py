@@ -30,7 +30,7 @@ MAX_SHOWN_FAILURES = 10  # failures that are named where a stage refuses
 class Task:
     """What to do for one part, or one net: `make(target)` fills the folder `target`.
 
-    It may return how many of its seconds are to stand aside: `Cost.aside_s`.
+    It may return how many of its seconds are to stand aside: `Cost.extra_seconds`.
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
     of the module in which `make` is defined, and of `modules`.  If the task is `resumable`, `make`
     is also given the folder `scratch`, which it may fill to go on from after an interruption.

@@ -9,11 +9,10 @@ import yaml
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
-from industnerf.config import build, load_params
+from industnerf.config import build, flatten, load_params
 from industnerf.errors import BadArtifact
 from industnerf.report.docs.markdown_blocks import read_block
-from industnerf.report.flatten_config import flatten
-from industnerf.report.sweeps.additions_ablation import describe_changes
+from industnerf.report.sweeps.ablations import describe_changes
 from industnerf.schema import Params
 from pipeline import ablation_effects
 
@@ -27,8 +26,11 @@ def test_what_is_left_out_is_allowed_and_changes_something(name, monkeypatch):
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
         composed = OmegaConf.to_container(compose("config", [f"ablation={name}"]))
     params = build(Params, composed, "here")
-    default_settings = flatten(asdict(load_params(ROOT / "params.yaml").method.industnerf_plus))
-    difference = describe_changes(flatten(asdict(params.method.industnerf_plus)), default_settings)
+    params_today = load_params(ROOT / "params.yaml")
+    default_settings = flatten(asdict(params_today.method.industnerf_plus), split_lists=True)
+    difference = describe_changes(
+        flatten(asdict(params.method.industnerf_plus), split_lists=True), default_settings
+    )
     assert bool(difference) == (name != "default")
 
 

@@ -20,14 +20,13 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
-from industnerf.config import build, load_params
+from industnerf.config import build, flatten, load_params
 from industnerf.errors import BadParams
 from industnerf.methods import load_method
 from industnerf.methods.base import Scope
 from industnerf.parts.split import assign_splits
-from industnerf.report.flatten_config import flatten
 from industnerf.report.part_subsets import SEED_PARTS, order_by_hash
-from industnerf.report.sweeps.command_line import COMMAND, command_line_of
+from industnerf.report.sweeps.preset_table import COMMAND, command_line_of
 from industnerf.schema import Params
 from industnerf.schema.readings import Readings
 from pipeline.preset import _relative_to_project
@@ -202,7 +201,10 @@ def test_the_nets_say_which_size_they_have(preset, size, monkeypatch):
 @pytest.mark.parametrize("preset", SWEEPS)
 def test_every_point_of_a_sweep_is_valid_and_differs_in_what_is_swept(preset, monkeypatch):
     points = sweep_points(preset, monkeypatch)
-    studies = [flatten(asdict(compose_preset(preset, monkeypatch, *point))) for point in points]
+    studies = [
+        flatten(asdict(compose_preset(preset, monkeypatch, *point)), split_lists=True)
+        for point in points
+    ]
     differing = {key for s in studies for key in s if s[key] != studies[0][key]}
     assert len(differing) == 1
     assert len({str(s[next(iter(differing))]) for s in studies}) == len(points) >= 3

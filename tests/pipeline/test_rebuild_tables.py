@@ -33,7 +33,7 @@ def test_a_table_made_anew_leaves_a_trace(monkeypatch, tmp_path):
     shutil.copytree(ROOT / "results/organic", tmp_path / "organic")
     monkeypatch.chdir(ROOT)
     provenance = json.loads((tmp_path / "organic/made.json").read_text())
-    provenance.pop("retabled", None)
+    provenance.pop("rebuilt", None)
     monkeypatch.setattr(
         rebuild_tables, "commit_stamp", lambda: {"date": "2026-01-02", "commit": "0123456"}
     )
@@ -41,7 +41,7 @@ def test_a_table_made_anew_leaves_a_trace(monkeypatch, tmp_path):
     rebuild_tables.main(str(tmp_path / "organic"))
     rebuilt = {"date": "2026-01-02", "commit": "0123456"}
     assert json.loads((tmp_path / "organic/made.json").read_text()) == provenance | {
-        "retabled": rebuilt
+        "rebuilt": rebuilt
     }
     assert " on 2026-01-02, commit 0123456, " in (tmp_path / "organic/README.md").read_text()
     assert (tmp_path / "organic/table1.md").read_text() != "old"

@@ -39,7 +39,7 @@ REPORT_FILES = {
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
     "emd_full,parts,failures,parameters,steps,paper_emd,"
-    "size,learned_from,hold_out,undertrained,emd_mm,answers,seeds_sd,empty_answers,families"
+    "size,num_train_parts,hold_out,undertrained,emd_mm,num_predictions,seeds_sd,empty_predictions,families"
 )
 SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
 TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
@@ -54,7 +54,7 @@ INSPECTION = (
     "within_0.1mm,within_0.5mm,within_1mm,covered_0.1mm,covered_0.5mm,covered_1mm,parts"
 )
 GOALS = "method,goal,wanted,value,met,beside,unit,tsdf,oracle"
-COST = "stage,method,part_id,seconds,peak_mb,device,aside_s"
+COST = "stage,method,part_id,seconds,peak_mb,device,extra_seconds"
 
 
 def rows(path):
@@ -254,4 +254,4 @@ def test_with_nothing_held_out_one_part_learns_from_itself(root, tmp_path):
     code, output = project.run()
     assert code == 0, output
     (row,) = rows(project.folder / "reports" / "table1.csv")
-    assert (row["learned_from"], row["hold_out"]) == ("1", "none")
+    assert (row["num_train_parts"], row["hold_out"]) == ("1", "none")

@@ -8,7 +8,7 @@ import pytest
 
 from industnerf.artifacts.files import write_json
 from industnerf.errors import BadArtifact
-from industnerf.report.statistics.seed_variance_io import read_seed_variances
+from industnerf.report.statistics.seed_variance import read_seed_variances
 from pipeline import seed_variance
 from tests.report.statistics.test_seed_variance import write_sweep
 

@@ -27,7 +27,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (sweep / number / "reports").mkdir(parents=True)
         (sweep / number / "reports/summary.json").write_text("{}")
         (sweep / number / "reports/cost.csv").write_text(
-            "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+            "stage,method,part_id,seconds,peak_mb,device,extra_seconds\n"
             f"parts,,p1,20,9,cpu,10\nreconstruct,hull,p1,6{number},9,cpu,0\n"
         )
     (sweep / "0/params.yaml").write_text("preset: sweep-b\n")

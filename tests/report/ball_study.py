@@ -12,8 +12,7 @@ from industnerf.artifacts.split import SplitAssignment
 from industnerf.artifacts.truth import Truth
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews
-from industnerf.report.study import Study, StudyFolders
+from industnerf.report.study import InputViews, Study, StudyFolders
 from tests.samples import unit_part
 
 RADIUS_MM = 10.0  # mm

@@ -6,9 +6,8 @@ import pytest
 from PIL import Image
 
 from industnerf.report.figures.held_out_renderings import HeldOutRenderings, encode_jpeg
-from industnerf.report.html.page import render_page
-from industnerf.report.html.page_media import PageMedia
-from industnerf.report.html.viewer_clouds import pack_scene
+from industnerf.report.html.page import PageMedia, render_page
+from industnerf.report.html.viewer import pack_scene
 from industnerf.report.results import Results
 from industnerf.report.study import Study
 from industnerf.schema import ReportParams

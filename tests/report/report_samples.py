@@ -56,7 +56,7 @@ def write_report(folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     write_tables(Results.from_study(study, SETTINGS), folder)
     (folder / "cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+        "stage,method,part_id,seconds,peak_mb,device,extra_seconds\n"
         "reconstruct,hull,a,1.0,5,cpu,0\nreconstruct,hull,b,2.0,5,cpu,0\n"
         "reconstruct,hull,g,9.0,5,cpu,0\nevaluate,hull,a,9.0,5,cpu,0\n"
     )

@@ -8,14 +8,14 @@ import pytest
 
 from industnerf.config import load_params
 from industnerf.methods import MODULES, load_method
-from industnerf.report.input_views import LIMITED_BY, InputViews, input_views_of
+from industnerf.report.study import LIMITED_BY, InputViews, input_views_of
 from industnerf.schema import MethodSettings
 
 NETWORK_SETTINGS = SimpleNamespace(
-    r2n2=SimpleNamespace(views=5),
+    r2n2=SimpleNamespace(max_views=5),
     retrieval=SimpleNamespace(views=24),
-    atlasnet=SimpleNamespace(views=24, answers=8),
-    occupancy=SimpleNamespace(views=24, answers=3),
+    atlasnet=SimpleNamespace(train_views=24, eval_views=8),
+    occupancy=SimpleNamespace(train_views=24, eval_views=3),
 )
 
 
@@ -46,8 +46,8 @@ def test_no_more_than_there_are():
 def test_every_method_that_gives_several_answers_is_known_for_it(root):
     """Its schema has a setting of that name, and no other method's has."""
     sections = get_type_hints(MethodSettings)
-    multi_prediction = {name for name, kind in sections.items() if has_field(kind, "answers")}
-    assert multi_prediction == {name for name, key in LIMITED_BY.items() if key == "answers"}
+    multi_prediction = {name for name, kind in sections.items() if has_field(kind, "eval_views")}
+    assert multi_prediction == {name for name, key in LIMITED_BY.items() if key == "eval_views"}
     assert set(LIMITED_BY) <= set(MODULES)
     settings = load_params(root / "params.yaml").method
     assert all(getattr(getattr(settings, name), key) >= 1 for name, key in LIMITED_BY.items())

@@ -15,7 +15,7 @@ from industnerf.report.tables.formats import (
     format_significant,
     read_csv,
 )
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 
 COLUMNS = ("part", "EMD", "x floor", "mm", "H-95, mm", "within 0.5 mm", "")

@@ -22,22 +22,20 @@ from industnerf.artifacts.files import write_json, write_text
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
 from industnerf.report.figures.pareto import plot_pareto
 from industnerf.report.figures.sparsification import plot_sparsification
-from industnerf.report.html.page import render_page
-from industnerf.report.html.page_media import load_page_media
+from industnerf.report.html.page import load_page_media, render_page
 from industnerf.report.part_subsets import select_viewer_parts
 from industnerf.report.publish.provenance import provenance_line
 from industnerf.report.results import Results
 from industnerf.report.statistics.comparisons import comparisons_csv, comparisons_md
 from industnerf.report.study import Study
-from industnerf.report.tables.cost_table import cost_table_md
-from industnerf.report.tables.costs import costs_csv, read_costs
+from industnerf.report.tables.costs import cost_table_md, costs_csv, read_costs
 from industnerf.report.tables.formats import label_intervals
 from industnerf.report.tables.goals import goals_csv, goals_md
 from industnerf.report.tables.inspection import inspection_csv, inspection_md
-from industnerf.report.tables.protocol_grid import grid_html
-from industnerf.report.tables.scores_csv import scores_csv
+from industnerf.report.tables.protocol_grid import load_published_grid
+from industnerf.report.tables.scores import scores_csv
 from industnerf.report.tables.strata import strata_csv, strata_md
-from industnerf.report.tables.table1_text import COLUMNS, format_row, table1_csv, table1_md
+from industnerf.report.tables.table1 import COLUMNS, format_row, table1_csv, table1_md
 from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
 from industnerf.store import content_digest
@@ -61,7 +59,8 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     sparsification_png = plot_sparsification(study)
     media = load_page_media(study, viewer_parts, sheet_png, pareto_png, sparsification_png)
     write_text(
-        out / "report.html", render_page(results, media, grid_html(grid_folder), provenance_line())
+        out / "report.html",
+        render_page(results, media, load_published_grid(grid_folder), provenance_line()),
     )
     (out / "pareto.png").write_bytes(pareto_png)
     if sheet_png:

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 
 from industnerf.report.statistics.comparisons import Comparison, compare_methods
 from industnerf.report.study import Study
-from industnerf.report.tables.cost_table import MethodCost, method_costs
-from industnerf.report.tables.costs import CostRow, seconds_per_part
+from industnerf.report.tables.costs import CostRow, MethodCost, method_costs, seconds_per_part
 from industnerf.report.tables.goals import Goal, evaluate_goals
 from industnerf.report.tables.inspection import InspectionRow, inspection_rows
 from industnerf.report.tables.strata import StratumRow, stratum_rows
 from industnerf.report.tables.table1 import (
+    Table1Extra,
     Table1Row,
     mean_without_failures,
     ratio_to_paper_method,
     table1_rows,
 )
-from industnerf.report.tables.table1_text import Table1Extra
 from industnerf.report.tables.table2 import Table2Row, table2_rows
 from industnerf.schema import ReportParams
 

@@ -16,9 +16,18 @@ from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
-from industnerf.methods.base import Method, Scope
-from industnerf.report.input_views import InputViews, input_views_of
+from industnerf.methods.base import Input, Method, Scope
 from industnerf.stage import read_failures, read_index
+
+IMAGE_INPUTS = {Input.RGB, Input.MASK, Input.DEPTH}
+# The setting that says it, of methods that are not given every view there is: so many views at most
+# in one answer, or so many answers at most, each of one view.
+LIMITED_BY = {
+    "r2n2": "max_views",
+    "retrieval": "views",
+    "atlasnet": "eval_views",
+    "occupancy": "eval_views",
+}
 
 
 @dataclass(frozen=True)
@@ -43,6 +52,14 @@ class TrainingSummary:
     num_train_parts: int  # the fewest that any of its nets learned from
     hold_out: str  # see split.hold_out
     has_converged: bool  # every net's validation loss had stopped falling
+
+
+@dataclass(frozen=True)
+class InputViews:
+    """What stands behind a score: the mean over `answers`, each of `each` views of the part."""
+
+    views_per_prediction: int  # 0: no picture of the part
+    num_predictions: int = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,3 +191,14 @@ def _training_summary(states: Path, hold_out: str) -> TrainingSummary | None:
     num_train_parts = min(summary["num_parts"] for summary in summaries)
     has_converged = all(summary["converged"] for summary in summaries)
     return TrainingSummary(summaries[0]["size"], num_train_parts, hold_out, has_converged)
+
+
+def input_views_of(method: Method, num_views: int, settings: Any) -> InputViews:
+    """Of `count` views that there are; `settings` has the settings of methods, by their names."""
+    if not IMAGE_INPUTS & method.inputs:
+        return InputViews(0)
+    if method.name not in LIMITED_BY:
+        return InputViews(num_views)
+    setting = LIMITED_BY[method.name]
+    limit = min(num_views, getattr(getattr(settings, method.name), setting))
+    return InputViews(1, limit) if setting == "eval_views" else InputViews(limit)

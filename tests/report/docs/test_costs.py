@@ -6,7 +6,7 @@ from industnerf.errors import BadArtifact
 from industnerf.report.docs.costs import cluster_block, costs_block
 
 COSTS = """\
-stage,method,part_id,seconds,peak_mb,device,aside_s
+stage,method,part_id,seconds,peak_mb,device,extra_seconds
 views,,a,60,9,cpu,0
 truth,,a,60,9,cpu,0
 train,r2n2,fold-0,120,9,cpu,0

@@ -9,7 +9,7 @@ from industnerf.report.docs.learned_methods import leakage_block, networks_block
 from tests.report.report_samples import PROVENANCE
 
 COSTS = """\
-stage,method,part_id,seconds,peak_mb,device,aside_s
+stage,method,part_id,seconds,peak_mb,device,extra_seconds
 train,r2n2,fold-0,120,9,cpu,0
 train,r2n2,fold-1,240,9,cpu,0
 """
@@ -66,9 +66,7 @@ def test_a_method_that_a_point_lacks_is_named(sweep_folder):
 
 def test_a_net_stands_beside_what_it_must_beat(tmp_path):
     names = {"industnerf": 0.02, "r2n2": 0.08, "retrieval": 0.06}
-    head = (
-        "method,split,emd_even,ci_low,ci_high,parameters,steps,size,learned_from,paper_emd,emd_mm"
-    )
+    head = "method,split,emd_even,ci_low,ci_high,parameters,steps,size,num_train_parts,paper_emd,emd_mm"
     lines = [
         f"{name},test,{emd},0.01,0.1,77,9,{'cpu' if name == 'r2n2' else ''},"
         f"{0 if name == 'industnerf' else 73},{'' if name == 'retrieval' else emd / 2},{100 * emd}"

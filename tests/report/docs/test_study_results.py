@@ -11,7 +11,7 @@ from tests.report.report_samples import PROVENANCE, read_rows
 DIFFERENCE_COLUMNS = ("difference", "ci_low", "ci_high", "difference_mm")
 COLUMNS = {
     "comparisons": ("method", "other", *DIFFERENCE_COLUMNS, "p_holm", "win_rate"),
-    "goals": ("method", "goal", "wanted", "value", "met", "tsdf", "oracle"),
+    "goals": ("method", "goal", "target", "value", "met", "tsdf", "oracle"),
     "inspection": ("method", "covered_0.5mm", "covered_1mm"),
 }
 

@@ -15,7 +15,7 @@ from industnerf.report.figures.held_out_renderings import (
     load_held_out_renderings,
     load_part_images,
 )
-from industnerf.report.html.figure_sections import renderings_html
+from industnerf.report.html.page import environment
 from tests.report import ball_study
 
 PX = 2 * MAX_SIDE_PX
@@ -55,10 +55,13 @@ def test_each_photograph_has_the_answer_of_its_own_camera(rendered_study):
     assert Image.open(io.BytesIO(pictures[0][0])).size == (MAX_SIDE_PX, MAX_SIDE_PX)
 
 
+def section(renderings) -> str:
+    return environment().get_template("sections.html.j2").module.held_out_views(renderings)
+
+
 def test_on_the_page_what_failed_says_so(rendered_study):
-    text = renderings_html(
-        load_held_out_renderings(rendered_study, list(rendered_study.parts.values()))
-    )
+    renderings = load_held_out_renderings(rendered_study, list(rendered_study.parts.values()))
+    text = section(renderings)
     assert text.count("<img") == 6
     assert text.count("failed") == 2
 
@@ -66,7 +69,7 @@ def test_on_the_page_what_failed_says_so(rendered_study):
 def test_where_nobody_renders_there_is_nothing(rendered_study):
     only = [rendered_study.parts["far-ball"]]
     assert load_held_out_renderings(rendered_study, only).rows == []
-    assert renderings_html(load_held_out_renderings(rendered_study, only)) == ""
+    assert section(load_held_out_renderings(rendered_study, only)) == ""
 
 
 def test_the_album_has_the_first_held_out_view_of_every_part(rendered_study):

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from industnerf.report.figures.pareto import pareto_front, plot_pareto
-from industnerf.report.tables.table1 import table1_rows
-from industnerf.report.tables.table1_text import Table1Extra
+from industnerf.report.tables.table1 import Table1Extra, table1_rows
 from tests.report.conftest import SETTINGS
 
 LEVELS = [0.5, 1.0, 2.0, 4.0, 8.0]

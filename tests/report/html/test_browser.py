@@ -31,7 +31,7 @@ HELPERS = """
     else control.value = value;
     control.dispatchEvent(new Event("change", { bubbles: true }));
   };
-  const says = (side) => document.querySelector(`.pane.${side} .says`).textContent;
+  const caption = (side) => document.querySelector(`.pane.${side} .caption`).textContent;
   const column = (table, i) => [...table.tBodies[0].rows].map((row) => row.cells[i].textContent);
 """
 LEFT, RIGHT = ".pane.left select", ".pane.right select"
@@ -63,7 +63,7 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
       const wide = picture();
       set("{RIGHT}", "oracle");
       const other = picture();
-      return {{ start, of, wide, other, says: says("right") }};
+      return {{ start, of, wide, other, caption: caption("right") }};
     """)
     for half in result["start"]:
         assert 0.1 < half["drawn"] < 0.9  # a ball, and paper round it
@@ -72,7 +72,7 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
     assert result["of"]["error"] == result["start"]
     assert result["wide"] != result["start"]
     assert result["other"] != result["wide"]
-    assert "EMD 0.0100 = 0.346 mm (1.00 x floor)" in result["says"]
+    assert "EMD 0.0100 = 0.346 mm (1.00 x floor)" in result["caption"]
 
 
 def test_both_sides_have_one_camera(probe_page):
@@ -98,12 +98,12 @@ def test_both_sides_have_one_camera(probe_page):
 def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(probe_page):
     result = probe_page(f"""
       set("{RIGHT}", "box");
-      const failed = [says("right"), picture()[1].drawn];
+      const failed = [caption("right"), picture()[1].drawn];
       set("{RIGHT}", "oracle");
       const silent = {{}};
       for (const name of ["confidence", "view", "photo"]) {{
         set(`[name=coloring][value=${{name}}]`);
-        silent[name] = says("right");
+        silent[name] = caption("right");
       }}
       return {{ failed, silent }};
     """)

@@ -12,13 +12,13 @@ from PIL import Image
 
 from industnerf.report.figures.held_out_renderings import MAX_SIDE_PX, encode_jpeg
 from industnerf.report.html.page import CONTENT_SECURITY_POLICY
-from industnerf.report.html.viewer_clouds import SHOWN_POINTS, pack_scene
+from industnerf.report.html.viewer import SHOWN_POINTS, pack_scene
 from industnerf.report.study import Study
 from tests.report import ball_study
 from tests.report.html.test_page import bare_page
 
 BASE64 = 4 / 3
-POINT = 6 + 1 + 1 + 1 + 2 + 3  # bytes: place, error, missed, confidence, view, color
+POINT = 6 + 1 + 1 + 1 + 2 + 3  # bytes: positions, error, missed, confidence, view, color
 NAMED = 400  # bytes of names and numbers round the arrays of a cloud
 # Bytes on the page.  A score is a cell, `<td>0.2000 (failed)`, in its part's table, and some are
 # a dot in a plot too, which has a link and a name: 220.  A method has a row in each table, its

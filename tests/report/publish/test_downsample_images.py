@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.report.publish.downsample_images import WIDTHS, downsample_png
+from industnerf.report.publish.study_folder import IMAGE_WIDTHS, downsample_png
 
 
 def png(pixels: np.ndarray) -> bytes:
@@ -38,14 +38,14 @@ def test_a_picture_of_few_colors_stays_as_it_is():
 
 def test_it_is_as_wide_as_the_budget_allows(noise):
     wide, narrow = downsample_png(noise, 10**6), downsample_png(noise, 100_000)
-    assert open_png(wide).size == (WIDTHS[0], round(100 * WIDTHS[0] / 2400))
+    assert open_png(wide).size == (IMAGE_WIDTHS[0], round(100 * IMAGE_WIDTHS[0] / 2400))
     assert len(narrow) <= 100_000
     width = open_png(narrow).width
-    assert width < WIDTHS[0]
-    wider = WIDTHS[WIDTHS.index(width) - 1]
+    assert width < IMAGE_WIDTHS[0]
+    wider = IMAGE_WIDTHS[IMAGE_WIDTHS.index(width) - 1]
     # one step wider has too many bytes: at least 0.8 a pixel, as many as 100 equally likely grays
     assert 0.8 * wider * (100 * wider // 2400) > 100_000
 
 
 def test_the_narrowest_is_returned_however_large(noise):
-    assert open_png(downsample_png(noise, 1)).width == WIDTHS[-1]
+    assert open_png(downsample_png(noise, 1)).width == IMAGE_WIDTHS[-1]

@@ -35,7 +35,7 @@ def test_it_holds_the_tables_the_machine_and_the_commit(published):
 
 def test_tables_made_anew_are_said_to_be(published):
     assert "made anew" not in readme_text(published, PROVENANCE)
-    rebuilt = PROVENANCE | {"retabled": {"date": "2026-02-03", "commit": "abcdef0"}}
+    rebuilt = PROVENANCE | {"rebuilt": {"date": "2026-02-03", "commit": "abcdef0"}}
     assert "made anew from its scores and costs on 2026-02-03, commit abcdef0" in readme_text(
         published, rebuilt
     )

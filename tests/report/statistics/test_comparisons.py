@@ -76,7 +76,7 @@ def test_a_net_meets_what_it_must_beat_as_a_question_of_its_own():
         "r2n2": TrainingSummary("cpu", 78, "family", True),
         "retrieval": TrainingSummary("", 78, "family", True),
     }
-    study = make_study(PARTS, emds, dev="g", lessons=training_summaries)
+    study = make_study(PARTS, emds, dev="g", training_summaries=training_summaries)
     assert net_pairs(study) == [("r2n2", "retrieval")]
     *_, last = compare_methods(study, SETTINGS)
     assert (last.method, last.other) == ("r2n2", "retrieval")

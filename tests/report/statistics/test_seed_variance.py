@@ -11,11 +11,13 @@ from industnerf.report.part_subsets import SEED_PARTS, order_by_hash
 from industnerf.report.statistics.seed_variance import (
     add_mean_mm,
     emds_with_seed_0,
+    read_seed_variances,
     seed_variance,
     seed_variances,
+    seeds_csv,
+    seeds_md,
 )
-from industnerf.report.statistics.seed_variance_io import read_seed_variances, seeds_csv, seeds_md
-from industnerf.report.tables.scores_csv import scores_csv
+from industnerf.report.tables.scores import scores_csv
 from tests.samples import unit_part
 from tests.studies import make_study
 

@@ -3,9 +3,7 @@
 import pytest
 
 from industnerf.report.part_subsets import SEED_PARTS, order_by_hash
-from industnerf.report.statistics.seed_variance import seed_variance
-from industnerf.report.statistics.seed_variance_io import seeds_csv
-from industnerf.report.statistics.seed_variance_table import add_seed_variance
+from industnerf.report.statistics.seed_variance import add_seed_variance, seed_variance, seeds_csv
 from tests.samples import unit_part
 from tests.studies import make_study
 

@@ -8,7 +8,7 @@ import yaml
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact
-from industnerf.report.sweeps.ablation_effects import read_point_scores, readings_table
+from industnerf.report.sweeps.ablations import read_point_scores, readings_table
 from industnerf.schema import ReportParams
 
 ROOT = Path(__file__).parents[3]
@@ -45,12 +45,12 @@ def write_point(
 @pytest.fixture
 def rows(tmp_path):
     write_point(tmp_path, {"a": 0.02, "b": 0.04})
-    write_point(tmp_path, {"a": 0.03, "b": 0.07}, pose="printed")
+    write_point(tmp_path, {"a": 0.03, "b": 0.07}, position_encoding="printed")
     write_point(
-        tmp_path, {"a": 0.5, "b": 0.5}, pose="nerf", frame="world"
+        tmp_path, {"a": 0.5, "b": 0.5}, position_encoding="nerf", encoding_frame="world"
     )  # two at once: of no use
-    write_point(tmp_path, {"a": 0.02, "b": 0.03}, failed="b", place="center")
-    write_point(tmp_path, {"a": 0.03, "b": 0.05}, method="industnerf_shared", encoder="shared")
+    write_point(tmp_path, {"a": 0.02, "b": 0.03}, failed="b", sample_position="center")
+    write_point(tmp_path, {"a": 0.03, "b": 0.05}, method="industnerf_shared", encoder="pretrained")
     (tmp_path / "9").mkdir()  # a point that never finished
     table_lines = readings_table(read_point_scores(tmp_path), DEFAULT, IDS, SETTINGS).splitlines()
     return {tuple(cell.strip() for cell in row.split("|")[1:3]): row for row in table_lines[2:]}
@@ -69,7 +69,7 @@ def test_failures_are_counted(rows):
 
 
 def test_the_method_that_learns_from_other_parts_is_a_reading_too(rows):
-    assert rows["R14", "`shared`"].startswith("| R14 | `shared` | 0.0400 | +0.0100 |")
+    assert rows["R14", "`pretrained`"].startswith("| R14 | `pretrained` | 0.0400 | +0.0100 |")
 
 
 def test_what_was_not_run_alone_is_not_yet_measured(rows):

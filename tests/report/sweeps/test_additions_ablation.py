@@ -3,8 +3,7 @@
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.report.sweeps.ablation_effects import PointScores
-from industnerf.report.sweeps.additions_ablation import ablation_table, describe_changes
+from industnerf.report.sweeps.ablations import PointScores, ablation_table, describe_changes
 from industnerf.schema import ReportParams
 
 SETTINGS = ReportParams(bootstrap_resamples=200, confidence_level=0.95, contact_sheet_parts=1)

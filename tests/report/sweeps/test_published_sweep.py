@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from industnerf.report.statistics.power_law import PowerLaw
 from industnerf.report.sweeps.plot import FRONT_COLOR, plot_sweep
-from industnerf.report.sweeps.points import SELECT_KEY, PointResult
-from industnerf.report.sweeps.published_sweep import read_published_sweep
-from industnerf.report.sweeps.series import Series, Trend, fit_trends, make_series
+from industnerf.report.sweeps.points import SELECT_KEY, PointResult, read_published_sweep
+from industnerf.report.sweeps.series import PowerLaw, Series, Trend, fit_trends, make_series
 from industnerf.report.tables.formats import read_csv
 
 PUBLISHED = [
@@ -40,9 +38,9 @@ def test_what_is_read_back_grows_as_was_published(table):
 
 @pytest.mark.parametrize(
     ("columns", "cells", "expected"),
-    [(",emd_mm,numbers", ",2.47,8", (2.47, 8)), ("", "", (None, None))],
+    [(",emd_mm,parameters", ",2.47,8", (2.47, 8)), ("", "", (None, None))],
 )
-def test_a_table_of_before_has_no_mm_and_no_numbers(tmp_path, columns, cells, expected):
+def test_a_table_of_before_has_no_mm_and_no_parameters(tmp_path, columns, cells, expected):
     (tmp_path / "sweep.csv").write_text(
         f"point,n,method,split,emd,low,high,x floor,seconds,peak_mb{columns}\n"
         f"0,1,hull,dev,0.018,0.01,0.02,1.7,,200{cells}\n"
@@ -54,7 +52,7 @@ def test_a_table_of_before_has_no_mm_and_no_numbers(tmp_path, columns, cells, ex
 
 
 def plot_axes(key, *sweeps, path, monkeypatch):
-    """The axes of the plot of `sweeps`, each of seconds, EMD and maybe numbers learned."""
+    """The axes of the plot of `sweeps`, each of seconds, EMD and maybe learned parameters."""
     figures = []
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
     series_list = [
@@ -96,7 +94,9 @@ def test_points_of_different_tasks_or_methods_do_not_compete(tmp_path, monkeypat
 SIZES = [(9.0, 0.3, 20), (8.0, 0.4, 30), (7.0, 0.1, 40)]
 
 
-def test_the_price_of_a_setting_is_the_numbers_learned_where_it_changes_them(tmp_path, monkeypatch):
+def test_the_price_of_a_setting_is_the_parameters_learned_where_it_changes_them(
+    tmp_path, monkeypatch
+):
     """In seconds the largest would be both the quickest and the best."""
     options = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch}
     assert front_lines("method.m.size", SIZES, **options) == [[[20, 0.3], [40, 0.1]]]
@@ -108,7 +108,7 @@ def test_the_price_of_a_setting_is_the_numbers_learned_where_it_changes_them(tmp
 @pytest.mark.parametrize(
     ("key", "others", "price"),
     [
-        ("method.m.size", [(1.0, 0.2, 50)] * 3, "numbers learned"),
+        ("method.m.size", [(1.0, 0.2, 50)] * 3, "learned parameters"),
         ("method.m.size", [(1.0, 0.2, 0)] * 3, "s a part"),
         ("views.count", [(1.0, 0.2, 50)] * 3, "s a part"),
     ],

@@ -35,7 +35,7 @@ def write_point(
         f"p2,f2,dev,hull,emd,P1-even,{1.1 * emd}\n"
     )
     (folder / "reports/cost.csv").write_text(
-        "stage,method,part_id,seconds,peak_mb,device,aside_s\n"
+        "stage,method,part_id,seconds,peak_mb,device,extra_seconds\n"
         "views,,p1,1000,1000,cpu,0\n"
         f"reconstruct,hull,p1,{0.5 * seconds},100,cpu,0\n"
         f"reconstruct,hull,p2,{1.5 * seconds},300,cpu,0\n"
@@ -47,7 +47,7 @@ def write_point(
 
 DIAGONAL_MM = 130.0  # of either part
 NUM_PARAMETERS = 12728
-REPORT_PARAMS = {"resamples": 200, "interval": 0.95, "sheet_parts": 1}
+REPORT_PARAMS = {"bootstrap_resamples": 200, "confidence_level": 0.95, "contact_sheet_parts": 1}
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
@@ -79,7 +79,7 @@ def test_a_row_has_emd_interval_and_costs(sweep: Path):
         "x floor": "2.500",
         "seconds": "64.00",
         "peak_mb": "200.00",
-        "numbers": "12728",
+        "parameters": "12728",
     }
 
 
@@ -129,7 +129,7 @@ def test_an_unfinished_point_counts_as_failed(sweep: Path):
 
 def test_without_costs_there_is_a_table_and_no_trend(sweep: Path):
     for path in sweep.glob("*/reports/cost.csv"):
-        path.write_text("stage,method,part_id,seconds,peak_mb,device,aside_s\n")
+        path.write_text("stage,method,part_id,seconds,peak_mb,device,extra_seconds\n")
     assert write_sweep_report(sweep) == 0
     assert read_rows(sweep / "sweep.csv")[0]["seconds"] == ""
     assert read_rows(sweep / "trend.csv") == []

@@ -39,7 +39,9 @@ EMDS = {  # floor 0.01
 @pytest.fixture
 def evaluated():
     """Goals over three test parts: the rig does not see all of c, b has pockets, d is for dev."""
-    study = make_study(PARTS, EMDS, dev="d", seen_by_rig={"a": 0.99, "b": 1.0, "c": 0.9, "d": 1.0})
+    study = make_study(
+        PARTS, EMDS, dev="d", rig_visible_share={"a": 0.99, "b": 1.0, "c": 0.9, "d": 1.0}
+    )
     for part, share in zip("abcd", (0.97, 0.99, 0.98, 0.0), strict=True):
         score = Score("coverage", "P1-union", share, 1.0, "share", "ok")
         study.scores.append(PartScore(part, "industnerf", score))
@@ -59,22 +61,22 @@ def evaluated():
 def test_means_are_of_test_parts(evaluated):
     goal = evaluated["industnerf", "EMD (even)"]
     assert goal.value == pytest.approx(0.08 / 3)
-    assert not goal.met
+    assert not goal.is_met
 
 
 def test_open_parts_are_seen_whole_and_without_pockets(evaluated):
     (goal,) = [goal for (_, what), goal in evaluated.items() if "floors" in what]
     assert goal.value == pytest.approx(1.0)  # of a alone
-    assert goal.met
+    assert goal.is_met
 
 
 def test_the_hull_is_beaten_part_by_part_and_in_pockets(evaluated):
     wins = evaluated["industnerf_plus", "share of parts on which it beats the hull"]
     assert wins.value == pytest.approx(2 / 3)  # a is a draw
-    assert not wins.met
+    assert not wins.is_met
     deep = evaluated["industnerf_plus", "EMD of the hull over its own, parts with pockets"]
     assert deep.value == pytest.approx(4)
-    assert deep.met
+    assert deep.is_met
 
 
 def test_what_is_to_be_at_least_so_much_is_met_from_above(evaluated):
@@ -89,14 +91,14 @@ def test_the_area_between_sparsification_curves_is_held_against_that_of_chance(e
     """Of the means, not part by part: c alone is worse than chance, by 1.5."""
     goal = evaluated["industnerf", AUSE_SHARE]
     assert goal.value == pytest.approx(0.6 / 1.2)
-    assert goal.met
+    assert goal.is_met
     assert ("industnerf_plus", AUSE_SHARE) not in evaluated
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(evaluated):
     seconds = evaluated["industnerf_plus", "mean seconds a part, one core"]
-    assert (seconds.value, seconds.met) == (25, True)
-    assert seconds.beside == SupplementaryValue(1 / 3, SHARE_ABOVE)  # 30 is not above 30
+    assert (seconds.value, seconds.is_met) == (25, True)
+    assert seconds.supplement == SupplementaryValue(1 / 3, SHARE_ABOVE)  # 30 is not above 30
     assert evaluated["industnerf_plus", "peak memory of any part, GB"].value == pytest.approx(
         2.27540992
     )  # 2170 MiB
@@ -108,10 +110,10 @@ def test_the_files_hold_them(evaluated):
     assert rows[0] == {
         "method": "industnerf",
         "goal": "EMD (even)",
-        "wanted": "at most 0.02",
+        "target": "at most 0.02",
         "value": "0.0266667",
         "met": "no",
-        "beside": "0.069282",
+        "supplement": "0.069282",
         "unit": "mm",
         "tsdf": "",
         "oracle": "0.01",
@@ -124,7 +126,7 @@ def test_the_files_hold_them(evaluated):
 
 def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(evaluated):
     """Over the same parts; of a yardstick that was not run there is nothing."""
-    reached = {what: goal.reached for (_, what), goal in evaluated.items()}
+    reached = {what: goal.reference_values for (_, what), goal in evaluated.items()}
     assert reached["EMD (even)"] == {"oracle": pytest.approx(0.01)}
     (floors,) = [value for what, value in reached.items() if "floors" in what]
     assert floors == {"oracle": pytest.approx(0.8)}  # of a alone
@@ -138,23 +140,23 @@ def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(evalua
 def test_a_mean_length_stands_in_mm_too_part_by_part(evaluated):
     """c is twice as large: the mean in mm is not that in diagonals times any length."""
     emd, share = evaluated["industnerf", "EMD (even)"], "share of the foreground that has a depth"
-    assert emd.beside.value == pytest.approx(3**0.5 * (0.01 + 0.03 + 2 * 0.04) / 3)
+    assert emd.supplement.value == pytest.approx(3**0.5 * (0.01 + 0.03 + 2 * 0.04) / 3)
     depth = evaluated["industnerf", "depth MSE of held-out views, diagonal 1"]
-    assert depth.beside.value == pytest.approx(0.002 * 3 * (1 + 1 + 4) / 3)
-    assert (emd.beside.unit, depth.beside.unit) == ("mm", "mm^2")
-    assert evaluated["industnerf", share].beside is None
+    assert depth.supplement.value == pytest.approx(0.002 * 3 * (1 + 1 + 4) / 3)
+    assert (emd.supplement.unit, depth.supplement.unit) == ("mm", "mm^2")
+    assert evaluated["industnerf", share].supplement is None
 
 
 def test_what_no_score_tells_is_taken_of_the_published_rows_and_nothing_else(evaluated):
     """As where a table is made anew: of the rows the other numbers are not believed."""
     all_goals = list(evaluated.values())
-    scored = [goal for goal in all_goals if "rig" not in goal.what]
+    scored = [goal for goal in all_goals if "rig" not in goal.quantity]
     rows = list(csv.DictReader(io.StringIO(goals_csv(all_goals))))
     for row in rows:
         row["value"] = "1.5" if "rig" in row["goal"] else "7"
-    at = next(i for i, goal in enumerate(all_goals) if "rig" in goal.what)
+    at = next(i for i, goal in enumerate(all_goals) if "rig" in goal.quantity)
     again = add_capture_goals(scored, rows)
-    assert again[at] == replace(all_goals[at], value=1.5, reached={"oracle": 0.8})
+    assert again[at] == replace(all_goals[at], value=1.5, reference_values={"oracle": 0.8})
     assert again[:at] + again[at + 1 :] == scored
 
 

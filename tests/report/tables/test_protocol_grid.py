@@ -7,11 +7,13 @@ import pytest
 
 from industnerf.artifacts.files import write_json
 from industnerf.errors import BadArtifact
+from industnerf.report.html.page import environment
+from industnerf.report.html.tables import grid_table
 from industnerf.report.tables.protocol_grid import (
     grid_csv,
-    grid_html,
     grid_md,
     grid_rows,
+    load_published_grid,
     read_grid,
 )
 
@@ -42,12 +44,14 @@ def test_in_mm_every_scale_is_the_same_part_by_part():
     """0.03 of 100 mm and 0.01 of 200: the mean is 2.5 mm, not 0.02 of 150."""
     longest = {**cell(1024, 0.5), "scale": "longest"}
     cells = {part: {"floor": [*of["floor"], longest]} for part, of in CELLS.items()}
-    table_html = {
+    mm_by_scale = {
         grid_row.cell[-1]: grid_row.mm
         for grid_row in grid_rows(cells, DIAGONALS_MM)
         if grid_row.cell[0] == 1024
     }
-    assert table_html == {scale: {"floor": pytest.approx(2.5)} for scale in ("diagonal", "longest")}
+    assert mm_by_scale == {
+        scale: {"floor": pytest.approx(2.5)} for scale in ("diagonal", "longest")
+    }
 
 
 def test_a_table_of_before_there_were_mm_is_read(written):
@@ -100,17 +104,19 @@ def test_what_was_written_is_read(written):
 
 
 def test_the_page_shows_every_cell_and_which_study_it_is_of(written):
-    table_html = grid_html(written)
-    assert table_html.count("<tr>") == 1 + len(grid_rows(CELLS, DIAGONALS_MM))
-    assert "<td>0.0600" in table_html
-    assert "study of commit 0123456, 2026-01-02," in table_html
+    grid = load_published_grid(written)
+    sections = environment().get_template("sections.html.j2").module
+    text = sections.protocol_grid(grid_table(grid.rows), grid)
+    assert text.count("<tr>") == 1 + len(grid_rows(CELLS, DIAGONALS_MM))
+    assert "<td>0.0600" in text
+    assert "commit 0123456, 2026-01-02," in text
 
 
 def test_without_a_grid_the_page_says_nothing_of_it(tmp_path):
-    assert grid_html(tmp_path / "nowhere") == ""
+    assert load_published_grid(tmp_path / "nowhere") is None
 
 
 def test_a_file_that_is_no_grid_is_an_error(written):
     (written / "grid.csv").write_text("a,b\n1,2\n")
     with pytest.raises(BadArtifact, match=r"grid\.csv is no table of a grid"):
-        grid_html(written)
+        load_published_grid(written)

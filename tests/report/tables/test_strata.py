@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from industnerf.report.html.summary_tables import strata_html
+from industnerf.report.html.tables import strata_table
 from industnerf.report.tables.strata import strata_csv, strata_md, stratum_rows
 from tests.samples import unit_part
 from tests.studies import SETTINGS, make_study
@@ -49,7 +49,7 @@ def test_a_stratum_that_a_method_has_no_score_of_stays_empty(study):
     rows = stratum_rows(replace(study, scores=torn), SETTINGS)
     hull = next(line for line in strata_md(rows).splitlines() if line.startswith("| hull"))
     assert hull.split(" | ")[2] == ""
-    assert "hull" in strata_html(rows)
+    assert any(row.cells[0] == "hull" for row in strata_table(rows).rows)
 
 
 def test_the_files_hold_what_the_rows_do(study):

@@ -10,12 +10,17 @@ import pytest
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews
-from industnerf.report.study import Study, StudyFolders, TrainingSummary
+from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary
 from industnerf.report.tables.formats import format_fixed
-from industnerf.report.tables.scores_csv import scores_csv
-from industnerf.report.tables.table1 import mean_without_failures, table1_rows
-from industnerf.report.tables.table1_text import SEEDS_COLUMN, Table1Extra, table1_csv, table1_md
+from industnerf.report.tables.scores import scores_csv
+from industnerf.report.tables.table1 import (
+    SEEDS_COLUMN,
+    Table1Extra,
+    mean_without_failures,
+    table1_csv,
+    table1_md,
+    table1_rows,
+)
 from industnerf.schema import ReportParams
 from tests.samples import unit_part
 
@@ -128,9 +133,9 @@ def with_nets(study, has_converged=True):
         study,
         methods={name: retrieval_named(name) for name in names},
         scores=[s for name, v in zip(names, values, strict=True) for s in scores(name, v)],
-        training=dict.fromkeys(names, (1_200_000, 4000)),
+        parameters_and_steps=dict.fromkeys(names, (1_200_000, 4000)),
         training_summaries=training_summaries,
-        given=dict.fromkeys(names, InputViews(12)) | {"occupancy": InputViews(1, 8)},
+        input_views=dict.fromkeys(names, InputViews(12)) | {"occupancy": InputViews(1, 8)},
     )
 
 

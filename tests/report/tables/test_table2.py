@@ -11,12 +11,10 @@ from industnerf.artifacts.scores import PartScore, Score
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.methods import load_method
 from industnerf.report.figures.held_out_renderings import HeldOutRenderings
-from industnerf.report.html.page import render_page
-from industnerf.report.html.page_media import PageMedia
-from industnerf.report.input_views import InputViews
+from industnerf.report.html.page import PageMedia, render_page
 from industnerf.report.part_subsets import figure3_parts
 from industnerf.report.results import Results
-from industnerf.report.study import Study, StudyFolders
+from industnerf.report.study import InputViews, Study, StudyFolders
 from industnerf.report.tables.table2 import (
     COLUMNS,
     LOSSES,

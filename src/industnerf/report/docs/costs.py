@@ -91,7 +91,7 @@ def _format_duration(seconds: float) -> str:
 
 def _extra_seconds(costs: list[CsvRow], method: str | None = None) -> float:
     """Seconds for drawing the held-out views."""
-    return sum(float(row["aside_s"]) for row in costs if method in (None, row["method"]))
+    return sum(float(row["extra_seconds"]) for row in costs if method in (None, row["method"]))
 
 
 def _seconds(costs: list[CsvRow], stage: str, method: str | None = None) -> list[float]:

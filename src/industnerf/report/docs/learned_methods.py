@@ -14,7 +14,7 @@ from industnerf.report.tables.formats import (
     markdown_table,
     read_csv,
 )
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.tables.scores import EMD_EVEN
 
 CsvRow = dict[str, str]
 BASELINE_HEADERS = {"retrieval": "better than retrieval on", "mean_shape": "than the mean shape on"}
@@ -40,7 +40,7 @@ def networks_block(folder: Path) -> str:
             *(_win_rate(emds, row["method"], baseline) for baseline in BASELINE_HEADERS),
         ]
         for row in rows
-        if int(row["learned_from"])
+        if int(row["num_train_parts"])
     ]
     heads = ["method", "size", "parameters", "minutes", "most steps", "EMD", "mm"]
     heads += [f"x `{paper_results.METHOD}`", "paper, x its own", *BASELINE_HEADERS.values()]

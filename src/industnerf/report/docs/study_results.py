@@ -184,12 +184,12 @@ def _missed_goals(rows: Sequence[CsvRow]) -> str:
         [
             f"`{row['method']}`",
             row["goal"],
-            row["wanted"],
+            row["target"],
             *(format_csv_number(row[name]) for name in GOAL_COLUMNS),
         ]
         for row in missed
     ]
-    heads = ["method", "goal", "wanted", *GOAL_COLUMNS.values()]
+    heads = ["method", "goal", "target", *GOAL_COLUMNS.values()]
     table = f"\n{markdown_table(heads, table_rows)}" if missed else ""
     return f"{len(missed)} of {len(rows)} goals are missed.\n{table}"
 

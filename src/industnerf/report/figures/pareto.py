@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from industnerf.methods.base import Role
-from industnerf.report.tables.table1 import Table1Row
-from industnerf.report.tables.table1_text import Table1Extra
+from industnerf.report.tables.table1 import Table1Extra, Table1Row
 
 # Where a text may stand beside its point: points right and up, and which of its ends is there.
 LABEL_OFFSETS = [

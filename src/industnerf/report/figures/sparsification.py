@@ -8,7 +8,7 @@ from jaxtyping import Float
 from industnerf.artifacts.scores import PartScore
 from industnerf.report.figures.figure_style import encode_png, new_figure
 from industnerf.report.study import Study
-from industnerf.report.tables.score_lookup import scores_of, select_scores
+from industnerf.report.tables.scores import scores_of, select_scores
 
 COLORS = ("#30638e", "#d1495b", "#edae49", "#66a182", "#8d6a9f")
 ERROR_LEFT_PREFIX = "error_left_"  # after so many per cent are removed

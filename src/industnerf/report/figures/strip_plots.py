@@ -1,12 +1,15 @@
-"""Strip plots as SVG: a line for each method, a dot for each part, which leads to its section."""
+"""Strip plots: a line for each method, a dot for each part.
+
+What is here is where everything stands, in px; templates/macros.html.j2 writes the SVG.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from statistics import median
 
-from industnerf.report.html.markup import part_href
+from industnerf.report.study import Study
+from industnerf.report.tables.scores import AUSE, AUSE_RANDOM, EMD_EVEN, SPEARMAN, Scores
 
 WIDTH, LEFT, RIGHT, ROW_HEIGHT, TOP, BOTTOM = 1100, 130, 30, 30, 8, 44  # px
 TICKS = 8  # about so many
@@ -58,55 +61,106 @@ class Scale:
         return [tick for tick in steps if self.low <= tick <= self.high]
 
 
+@dataclass(frozen=True)
+class Mark:
+    """A dot in the picture."""
+
+    part_id: str
+    x: float
+    y: str
+    failed: bool
+    title: str  # shown when the pointer rests on it
+
+
+@dataclass(frozen=True)
+class Strip:
+    """The line of one method."""
+
+    name: str
+    y: float
+    median_x: float
+    marks: list[Mark]
+
+
+@dataclass(frozen=True)
+class StripPlot:
+    """A plot as it is drawn."""
+
+    label: str
+    ticks: list[tuple[float, str]]  # px, and the value
+    best_x: float | None  # of the dashed line
+    strips: list[Strip]
+    bottom: int
+    width: int = WIDTH
+    left: int = LEFT
+    top: int = TOP
+    margin: int = BOTTOM
+    middle: float = (LEFT + WIDTH - RIGHT) / 2
+
+
 def strip_plot(
     rows: Mapping[str, Sequence[Dot]], label: str, *, log: bool = False, best: float | None = None
-) -> str:
-    """An SVG of `rows`, by their medians; a dashed line at `best`.  Empty if there is no dot."""
+) -> StripPlot | None:
+    """The plot of `rows`, ordered by their medians; a dashed line at `best`. None without a dot."""
     rows = {name: dots for name, dots in rows.items() if dots}
     if not rows:
-        return ""
+        return None
     values = [dot.value for dots in rows.values() for dot in dots]
     scale = Scale.covering([*values, *([] if best is None else [best])], log=log)
     ordered = sorted(rows.items(), key=lambda row: (median(d.value for d in row[1]), row[0]))
-    height = TOP + ROW_HEIGHT * len(rows)
-    pieces = [_grid(scale, height, label, best)]
-    pieces += [_strip(scale, TOP + ROW_HEIGHT * (i + 0.5), *row) for i, row in enumerate(ordered)]
-    return (
-        f"<svg class=plot viewBox='0 0 {WIDTH} {height + BOTTOM}' role=group "
-        f"aria-label='{escape(label)}'>{''.join(pieces)}</svg>"
+    return StripPlot(
+        label,
+        [(scale.position(tick), f"{tick:.6g}") for tick in scale.ticks()],
+        None if best is None else scale.position(best),
+        [_strip(scale, TOP + ROW_HEIGHT * (i + 0.5), *row) for i, row in enumerate(ordered)],
+        TOP + ROW_HEIGHT * len(rows),
     )
 
 
-def _grid(scale: Scale, height: int, label: str, best: float | None) -> str:
-    svg_lines = "".join(
-        f"<line class=grid x1={x} x2={x} y1={TOP} y2={height} />"
-        f"<text class=tick x={x} y={height + 16} text-anchor=middle>{tick:.6g}</text>"
-        for tick in scale.ticks()
-        for x in [scale.position(tick)]
-    )
-    if best is not None:
-        x = scale.position(best)
-        svg_lines += f"<line class=zero x1={x} x2={x} y1={TOP} y2={height} />"
-    middle = (LEFT + WIDTH - RIGHT) / 2
-    return f"{svg_lines}<text x={middle} y={height + 36} text-anchor=middle>{escape(label)}</text>"
-
-
-def _strip(scale: Scale, y: float, name: str, dots: Sequence[Dot]) -> str:
+def _strip(scale: Scale, y: float, name: str, dots: Sequence[Dot]) -> Strip:
     """Dots in the order of their values, scattered up and down by their place in it."""
     ordered = sorted(dots, key=lambda dot: (dot.value, dot.part_id))
-    dot_svgs = "".join(_dot(scale, y + 2.2 * (7 * i % 9 - 4), dot) for i, dot in enumerate(ordered))
-    x = scale.position(median(dot.value for dot in dots))
-    return (
-        f"<text x={LEFT - 10} y={y + 4} text-anchor=end>{escape(name)}</text>{dot_svgs}"
-        f"<line class=median x1={x} x2={x} y1={y - 12} y2={y + 12} />"
-    )
+    marks = [
+        Mark(
+            dot.part_id,
+            scale.position(dot.value),
+            f"{y + 2.2 * (7 * i % 9 - 4):.1f}",
+            dot.failed,
+            f"{dot.part_id}: {dot.value:.4g}" + (" (failed)" if dot.failed else ""),
+        )
+        for i, dot in enumerate(ordered)
+    ]
+    return Strip(name, y, scale.position(median(dot.value for dot in dots)), marks)
 
 
-def _dot(scale: Scale, y: float, dot: Dot) -> str:
-    failed = " class=failed" if dot.failed else ""
-    label = f"{dot.part_id}: {dot.value:.4g}" + (" (failed)" if dot.failed else "")
-    return (
-        f"<a tabindex=-1 href='{part_href(dot.part_id)}'>"
-        f"<circle{failed} cx={scale.position(dot.value)} cy={y:.1f} r=3>"
-        f"<title>{escape(label)}</title></circle></a>"
+def distribution_plot(study: Study, scores: Scores) -> StripPlot | None:
+    """EMD (even) over the floor, every part of every method; None without a score."""
+    rows = {
+        method: [
+            Dot(part, score.value / score.floor, score.status != "ok")
+            for part in study.parts
+            if (score := scores.get(part, method, EMD_EVEN)) and score.value > 0 < score.floor
+        ]
+        for method in study.methods
+    }
+    return strip_plot(rows, "EMD (even) / floor", log=True, best=1.0)
+
+
+def calibration_plots(study: Study, scores: Scores) -> list[StripPlot]:
+    """Rank correlation and AUSE of every part that has them."""
+    correlations: dict[str, list[Dot]] = {}
+    areas: dict[str, list[Dot]] = {}
+    for method in study.methods:
+        correlations[method], areas[method] = [], []
+        for part in study.parts:
+            correlation = scores.get(part, method, SPEARMAN)
+            area, random_area = (scores.get(part, method, key) for key in (AUSE, AUSE_RANDOM))
+            if correlation:
+                correlations[method].append(Dot(part, correlation.value))
+            if area and random_area and random_area.value > 0:
+                areas[method].append(Dot(part, area.value / random_area.value))
+    plots = (
+        strip_plot(correlations, "rank correlation of confidence and error", best=-1.0),
+        strip_plot(areas, "AUSE / AUSE of a random order", best=0.0),
     )
+    return [plot for plot in plots if plot]

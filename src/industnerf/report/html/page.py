@@ -1,37 +1,41 @@
-"""One page that opens offline: everything it shows is inside it, and it may fetch nothing."""
+"""`report.html`: one page that opens offline. All that it shows is inside it; it fetches nothing."""
 
+import base64
+import io
 import re
-from collections.abc import Iterator, Sequence
-from html import escape
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
 from importlib.resources import files
+from typing import Any
+from urllib.parse import quote
 
-from industnerf.report.html import captions
-from industnerf.report.html.figure_sections import (
-    calibration_html,
-    distribution_html,
-    failures_html,
-    renderings_html,
-    warnings_html,
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from PIL import Image
+
+from industnerf.artifacts.part import Part
+from industnerf.report.figures.held_out_renderings import (
+    HeldOutRenderings,
+    PartImages,
+    encode_jpeg,
+    load_held_out_renderings,
+    load_part_images,
 )
-from industnerf.report.html.main_tables import part_table_html, table1_html, table2_html
-from industnerf.report.html.markup import image_html, note
-from industnerf.report.html.page_media import PageMedia
+from industnerf.report.figures.strip_plots import calibration_plots, distribution_plot
 from industnerf.report.html.part_sections import part_sections
-from industnerf.report.html.summary_tables import (
-    comparisons_html,
-    cost_table_html,
-    goals_html,
-    inspection_html,
-    strata_html,
-)
-from industnerf.report.html.viewer import viewer_html
+from industnerf.report.html.tables import page_tables, trained_methods
+from industnerf.report.html.viewer import ViewerScene, pack_scene, viewer_context
 from industnerf.report.results import Results
 from industnerf.report.statistics.comparisons import TESTED_METHODS
 from industnerf.report.study import Study
-from industnerf.report.tables import table2
 from industnerf.report.tables.formats import format_significant
-from industnerf.report.tables.score_lookup import Scores
+from industnerf.report.tables.protocol_grid import PublishedGrid
+from industnerf.report.tables.scores import Scores
+from industnerf.report.tables.table1 import Table1Row, table1_notes
+from industnerf.report.tables.table2 import NO_TABLE2
 
+SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is larger
 SCRIPTS = ("sort.js", "camera.js", "draw.js", "colors.js", "viewer.js")
 # The browser itself refuses what would reach beyond the page.
 CONTENT_SECURITY_POLICY = (
@@ -39,108 +43,139 @@ CONTENT_SECURITY_POLICY = (
 )
 
 
-def render_page(
-    results: Results, media: PageMedia, protocol_grid: str = "", provenance: str = ""
-) -> str:
-    """`report.html`; `protocols` is the section of the grid of protocols, as HTML.
+@dataclass(frozen=True)
+class PageMedia:
+    """The images and clouds of the page."""
 
-    `made` says when and where the report was made.
+    contact_sheet: bytes | None  # JPEG; None without a part to show
+    viewer_scenes: Sequence[ViewerScene]
+    held_out_renderings: HeldOutRenderings
+    pareto_plot: bytes  # PNG: EMD against seconds
+    part_images: PartImages = field(default_factory=dict)
+    sparsification_plot: bytes | None = None  # PNG; None if no method states a confidence
+
+
+def load_page_media(
+    study: Study,
+    parts: list[Part],
+    contact_sheet: bytes | None,
+    pareto_plot: bytes,
+    sparsification_plot: bytes | None,
+) -> PageMedia:
+    """The media of a page that shows `parts` in its viewer; the three images are PNG.
+
+    Raises BadArtifact if a file is torn.
     """
+    return PageMedia(
+        encode_jpeg(Image.open(io.BytesIO(contact_sheet)), SHEET_PX) if contact_sheet else None,
+        [pack_scene(study, part) for part in parts],
+        load_held_out_renderings(study, parts),
+        pareto_plot,
+        load_part_images(study),
+        sparsification_plot,
+    )
+
+
+def render_page(
+    results: Results, media: PageMedia, grid: PublishedGrid | None = None, provenance: str = ""
+) -> str:
+    """The text of `report.html`; `provenance` says when and where the report was made."""
     study, scores = results.study, Scores.from_study(results.study)
-    viewer_part_ids = {scene.part.part_id for scene in media.viewer_scenes}
-    sections = {
-        name: text for name, text in _sections(results, scores, media, protocol_grid) if text
+    assignments = study.assignments.values()
+    return (
+        environment()
+        .get_template("page.html.j2")
+        .render(
+            study=study,
+            media=media,
+            grid=grid,
+            provenance=provenance,
+            tables=page_tables(results, scores, grid),
+            trained=trained_methods(results.table1),
+            table1_notes=table1_notes(results.table1),
+            no_table2=NO_TABLE2,
+            headline=_headline(results),
+            distribution=distribution_plot(study, scores),
+            calibration=calibration_plots(study, scores),
+            viewer=viewer_context(study, scores, media.viewer_scenes),
+            part_sections=part_sections(
+                study,
+                scores,
+                {scene.part.part_id for scene in media.viewer_scenes},
+                media.part_images,
+            ),
+            failures=_messages(study, study.failures),
+            warnings=_messages(
+                study,
+                {
+                    method: {part: "; ".join(texts) for part, texts in warnings.items()}
+                    for method, warnings in study.input_warnings.items()
+                },
+            ),
+            num_families=len({part.family for part in study.parts.values()}),
+            num_test=sum(assignment.split == "test" for assignment in assignments),
+            num_unscored=len(study.parts.keys() - {row.part_id for row in study.scores}),
+            scripts=SCRIPTS,
+            content_security_policy=CONTENT_SECURITY_POLICY,
+        )
+    )
+
+
+@cache
+def environment() -> Environment:
+    """The templates of the page; what they are given is escaped, and a missing name raises."""
+    env = Environment(
+        loader=PackageLoader("industnerf.report.html"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    env.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    env.globals |= {"zip": zip, "web_file": _web_file}
+    env.filters |= {
+        "anchor": _anchor,
+        "base64": lambda content: base64.b64encode(content).decode(),
+        "part_anchor": _part_anchor,
+        "part_href": _part_href,
+        "significant": format_significant,
     }
-    links = "".join(f"<a href='#{_anchor(name)}'>{name}</a>" for name in sections)
-    body = "".join(f"<h2 id='{_anchor(name)}'>{name}</h2>{text}" for name, text in sections.items())
-    return (
-        "<!doctype html><html lang=en><meta charset=utf-8>"
-        f'<meta http-equiv=Content-Security-Policy content="{CONTENT_SECURITY_POLICY}">'
-        "<meta name=viewport content='width=device-width'>"
-        f"<title>IndustNeRF: {escape(study.preset)}</title><style>{_web_file('page.css')}</style>"
-        f"<h1>IndustNeRF suite: {escape(study.preset)}</h1>{_summary(study, provenance)}"
-        f"{_headline(results)}<nav class=contents>{links}</nav>{body}"
-        f"{part_sections(study, scores, viewer_part_ids, media.part_images)}"
-        f"{''.join(f'<script>{_web_file(name)}</script>' for name in SCRIPTS)}</html>\n"
-    )
+    return env
 
 
-def _sections(
-    results: Results, scores: Scores, media: PageMedia, protocol_grid: str
-) -> Iterator[tuple[str, str]]:
-    """Headings and what stands below them; empty where the study has nothing to say."""
-    study, interval = results.study, results.interval
-    yield (
-        "Table 1",
-        table1_html(results.table1, results.table1_extras, interval) + note(captions.TABLE1),
-    )
-    yield "Truth and reconstruction", viewer_html(study, scores, media.viewer_scenes)
-    yield "Contact sheet", _contact_sheet(media)
-    yield "Table 2", _table2(results.table2, interval)
-    yield "Held-out views", renderings_html(media.held_out_renderings)
-    yield "In millimeters", inspection_html(results.inspection)
-    yield "More than chance?", comparisons_html(results.comparisons, interval)
-    yield "By kind of part", strata_html(results.strata)
-    yield "Every part against its floor", distribution_html(study, scores)
-    yield "Is the confidence right?", calibration_html(study, scores, media.sparsification_plot)
-    yield "Every protocol that the paper may have meant", protocol_grid
-    yield "What it costs", _costs(results, media)
-    yield "What was to be reached", goals_html(results.goals)
-    yield "Part by part", f"{note(captions.BY_PART)}{part_table_html(study, scores)}"
-    yield "Failures", failures_html(study)
-    yield "What methods remarked on the photographs", warnings_html(study)
+def _web_file(name: str) -> Markup:
+    """A script or style sheet of our own, which is not escaped."""
+    return Markup(files("industnerf.report.html").joinpath("web", name).read_text(encoding="utf-8"))
 
 
-def _anchor(name: str) -> str:
-    """What a section is called within the page, such as `table-1`."""
-    return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
+def _anchor(title: str) -> str:
+    """The id of a section, such as `table-1`."""
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
-def _contact_sheet(media: PageMedia) -> str:
-    if media.contact_sheet is None:
-        return ""
-    alt_text = "contact sheet: a row a part, a column a method, colored by the error"
-    return image_html("jpeg", media.contact_sheet, alt_text, "sheet") + note(captions.SHEET)
+def _part_anchor(part_id: str) -> str:
+    """The id of the section of a part."""
+    return f"part={part_id}"
 
 
-def _costs(results: Results, media: PageMedia) -> str:
-    pareto_image = image_html("png", media.pareto_plot, "EMD against seconds a part", "front")
-    return pareto_image + note(captions.PARETO) + cost_table_html(results.costs)
+def _part_href(part_id: str) -> str:
+    """A link to the section of a part."""
+    return "#" + quote(_part_anchor(part_id), safe="=")
 
 
-def _web_file(name: str) -> str:
-    return files("industnerf.report.html").joinpath("web", name).read_text(encoding="utf-8")
-
-
-def _summary(study: Study, provenance: str) -> str:
-    num_test = sum(assignment.split == "test" for assignment in study.assignments.values())
-    families = len({part.family for part in study.parts.values()})
-    unscored = len(study.parts.keys() - {row.part_id for row in study.scores})
-    missing = f" {unscored} have no score: see Failures." if unscored else ""
-    return (
-        f"<p>{len(study.parts)} parts of {families} families, {study.num_train_views} training views each, "
-        f"reconstructed by {len(study.methods)} methods and scored by the exact Earth Mover's "
-        f"Distance; {num_test} parts are reported, {len(study.parts) - num_test} are set apart for "
-        f"tuning (dev).{missing} Seed {study.seed}.</p>"
-        + (note(f"Made {escape(provenance)}.") if provenance else "")
-    )
-
-
-def _headline(results: Results) -> str:
-    """The one sentence of a study that has the paper's method, or nothing."""
+def _headline(results: Results) -> list[Table1Row]:
+    """The rows of Table 1 that the page starts with; none without a method of ours."""
     rows = {row.method: row for row in results.table1 if row.split == "test"}
-    sentences = [
-        f"<b>{method}</b> is at {row.emd_even:.4f} "
-        f"({row.ratio_to_floor:.2f} floors, {format_significant(row.emd_mm)} mm)"
-        for method in (*TESTED_METHODS[::-1], "hull")
-        if (row := rows.get(method))
-    ]
     if not any(method in rows for method in TESTED_METHODS):
-        return ""
-    return f"<p>Mean EMD in bounding-box diagonals, and in mm: {', '.join(sentences)}.</p>"
+        return []
+    return [rows[method] for method in (*TESTED_METHODS[::-1], "hull") if method in rows]
 
 
-def _table2(rows: Sequence[table2.Table2Row], interval: float) -> str:
-    if not rows:
-        return note(table2.NO_TABLE2)
-    return table2_html(rows, interval) + note(captions.TABLE2)
+def _messages(study: Study, messages: dict[str, dict[str, str]]) -> list[tuple[Any, ...]]:
+    """Who said what of which part, and whether that part has a section to link to."""
+    return [
+        (source, part_id, part_id in study.parts, text)
+        for source, parts in messages.items()
+        for part_id, text in parts.items()
+    ]

@@ -1,19 +1,37 @@
-"""The linked 3-D viewer as it stands on the page: its controls, and the clouds it draws."""
+"""The 3-D viewer of the page: evenly spread points of each cloud, in about ten bytes a point.
+
+Positions are 16-bit steps of a cube around the part, `SPAN` diagonals wide. Distances are 8-bit
+square roots: 255 is `MAX_ERROR` diagonals or more. Confidence is in 255ths. A view is its number
+plus one; 0 is unknown. An attribute that is the same at every point of a cloud is left out.
+templates/viewer.html.j2 writes the controls and the data, web/viewer.js draws them.
+"""
 
 import base64
-import json
 from collections.abc import Sequence
-from html import escape
+from dataclasses import dataclass
+from typing import Any
 
+import fpsample
 import numpy as np
+from jaxtyping import Float, Float32, Int64, UInt8
 
-from industnerf.artifacts.part import Part
-from industnerf.report.html.markup import note
-from industnerf.report.html.viewer_clouds import SHOWN_POINTS, ViewerScene
+from industnerf.artifacts.cloud import Cloud
+from industnerf.artifacts.part import Mesh, Part, load_mesh
+from industnerf.artifacts.truth import Truth
+from industnerf.report.figures.error_distances import (
+    cloud_to_surface_distances,
+    truth_to_cloud_distances,
+)
 from industnerf.report.study import Study
 from industnerf.report.tables.formats import format_significant
-from industnerf.report.tables.score_lookup import Scores
+from industnerf.report.tables.scores import Scores
+from industnerf.seeds import generator
 
+SHOWN_POINTS = 6000  # of each cloud
+MAX_POINTS = 65536  # a denser cloud is first cut to this by chance, as for its score
+SPAN = 3.0  # diagonals
+MAX_ERROR = 0.05  # diagonals
+DISC_SPACINGS = 1.4  # diameter of a disc, in mean distances of the truth's points
 COLORINGS = {
     "error": "error, mm",
     "confidence": "confidence",
@@ -22,77 +40,150 @@ COLORINGS = {
 }
 LIMITS = (0.005, 0.01, 0.02, 0.05)  # ends of the color scale, in diagonals
 COLOR_MAPS = {"error": "turbo", "confidence": "viridis"}  # matplotlib's names
-HELP = (
-    "Drag to turn, shift-drag to shift; once clicked, the wheel zooms and the arrow keys turn; "
-    "a double click goes back. Both sides have one camera. Error is the distance to the true "
-    "surface; on the truth's own side it is the distance to the nearest point of the other side's "
-    f"cloud: what that one misses. Points are spread evenly, up to {SHOWN_POINTS} a cloud. Of several "
-    "answers of a net the first that has points is shown; its EMD is the mean over all of them."
-)
 
 
-def viewer_html(study: Study, scores: Scores, scenes: Sequence[ViewerScene]) -> str:
-    """The figure, and one JSON element a part beside it; says so where there is nothing to show."""
-    if not scenes:
-        return note("No part has both photographs and a true surface: there is nothing to show.")
-    names = ["truth", *study.methods]
-    panes = _pane("left", names, "truth") + _pane("right", names, names[min(1, len(names) - 1)])
-    return (
-        f"<div id=viewer><div class=bar>{_part_selector(scenes)}{_coloring_buttons()}{_limit_selector()}</div>"
-        f"<div id=stage><canvas tabindex=0 aria-label='truth and reconstruction'></canvas>{panes}"
-        f"</div><div id=legend></div>{note(HELP)}</div>"
-        f"{_json_script('looks', {'maps': {name: _color_map_base64(kind) for name, kind in COLOR_MAPS.items()}})}"
-        f"{''.join(_scene_json(scores, scene) for scene in scenes)}"
-    )
+@dataclass(frozen=True)
+class ViewerScene:
+    """One part in the viewer; `clouds` holds what viewer.js decodes, by method."""
+
+    part: Part
+    facts: dict[str, float]
+    clouds: dict[str, dict]
 
 
-def _part_selector(scenes: Sequence[ViewerScene]) -> str:
-    options = "".join(
-        f"<option value='{escape(s.part.part_id)}'>{escape(s.part.designation)}" for s in scenes
-    )
-    return (
-        f"<label>part <select name=part>{options}</select></label>"
-        "<a id=more href='#'>all its scores</a>"
-    )
+def pack_scene(study: Study, part: Part) -> ViewerScene:
+    """The true surface and every method's cloud of `part`, or why there is none.
+
+    Raises BadArtifact if a file is torn.
+    """
+    truth = Truth.load(study.folders.truth / part.part_id)
+    surface = load_mesh(study.folders.parts / part.part_id)
+    center = (truth.points_mm.min(axis=0) + truth.points_mm.max(axis=0)) / 2
+    box = Box(center.astype(np.float64), part.diagonal_mm)
+    indices = _even_subset(truth.points_mm, study.seed, part.part_id)
+    truth_points = truth.points_mm[indices]
+    clouds = {"truth": _pack_truth(truth, indices, box)}
+    for method in study.methods:
+        folder = study.folders.clouds / method / part.part_id
+        if folder.is_dir():
+            clouds[method] = _pack_cloud(Cloud.load(folder), surface, truth_points, box, study.seed)
+        else:
+            reason = study.failures.get(method, {}).get(part.part_id, "it made no cloud")
+            clouds[method] = {"failed": reason, "count": 0, "caption": "", "arrays": {}}
+    facts = {
+        "diagonal_mm": part.diagonal_mm,
+        "span": SPAN,
+        "max_error_mm": MAX_ERROR * part.diagonal_mm,
+        "disc_diameter": DISC_SPACINGS
+        * float(np.sqrt(part.area_mm2 / len(truth_points)))
+        / part.diagonal_mm,
+    }
+    return ViewerScene(part, facts, clouds)
 
 
-def _pane(side: str, names: Sequence[str], chosen: str) -> str:
-    options = "".join(
-        f"<option{' selected' if name == chosen else ''}>{escape(name)}" for name in names
-    )
-    return (
-        f"<div class='pane {side}'><select aria-label='{side} side'>{options}</select>"
-        "<div class=says></div></div>"
-    )
+@dataclass(frozen=True)
+class Box:
+    """The cube that positions are steps of."""
+
+    center_mm: Float[np.ndarray, "3"]
+    diagonal_mm: float
+
+    def quantize_positions(self, points_mm: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Positions in [0, 65535], or beyond for points outside."""
+        return 65535 * ((points_mm - self.center_mm) / (SPAN * self.diagonal_mm) + 0.5)
+
+    def quantize_distances(self, distances_mm: Float[np.ndarray, "n"]) -> UInt8[np.ndarray, "n"]:
+        """Distances as roots in 255ths."""
+        share = np.clip(distances_mm / (MAX_ERROR * self.diagonal_mm), 0, 1)
+        return np.rint(255 * np.sqrt(share)).astype(np.uint8)
 
 
-def _coloring_buttons() -> str:
-    buttons = "".join(
-        f"<label class=choice><input type=radio name=coloring value={name}"
-        f"{' checked' if name == 'error' else ''}> {text}</label>"
-        for name, text in COLORINGS.items()
-    )
-    return f"<span>color: {buttons}</span>"
+def _pack_truth(truth: Truth, indices: np.ndarray, box: Box) -> dict:
+    arrays = {
+        "positions": np.rint(box.quantize_positions(truth.points_mm[indices])).astype(np.uint16),
+        "visible": truth.visible[indices].astype(np.uint8),
+    }
+    caption = f"{len(indices)} of {len(truth.points_mm)} samples of the true surface"
+    return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
 
 
-def _limit_selector() -> str:
-    options = "".join(
-        f"<option value={limit}{' selected' if limit == 0.02 else ''}>{100 * limit:g} %"
-        for limit in LIMITS
-    )
-    return f"<label>scale ends at <select name=limit>{options}</select></label>"
+def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box, seed: int) -> dict:
+    max_error_mm = MAX_ERROR * box.diagonal_mm
+    indices = _even_subset(cloud.points_mm, seed, cloud.part_id)
+    quantized = np.rint(box.quantize_positions(cloud.points_mm[indices]))
+    inside = ((quantized >= 0) & (quantized <= 65535)).all(axis=1)
+    indices, points = indices[inside], cloud.points_mm[indices[inside]]
+    arrays = {
+        "positions": quantized[inside].astype(np.uint16),
+        "error": box.quantize_distances(cloud_to_surface_distances(points, surface)),
+        "missed": box.quantize_distances(
+            truth_to_cloud_distances(truth_points, cloud.points_mm, max_error_mm)
+        ),
+    } | _point_attributes(cloud, indices)
+    caption = f"{len(indices)} of {len(cloud.points_mm)} points"
+    num_outside = len(inside) - len(indices)
+    if num_outside:
+        caption += f"; {num_outside} more lie outside the picture"
+    return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
 
 
-def _scene_json(scores: Scores, scene: ViewerScene) -> str:
+def _point_attributes(cloud: Cloud, indices: np.ndarray) -> dict[str, np.ndarray]:
+    """Attributes of the points at `indices` that differ between the points of the cloud."""
+    attributes = {
+        "confidence": np.rint(255 * np.clip(cloud.confidence, 0, 1)).astype(np.uint8),
+        "view": (cloud.view + 1).astype(np.uint16),
+        "color": cloud.colors,
+    }
+    varying = {name: values for name, values in attributes.items() if (values != values[:1]).any()}
+    return {name: values[indices] for name, values in varying.items()}
+
+
+def _even_subset(
+    points_mm: Float32[np.ndarray, "n 3"], seed: int, part_id: str
+) -> Int64[np.ndarray, "m"]:
+    """Indices of the points to show, ascending: farthest points of at most MAX_POINTS."""
+    indices = np.arange(len(points_mm))
+    if len(indices) > MAX_POINTS:
+        indices = generator(seed, "viewer", part_id).choice(indices, MAX_POINTS, replace=False)
+    if len(indices) > SHOWN_POINTS:
+        centered = points_mm[indices] - points_mm[indices].mean(axis=0)  # fpsample has float32
+        farthest = fpsample.bucket_fps_kdline_sampling(centered, SHOWN_POINTS, h=7, start_idx=0)
+        indices = indices[farthest]
+    return np.unique(indices)  # fpsample repeats itself where points coincide
+
+
+def _to_base64(arrays: dict[str, np.ndarray]) -> dict[str, str]:
+    """Little-endian bytes in base64."""
+    return {
+        name: base64.b64encode(values.astype(values.dtype.newbyteorder("<")).tobytes()).decode()
+        for name, values in arrays.items()
+    }
+
+
+def viewer_context(study: Study, scores: Scores, scenes: Sequence[ViewerScene]) -> dict[str, Any]:
+    """What templates/viewer.html.j2 shows; `scenes` may be empty."""
+    return {
+        "names": ["truth", *study.methods],
+        "colorings": COLORINGS,
+        "limits": LIMITS,
+        "max_points": SHOWN_POINTS,
+        "color_maps": {name: _color_map_base64(kind) for name, kind in COLOR_MAPS.items()}
+        if scenes
+        else {},
+        "scenes": [{"part": scene.part, "data": _scene_data(scores, scene)} for scene in scenes],
+    }
+
+
+def _scene_data(scores: Scores, scene: ViewerScene) -> dict[str, Any]:
     packed = {
-        name: cloud | {"says": _cloud_caption(scores, scene.part, name, cloud["says"])}
+        name: cloud | {"caption": _cloud_caption(scores, scene.part, name, cloud["caption"])}
         for name, cloud in scene.clouds.items()
     }
-    return _json_script(f"scene={scene.part.part_id}", scene.facts | {"packed": packed})
+    return scene.facts | {"packed": packed}
 
 
 def _cloud_caption(scores: Scores, part: Part, name: str, caption: str) -> str:
-    """What stands below the name of a cloud: its EMD, both ways, and how much of it is shown."""
+    """EMD of the cloud in diagonals, mm and floors, before what is shown of it."""
     score = scores.get(part.part_id, name)
     if score is None:
         return caption
@@ -101,13 +192,8 @@ def _cloud_caption(scores: Scores, part: Part, name: str, caption: str) -> str:
     return f"{emd}{ratio}; {caption}"
 
 
-def _json_script(name: str, content: dict) -> str:
-    text = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    return f"<script type='application/json' id='{escape(name)}'>{text}</script>"
-
-
 def _color_map_base64(name: str) -> str:
-    """The 256 colors of a color map, base64."""
+    """The 256 colors of a color map, three bytes each, base64."""
     from matplotlib import colormaps
 
     colors = colormaps[name](np.arange(256), bytes=True)[:, :3]

@@ -16,10 +16,9 @@ from industnerf.artifacts.split import SplitAssignment
 from industnerf.config import build, read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.methods import load_method
-from industnerf.report.input_views import InputViews, input_views_of
 from industnerf.report.results import Results
-from industnerf.report.statistics.seed_variance_table import add_seed_variance
-from industnerf.report.study import Study, StudyFolders, TrainingSummary
+from industnerf.report.statistics.seed_variance import add_seed_variance
+from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary, input_views_of
 from industnerf.report.tables.costs import CostRow
 from industnerf.report.tables.formats import read_csv
 from industnerf.report.tables.goals import add_capture_goals
@@ -57,7 +56,9 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
             name: (int(row["parameters"]), int(row["steps"])) for name, row in rows.items()
         },
         training_summaries={
-            name: _training_summary(row) for name, row in rows.items() if int(row["learned_from"])
+            name: _training_summary(row)
+            for name, row in rows.items()
+            if int(row["num_train_parts"])
         },
         train_visible_share={},
         rig_visible_share={},
@@ -71,8 +72,8 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
 def _empty_predictions(folder: Path) -> dict[tuple[str, str], int]:
     """None in a table of before it had that column."""
     rows = read_csv(folder / "table1.csv")
-    known = [row for row in rows if row.get("empty_answers")]
-    return {(row["method"], row["split"]): int(row["empty_answers"]) for row in known}
+    known = [row for row in rows if row.get("empty_predictions")]
+    return {(row["method"], row["split"]): int(row["empty_predictions"]) for row in known}
 
 
 def _input_views(params: Mapping[str, Any]) -> dict[str, InputViews]:
@@ -101,7 +102,7 @@ def _score(row: CsvRow) -> PartScore:
 
 def _training_summary(row: CsvRow) -> TrainingSummary:
     has_converged = STILL_TRAINING not in row["undertrained"]
-    return TrainingSummary(row["size"], int(row["learned_from"]), row["hold_out"], has_converged)
+    return TrainingSummary(row["size"], int(row["num_train_parts"]), row["hold_out"], has_converged)
 
 
 def _costs(folder: Path) -> list[CostRow]:
@@ -113,6 +114,6 @@ def _costs(folder: Path) -> list[CostRow]:
 
 def _cost(row: CsvRow) -> Cost:
     seconds, peak_mb, extra_seconds = (
-        float(row[name]) for name in ("seconds", "peak_mb", "aside_s")
+        float(row[name]) for name in ("seconds", "peak_mb", "extra_seconds")
     )
     return Cost(seconds, peak_mb, row["device"], extra_seconds)

@@ -1,12 +1,14 @@
 """A finished report as files small enough to be committed, so that a clone shows its numbers."""
 
+import io
 import shutil
 from pathlib import Path
 from typing import Any
 
+from PIL import Image
+
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.errors import BadArtifact
-from industnerf.report.publish.downsample_images import downsample_png
 from industnerf.report.publish.provenance import environment
 from industnerf.report.tables.formats import markdown_table
 
@@ -37,7 +39,9 @@ GENERATED_FILES = {
     "environment.json": "the machine and the versions",
     "made.json": "command, day, commit, and what differed from it",
 }
-IMAGE_BYTES = 1_400_000  # bytes of all together
+IMAGE_BYTES = 1_400_000  # of all together
+IMAGE_WIDTHS = (2200, 1800, 1500, 1200, 1000, 800)  # px that are tried, widest first
+IMAGE_COLORS = 256
 
 
 def publish_study(report: Path, out: Path, provenance: dict[str, Any], project: Path) -> None:
@@ -92,9 +96,36 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
 
 
 def _rebuilt_sentence(provenance: dict[str, Any]) -> str:
-    if (rebuilt := provenance.get("retabled")) is None:
+    if (rebuilt := provenance.get("rebuilt")) is None:
         return ""
     return (
         f"  Its tables were made anew from its scores and costs on {rebuilt['date']}, commit "
         f"{rebuilt['commit']}, by `pipeline/rebuild_tables.py`: no score was measured anew."
     )
+
+
+def downsample_png(png: bytes, budget: int) -> bytes:
+    """`png` with a palette and as wide as `budget` bytes allow; never wider than it is.
+
+    If even the narrowest is larger than that, it is returned all the same.
+    """
+    reduced = png
+    for width in IMAGE_WIDTHS:
+        reduced = _resize_with_palette(png, width)
+        if len(reduced) <= budget:
+            break
+    return reduced
+
+
+def _resize_with_palette(png: bytes, width: int) -> bytes:
+    with Image.open(io.BytesIO(png)) as image:
+        rgb = image.convert("RGB")
+    rgb.thumbnail((width, rgb.height), Image.Resampling.LANCZOS)
+    out = io.BytesIO()
+    # Of Pillow's choices of a palette the nearest to the picture, and among the smallest files;
+    # without dithering, which no PNG can compress.
+    paletted = rgb.quantize(
+        IMAGE_COLORS, Image.Quantize.MAXCOVERAGE, kmeans=3, dither=Image.Dither.NONE
+    )
+    paletted.save(out, "PNG", optimize=True)
+    return out.getvalue()

@@ -27,7 +27,7 @@ from industnerf.report.tables.formats import (
     label_intervals,
     markdown_table,
 )
-from industnerf.report.tables.score_lookup import EMD_EVEN, scores_of, select_scores
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 from industnerf.report.tables.table1 import MUST_BEAT
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator

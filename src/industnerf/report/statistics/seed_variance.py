@@ -1,8 +1,11 @@
-"""How far results move with the seed, from the points of a sweep over it.
+"""Variance over seeds: of the points of a sweep, in `results/seeds`, and beside a study.
 
-Mean EMD (even) over the test parts `subsets.seed_parts`, failures included, for each seed, and the
-standard deviation of these means: to be held against differences between methods.  Beside it the
+Mean EMD (even) over the test parts `part_subsets.seed_parts`, failures included, for each seed, and
+the standard deviation of these means: to be held against differences between methods. Beside it the
 same of a single part, as the root of the mean variance over the parts.
+
+A later study shows the standard deviation only of a method that has, on these parts, the mean that
+it had in the sweep: settings change under a name that stays.
 """
 
 from collections import defaultdict
@@ -14,8 +17,9 @@ from statistics import fmean, stdev, variance
 
 from industnerf.errors import BadArtifact
 from industnerf.report.part_subsets import seed_parts
-from industnerf.report.tables.formats import read_csv
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.study import Study
+from industnerf.report.tables.formats import csv_text, format_significant, markdown_table, read_csv
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 
 EmdsBySeed = Mapping[int, Mapping[str, float]]  # seed -> part id -> EMD
 EmdsByMethod = Mapping[str, Mapping[str, float]]  # method -> part id -> EMD with one seed
@@ -128,3 +132,95 @@ def _mean_mm(
     if not matches_run(row, 0, emds) or not emds.keys() <= diagonals_mm.keys():
         return None
     return fmean(emd * diagonals_mm[part] for part, emd in emds.items())
+
+
+def read_seed_variances(folder: Path) -> list[SeedVariance]:
+    """What `seeds_csv` wrote into `folder`; nothing where there is none."""
+    path = folder / "seeds.csv"
+    return [_parse_row(row) for row in read_csv(path)] if path.exists() else []
+
+
+def _parse_row(row: dict[str, str]) -> SeedVariance:
+    seeds = {name.removeprefix("seed_"): value for name, value in row.items() if value}
+    means = {int(seed): float(value) for seed, value in seeds.items() if seed.isdigit()}
+    mean, sd, part_sd = (float(row[name]) for name in ("mean", "sd", "part_sd"))
+    mean_mm = float(row["seed_0_mm"]) if row.get("seed_0_mm") else None
+    return SeedVariance(row["method"], int(row["parts"]), means, mean, sd, part_sd, mean_mm)
+
+
+def _seed_columns(rows: Sequence[SeedVariance]) -> list[int]:
+    return sorted({seed for row in rows for seed in row.means})
+
+
+def _summary_values(row: SeedVariance) -> tuple[float, float, float]:
+    return row.mean, row.sd, row.part_sd
+
+
+def seeds_csv(rows: Sequence[SeedVariance]) -> str:
+    """`seeds.csv`: method,parts,seed_0,...,mean,sd,part_sd,seed_0_mm."""
+    seeds = _seed_columns(rows)
+    return csv_text(
+        [
+            "method",
+            "parts",
+            *(f"seed_{seed}" for seed in seeds),
+            "mean",
+            "sd",
+            "part_sd",
+            "seed_0_mm",
+        ],
+        [
+            [
+                row.method,
+                row.parts,
+                *map(row.means.get, seeds),
+                row.mean,
+                row.sd,
+                row.part_sd,
+                row.mean_mm,
+            ]
+            for row in rows
+        ],
+    )
+
+
+def seeds_md(rows: Sequence[SeedVariance]) -> str:
+    """`seeds.md`: the same for people."""
+    seeds = _seed_columns(rows)
+    table_rows = [
+        [
+            row.method,
+            str(row.parts),
+            *(f"{row.means[seed]:.5f}" if seed in row.means else "" for seed in seeds),
+            *(f"{value:.5f}" for value in _summary_values(row)),
+            format_significant(row.mean_mm),
+        ]
+        for row in rows
+    ]
+    heads = ["EMD (even)", "parts", *(f"seed {seed}" for seed in seeds)]
+    return markdown_table(
+        [*heads, "mean", "standard deviation", "of one part", "seed 0, mm"], table_rows
+    )
+
+
+def add_seed_variance(study: Study, folder: Path) -> Study:
+    """`study` with the standard deviations in the folder `seeds` that are of its methods."""
+    emds = _fixed_part_emds(study)
+    matching = [
+        row
+        for row in read_seed_variances(folder)
+        if matches_run(row, study.seed, emds.get(row.method))
+    ]
+    return replace(study, seeds_sd={row.method: row.sd for row in matching})
+
+
+def _fixed_part_emds(study: Study) -> EmdsByMethod:
+    """The EMDs (even) of the fixed parts."""
+    even_scores = {
+        name: select_scores(scores_of(study, name, "test"), *EMD_EVEN) for name in study.methods
+    }
+    fixed = seed_parts({row.part_id for rows in even_scores.values() for row in rows})
+    return {
+        name: {row.part_id: row.score.value for row in rows if row.part_id in fixed}
+        for name, rows in even_scores.items()
+    }

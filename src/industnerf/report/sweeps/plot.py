@@ -16,8 +16,8 @@ FRONT_COLOR = "#d1495b"
 HEADROOM = 1.2  # times the largest value
 # Of the height of an axis: beside what is drawn, a row of a legend, and the most that is left free.
 MARGIN, LEGEND_ROW, MAX_LEGEND_SHARE = 0.08, 0.09, 0.5
-AXIS_LABELS = {"seconds": "s a part", "peak_mb": "peak MB", "numbers": "numbers learned"}
-CHEAPER_WORDS = {"seconds": "quicker", "numbers": "smaller"}
+AXIS_LABELS = {"seconds": "s a part", "peak_mb": "peak MB", "num_parameters": "learned parameters"}
+CHEAPER_WORDS = {"seconds": "quicker", "num_parameters": "smaller"}
 
 
 def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: Path) -> None:
@@ -110,11 +110,13 @@ def _needs_log_axis(values: Sequence[float | int]) -> bool:
 
 
 def _price_quantity(series_list: list[Series], key: str) -> str:
-    """Numbers learned, where a setting changes how many and all learn some; else seconds."""
+    """The quantity a better EMD is paid with: `num_parameters` where a setting of a method changes it, else `seconds`."""
     counts = [[result.num_parameters for result in series.results] for series in series_list]
     is_varied = any(len(set(group)) > 1 for group in counts)
     all_known = all(number for group in counts for number in group)
-    return "numbers" if key.startswith(METHOD_PREFIX) and is_varied and all_known else "seconds"
+    return (
+        "num_parameters" if key.startswith(METHOD_PREFIX) and is_varied and all_known else "seconds"
+    )
 
 
 def _plot_tradeoff(axis: Any, series_list: list[Series], quantity: str) -> None:

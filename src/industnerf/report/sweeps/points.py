@@ -1,4 +1,4 @@
-"""The finished points of a sweep, read from the reports that each of them wrote."""
+"""The finished points of a sweep, read from their reports or from a published sweep.csv."""
 
 import json
 from collections import defaultdict
@@ -7,13 +7,13 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
-from industnerf.config import read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.flatten_config import flatten
 from industnerf.report.tables.formats import read_csv
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.tables.scores import EMD_EVEN
 
 SELECT_KEY = "parts.select"
+SWEEP_COLUMNS = ("emd", "low", "high", "x floor")  # of sweep.csv
 MEAN_COLUMNS = ("emd_even", "ci_low", "ci_high", "emd_mm", "ratio_to_floor")  # of table1.csv
 
 
@@ -110,7 +110,7 @@ def _read_point(folder: Path) -> SweepPoint:
         json.loads(path.read_text(encoding="utf-8"))
         for path in folder.glob("data/parts/*/part.json")
     ]
-    params = flatten(read_yaml(folder / "params.yaml"))
+    params = flatten(read_yaml(folder / "params.yaml"), split_lists=True)
     faces = fmean(part["faces"] for part in parts)
     return SweepPoint(int(folder.name), params, faces, results, families)
 
@@ -141,8 +141,49 @@ def core_seconds(sweep: Path) -> float:
     """What all stages of all points took together; what points share counts once."""
     rows = [row for path in sweep.glob("*/reports/cost.csv") for row in read_csv(path)]
     distinct = {tuple(row.values()): row for row in rows}.values()
-    return sum(float(row["seconds"]) + float(row["aside_s"]) for row in distinct)
+    return sum(float(row["seconds"]) + float(row["extra_seconds"]) for row in distinct)
 
 
 def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:
     return {method_split: fmean(values) for method_split, values in groups.items()}
+
+
+def read_published_sweep(folder: Path) -> tuple[list[SweepPoint], list[str]]:
+    """The points of `folder`, and what was swept; of no part by itself is anything known."""
+    rows = read_csv(folder / "sweep.csv")
+    heads = list(rows[0])
+    swept = heads[1 : heads.index("method")]
+    numbers = dict.fromkeys(int(row["point"]) for row in rows)
+    return [
+        _published_point(number, [row for row in rows if int(row["point"]) == number], swept)
+        for number in numbers
+    ], swept
+
+
+def _published_point(number: int, rows: list[dict[str, str]], swept: list[str]) -> SweepPoint:
+    params = {key: _parse_value(rows[0][key]) for key in swept}
+    return SweepPoint(number, params, 0.0, [_published_result(row) for row in rows], {})
+
+
+def _parse_value(text: str) -> int | float | str:
+    for convert in (int, float):
+        try:
+            return convert(text)
+        except ValueError:
+            pass
+    return text
+
+
+def _published_result(row: dict[str, str]) -> PointResult:
+    emd, low, high, ratio = (float(row[name]) for name in SWEEP_COLUMNS)
+    emd_mm, seconds, peak_mb = (
+        _optional_float(row, name) for name in ("emd_mm", "seconds", "peak_mb")
+    )
+    num_parameters = int(row["parameters"]) if row.get("parameters") else None
+    means = (emd, low, high, emd_mm, ratio)
+    return PointResult(row["method"], row["split"], *means, seconds, peak_mb, num_parameters, {})
+
+
+def _optional_float(row: dict[str, str], name: str) -> float | None:
+    """None where the cell is empty, or the table is of before it had that column."""
+    return float(row[name]) if row.get(name) else None

@@ -4,13 +4,13 @@ Below it are the presets whose results have documents of their own.
 """
 
 import json
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from industnerf.config import read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.report.publish.provenance import read_provenance
-from industnerf.report.sweeps.command_line import command_line_of
 from industnerf.report.tables.formats import format_significant, read_csv
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/reference/sweeps")
@@ -30,6 +30,8 @@ PUBLISHED_BY = {
     "seeds": "seed_variance",
     "seeds_nets": "seed_variance",
 }
+COMMAND = "python -m pipeline.sweep --multirun"
+HYDRA_KEYS = ("defaults", "hydra")
 INFLATED_SECONDS = "seconds are inflated"  # is said of a machine that was shared with other work
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
@@ -177,3 +179,31 @@ def _read_metadata(root: Path, preset: Preset) -> dict[str, Any]:
 
 def _is_published(root: Path, preset: Preset) -> bool:
     return (root / PUBLISHED / preset.name / "about.json").exists()
+
+
+def command_line_of(path: Path) -> str:
+    """The line that the preset at `path` stands for: on what it builds, what it sets and sweeps.
+
+    A line's settings win over those of files.  So where files are swept that set what the preset
+    does, it has to name the preset.
+    """
+    preset = read_yaml(path)
+    base = [f"experiment={name}" for name in preset.get("defaults", []) if name != "_self_"]
+    overrides = {key: value for key, value in preset.items() if key not in HYDRA_KEYS}
+    swept = preset["hydra"]["sweeper"]["params"]
+    if any(set(read_yaml(file)) & set(overrides) for file in _group_files(path.parents[1], swept)):
+        return f"{COMMAND} experiment={path.stem}"
+    folder = {"hydra": {"sweep": preset["hydra"].get("sweep", {})}}
+    values = flatten(overrides) | flatten(folder) | swept
+    arguments = [*base, *(f"{key}={_hydra_text(value)}" for key, value in values.items())]
+    return " ".join([COMMAND, *map(shlex.quote, arguments)])
+
+
+def _group_files(conf: Path, swept: dict[str, Any]) -> list[Path]:
+    """Those of the groups that are swept; what else is swept is no folder of `conf`."""
+    return [file for key in swept for file in sorted((conf / key).glob("*.yaml"))]
+
+
+def _hydra_text(value: Any) -> str:
+    """As Hydra reads it from a command line."""
+    return f"[{','.join(map(str, value))}]" if isinstance(value, list) else str(value)

@@ -1,10 +1,15 @@
-"""The points of a sweep as lines over the first thing that is swept, and how their costs grow."""
+"""The points of a sweep as series over the first swept key: how costs grow, what a step changes."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import Any
 
-from industnerf.report.statistics.power_law import PowerLaw, power_law
+import numpy as np
+
+from industnerf.report.statistics.significance import BOOTSTRAP_SEED, PairedChange, paired_change
 from industnerf.report.sweeps.points import PointResult, SweepPoint
+from industnerf.schema import ReportParams
 
 COST_QUANTITIES = ("seconds", "peak_mb")
 
@@ -20,6 +25,34 @@ class Series:
     @property
     def is_numeric(self) -> bool:
         return all(isinstance(x, int | float) and not isinstance(x, bool) for x in self.x)
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """y = factor * x**exponent; `error` is the exponent's standard error, of `points` points."""
+
+    exponent: float
+    error: float
+    factor: float
+    points: int
+
+
+def power_law(x: Sequence[int | float], y: Sequence[int | float]) -> PowerLaw | None:
+    """The power law nearest to the points in log-log, each point counting alike.
+
+    Points that have no logarithm are left out.  None where fewer than three remain, or all at one
+    x: with two there is no error to be known.
+    """
+    points = np.array([pair for pair in zip(x, y, strict=True) if min(pair) > 0], float)
+    if len(points) < 3 or np.ptp(points[:, 0]) == 0:
+        return None
+    u, v = np.log(points).T
+    sum_of_squares = float(((u - u.mean()) ** 2).sum())
+    exponent = float(((u - u.mean()) * (v - v.mean())).sum()) / sum_of_squares
+    offset = float(v.mean() - exponent * u.mean())
+    residual = float(((v - offset - exponent * u) ** 2).sum())
+    error = float(np.sqrt(residual / (len(points) - 2) / sum_of_squares))
+    return PowerLaw(exponent, error, float(np.exp(offset)), len(points))
 
 
 @dataclass(frozen=True)
@@ -67,3 +100,54 @@ def fit_trends(series_list: list[Series], key: str) -> list[Trend]:
             if law is not None:
                 fitted.append(Trend(series.label, quantity, law))
     return fitted
+
+
+STEP_HEADERS = ["series", "from", "to", "EMD changes by", "ci_low", "ci_high", "parts", "better on"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One series from the point at `before` to the next, at `after`."""
+
+    label: str
+    before: Any
+    after: Any
+    change: PairedChange
+
+
+def step_changes(series_list: list[Series], points: list[SweepPoint]) -> list[Step]:
+    """Every step of every series; none where neighbors have no part in common."""
+    families = {part: family for point in points for part, family in point.families.items()}
+    settings = _report_params(points[0].params)
+    return [
+        Step(series.label, x, next_x, change)
+        for series in series_list
+        for (x, result), (next_x, next_result) in pairwise(
+            zip(series.x, series.results, strict=True)
+        )
+        if (
+            change := paired_change(
+                result.emd_by_part, next_result.emd_by_part, families, settings, BOOTSTRAP_SEED
+            )
+        )
+        is not None
+    ]
+
+
+def step_table(steps: list[Step]) -> list[list[str]]:
+    """A line a step; below 0 the later point is better."""
+    return [STEP_HEADERS] + [
+        [step.label, str(step.before), str(step.after), *_cells(step)] for step in steps
+    ]
+
+
+def _cells(step: Step) -> list[str]:
+    change = step.change
+    values = [f"{value:+.5f}" for value in (change.mean, change.low, change.high)]
+    return [*values, str(change.parts), str(change.num_lower)]
+
+
+def _report_params(params: Mapping[str, Any]) -> ReportParams:
+    return ReportParams(
+        **{field.name: params[f"report.{field.name}"] for field in fields(ReportParams)}
+    )

@@ -1,6 +1,6 @@
 """After a sweep: a table of its points, what each step changes, how costs grow, and a plot.
 
-sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, numbers learned
+sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, learned parameters
 steps.csv    from each point to the next: the mean paired difference of the EMD, with its interval
 trend.csv    exponents of seconds and memory, where what is swept is a number
 sweep.png    the same
@@ -13,7 +13,6 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_text
-from industnerf.report.sweeps import steps
 from industnerf.report.sweeps.plot import plot_sweep
 from industnerf.report.sweeps.points import (
     PointResult,
@@ -22,7 +21,7 @@ from industnerf.report.sweeps.points import (
     read_points,
     swept_keys,
 )
-from industnerf.report.sweeps.series import Trend, fit_trends, make_series
+from industnerf.report.sweeps.series import Trend, fit_trends, make_series, step_changes, step_table
 from industnerf.report.tables.formats import csv_text, format_fixed
 
 COLUMNS = (
@@ -35,7 +34,7 @@ COLUMNS = (
     "x floor",
     "seconds",
     "peak_mb",
-    "numbers",
+    "parameters",
 )
 FILE_ONLY_COLUMNS = (
     "point",
@@ -43,7 +42,7 @@ FILE_ONLY_COLUMNS = (
     "low",
     "high",
     "emd_mm",
-    "numbers",
+    "parameters",
 )  # the others fit into 80 characters
 
 
@@ -55,7 +54,7 @@ def write_sweep_report(folder: Path) -> int:
         series_list = make_series(points, swept)
         fitted = fit_trends(series_list, swept[0])
         point_rows, trend_rows = _point_rows(points, swept), _trend_rows(fitted)
-        step_rows = steps.step_table(steps.step_changes(series_list, points))
+        step_rows = step_table(step_changes(series_list, points))
         write_text(folder / "sweep.csv", csv_text(point_rows[0], point_rows[1:]))
         write_text(folder / "steps.csv", csv_text(step_rows[0], step_rows[1:]))
         write_text(folder / "trend.csv", csv_text(trend_rows[0], trend_rows[1:]))
@@ -74,8 +73,8 @@ def _point_row(point: SweepPoint, swept: list[str], result: PointResult) -> list
     emd = [f"{value:.5f}" for value in (result.emd, result.low, result.high)]
     keys = [str(point.params.get(key)) for key in swept]
     means = [*emd, format_fixed(result.emd_mm), f"{result.ratio_to_floor:.3f}"]
-    numbers = "" if result.num_parameters is None else str(result.num_parameters)
-    return [str(point.number), *keys, result.method, result.split, *means, *costs, numbers]
+    parameters = "" if result.num_parameters is None else str(result.num_parameters)
+    return [str(point.number), *keys, result.method, result.split, *means, *costs, parameters]
 
 
 def _trend_rows(fitted: list[Trend]) -> list[list[str]]:

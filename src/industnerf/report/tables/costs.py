@@ -1,4 +1,4 @@
-"""What each result cost, from the store's side-cars; unknown where the store is not at hand.
+"""What each result and each method costs, from the store's side-cars; unknown without the store.
 
 The split, a fraction of a second, is in no store and is not counted; the report counts itself.
 """
@@ -9,8 +9,8 @@ from pathlib import Path
 from statistics import fmean
 
 from industnerf.artifacts.files import write_text
-from industnerf.report.study import StudyFolders
-from industnerf.report.tables.formats import csv_text
+from industnerf.report.study import Study, StudyFolders
+from industnerf.report.tables.formats import csv_text, format_fixed, markdown_table
 from industnerf.stage import read_index
 from industnerf.store import Cost, Store
 
@@ -46,7 +46,7 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 
 def costs_csv(rows: list[CostRow]) -> str:
-    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,aside_s."""
+    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,extra_seconds."""
     return csv_text(
         ["stage", "method", "part_id", *Cost.__dataclass_fields__], map(_row_cells, rows)
     )
@@ -69,3 +69,84 @@ def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str
         if (row.stage, row.method) == ("reconstruct", method) and row.part_id in parts
     ]
     return fmean(seconds) if seconds else None
+
+
+COLUMNS = (
+    "method",
+    "s a part",
+    "renderings, s",
+    "peak MB",
+    "networks",
+    "minutes a network",
+    "peak MB of training",
+    "parameters",
+    "steps",
+    "scoring, s a part",
+)
+
+
+@dataclass(frozen=True)
+class MethodCost:
+    """One method: means over parts or nets, of memory the most; None where nothing is known."""
+
+    method: str
+    seconds: float | None
+    extra_seconds: float | None  # renderings of the held-out views
+    peak_mb: float | None
+    nets: int
+    net_minutes: float | None
+    net_peak_mb: float | None
+    num_parameters: int  # learned
+    steps: int
+    scoring_seconds: float | None
+
+
+def method_costs(study: Study, costs: Sequence[CostRow]) -> list[MethodCost]:
+    """A line a method, the quickest first, those of unknown cost last."""
+    rows = [_method_cost(study, name, costs) for name in study.methods]
+    return sorted(rows, key=lambda row: (row.seconds is None, row.seconds))
+
+
+def _method_cost(study: Study, method: str, costs: Sequence[CostRow]) -> MethodCost:
+    reconstruct_costs, train_costs, evaluate_costs = (
+        [row.cost for row in costs if (row.stage, row.method) == (stage, method)]
+        for stage in ("reconstruct", "train", "evaluate")
+    )
+    num_parameters, steps = study.parameters_and_steps[method]
+    return MethodCost(
+        method,
+        _mean([cost.seconds for cost in reconstruct_costs]),
+        _mean([cost.extra_seconds for cost in reconstruct_costs]),
+        max((cost.peak_mb for cost in reconstruct_costs), default=None),
+        len(train_costs),
+        _mean([cost.seconds / 60 for cost in train_costs]),
+        max((cost.peak_mb for cost in train_costs), default=None),
+        num_parameters,
+        steps,
+        _mean([cost.seconds for cost in evaluate_costs]),
+    )
+
+
+def _mean(values: list[float]) -> float | None:
+    return fmean(values) if values else None
+
+
+def format_row(row: MethodCost) -> list[str]:
+    """`line` as people read it, one text for each of COLUMNS."""
+    return [
+        row.method,
+        format_fixed(row.seconds, 2),
+        format_fixed(row.extra_seconds, 2),
+        format_fixed(row.peak_mb, 0),
+        str(row.nets or ""),
+        format_fixed(row.net_minutes, 1),
+        format_fixed(row.net_peak_mb, 0),
+        str(row.num_parameters or ""),
+        str(row.steps or ""),
+        format_fixed(row.scoring_seconds, 2),
+    ]
+
+
+def cost_table_md(rows: Sequence[MethodCost]) -> str:
+    """`cost.md`: the means of cost.csv."""
+    return markdown_table(COLUMNS, map(format_row, rows))

@@ -17,15 +17,16 @@ from industnerf.report.statistics.comparisons import emd_even_by_part
 from industnerf.report.study import Study
 from industnerf.report.tables.costs import CostRow
 from industnerf.report.tables.formats import csv_text, format_significant, markdown_table
-from industnerf.report.tables.score_lookup import (
+from industnerf.report.tables.scores import (
     AUSE,
     AUSE_RANDOM,
     EMD_EVEN,
     SPEARMAN,
     scores_of,
     select_scores,
+    unit_in_mm,
+    values_in_mm,
 )
-from industnerf.report.tables.units import unit_in_mm, values_in_mm
 
 PLUS, HULL = "industnerf_plus", "hull"
 REFERENCE_METHODS = ("tsdf", "oracle")
@@ -217,7 +218,7 @@ def add_capture_goals(goals: Sequence[Goal], published: Sequence[Mapping[str, st
 
 
 def _parse_goal(row: Mapping[str, str]) -> Goal:
-    direction, bound = row["wanted"].rsplit(" ", 1)
+    direction, bound = row["target"].rsplit(" ", 1)
     # an older file has no column of them
     reference_values = {name: float(row[name]) for name in REFERENCE_METHODS if row.get(name)}
     value, at_least = float(row["value"]), direction == "at least"
@@ -227,7 +228,7 @@ def _parse_goal(row: Mapping[str, str]) -> Goal:
 def goals_csv(goals: Sequence[Goal]) -> str:
     """`goals.csv`."""
     return csv_text(
-        ("method", "goal", "wanted", "value", "met", "beside", "unit", *REFERENCE_METHODS),
+        ("method", "goal", "target", "value", "met", "supplement", "unit", *REFERENCE_METHODS),
         [
             (
                 *(
@@ -245,7 +246,7 @@ def goals_csv(goals: Sequence[Goal]) -> str:
     )
 
 
-COLUMNS = ("method", "goal", "wanted", "measured", "met", "beside it", *REFERENCE_METHODS)
+COLUMNS = ("method", "goal", "target", "measured", "met", "also", *REFERENCE_METHODS)
 
 
 def format_row(goal: Goal) -> list[str]:

@@ -10,8 +10,7 @@ from statistics import fmean, median
 from industnerf.artifacts.scores import PartScore
 from industnerf.report.study import Study
 from industnerf.report.tables.formats import csv_text, format_significant, markdown_table
-from industnerf.report.tables.score_lookup import EMD_EVEN, scores_of, select_scores
-from industnerf.report.tables.units import values_in_mm
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores, values_in_mm
 
 WITHIN_PREFIX, COVERED_PREFIX = (
     "within_",

@@ -3,14 +3,11 @@
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from statistics import fmean
 
 from industnerf.errors import BadArtifact
 from industnerf.report import paper_results
-from industnerf.report.html.markup import Column, html_table, note
-from industnerf.report.html.markup import HtmlRow as Row
 from industnerf.report.publish.provenance import commit_label, read_provenance
 from industnerf.report.tables.formats import (
     csv_text,
@@ -25,14 +22,6 @@ FLOOR, DIAGONAL = "floor", "diagonal"
 ProtocolCells = Mapping[str, Mapping[str, list[dict]]]  # part id -> subject -> cells
 ValuesByPart = dict[str, dict[str, float]]  # part id -> subject -> value
 INADMISSIBLE = "no: the floor is above it"
-CAPTION = (
-    "Mean EMD under every protocol that the paper may have meant, over the test parts of the "
-    "study of commit {commit}, {date}, whatever else this page shows. <i>points</i> on "
-    "either side; <i>reduction</i> of the prediction; <i>cost</i> of moving a point: its distance, "
-    "or that squared; <i>scale</i>: the length that is 1, which changes no mean in mm (of squares: "
-    "mm²). Where the floor, a second sample of the "
-    "true surface, is above the paper's {paper}, no method can have scored that."
-)
 
 
 @dataclass(frozen=True)
@@ -139,26 +128,25 @@ def grid_csv(rows: list[GridRow]) -> str:
 
 def grid_md(rows: list[GridRow]) -> str:
     """`grid.md`: a row for every cell, and whether the paper's number is possible in it."""
-    return markdown_table(_heads(rows), [_row_texts(row) for row in rows])
+    return markdown_table(headers(rows), [format_row(row) for row in rows])
 
 
-def grid_html(folder: Path) -> str:
-    """What `folder` holds of a grid, as a section of the page; empty if there is none.
+@dataclass(frozen=True)
+class PublishedGrid:
+    """A grid of protocols in a folder, and the study that it is of."""
 
-    Raises BadArtifact if its files are torn.
-    """
+    rows: list[GridRow]
+    commit: str
+    date: str
+    paper_emd: float = paper_results.EMD["industnerf"]
+
+
+def load_published_grid(folder: Path) -> PublishedGrid | None:
+    """The grid in `folder`; None if there is none. Raises BadArtifact if its files are torn."""
     if not (folder / "grid.csv").exists():
-        return ""
+        return None
     rows, provenance = read_grid(folder / "grid.csv"), read_provenance(folder)
-    columns = [Column(head, head in CELL_KEYS[1:]) for head in _heads(rows)]
-    facts = {
-        "commit": commit_label(provenance),
-        "date": provenance["date"],
-        "paper": paper_results.EMD["industnerf"],
-    }
-    return html_table(columns, [Row([*map(escape, _row_texts(row))]) for row in rows]) + note(
-        CAPTION.format(**facts)
-    )
+    return PublishedGrid(rows, commit_label(provenance), provenance["date"])
 
 
 def read_grid(path: Path) -> list[GridRow]:
@@ -179,7 +167,8 @@ def read_grid(path: Path) -> list[GridRow]:
     return [GridRow(cell, means[cell], means_mm[cell], parts[cell]) for cell in means]
 
 
-def _heads(rows: list[GridRow]) -> list[str]:
+def headers(rows: list[GridRow]) -> list[str]:
+    """The heads of the columns of `format_row`."""
     subjects = list(rows[0].means) if rows else []
     mm_headers = [f"{subject}, mm" for subject in (rows[0].mm if rows else ())]
     return [
@@ -191,7 +180,8 @@ def _heads(rows: list[GridRow]) -> list[str]:
     ]
 
 
-def _row_texts(row: GridRow) -> list[str]:
+def format_row(row: GridRow) -> list[str]:
+    """`row` as people read it."""
     return [
         *map(str, row.cell),
         *(format_fixed(mean, row.decimals) for mean in row.means.values()),

@@ -21,8 +21,7 @@ from industnerf.report.tables.formats import (
     label_intervals,
     markdown_table,
 )
-from industnerf.report.tables.score_lookup import EMD_EVEN, scores_of, select_scores
-from industnerf.report.tables.units import MeanInMm, mean_in_mm
+from industnerf.report.tables.scores import EMD_EVEN, MeanInMm, mean_in_mm, scores_of, select_scores
 from industnerf.schema import ReportParams
 
 NO_TABLE2 = (

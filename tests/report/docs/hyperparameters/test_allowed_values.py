@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from industnerf import config
+from industnerf.config import flatten
 from industnerf.report.docs.hyperparameters.allowed_values import allowed_values
-from industnerf.report.flatten_config import flatten
 
 
 @pytest.mark.parametrize(
@@ -27,5 +27,5 @@ def test_choices_and_ranges_are_found(key: str, description: str):
 
 
 def test_every_key_of_params_yaml_has_its_place_in_the_schema(root: Path):
-    for key in flatten(config.read_yaml(root / "params.yaml")):
+    for key in flatten(config.read_yaml(root / "params.yaml"), split_lists=True):
         allowed_values(key)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from industnerf import config
+from industnerf.config import flatten
 from industnerf.report.docs.hyperparameters.document import (
     escape_cell,
     format_value,
@@ -13,7 +14,6 @@ from industnerf.report.docs.hyperparameters.document import (
     render_document,
 )
 from industnerf.report.docs.hyperparameters.paper_symbols import PAPER_SYMBOLS
-from industnerf.report.flatten_config import flatten
 
 
 @pytest.fixture
@@ -38,12 +38,12 @@ def test_who_reads_a_parameter_is_what_dvc_says(key: str, expected: list[str], s
 
 
 def test_somebody_reads_every_parameter(root: Path, stages: dict):
-    values_by_key = flatten(config.read_yaml(root / "params.yaml"))
+    values_by_key = flatten(config.read_yaml(root / "params.yaml"), split_lists=True)
     assert [key for key in values_by_key if not reader_stages(key, stages)] == []
 
 
 def test_what_has_a_symbol_is_a_parameter(root: Path):
-    values_by_key = flatten(config.read_yaml(root / "params.yaml"))
+    values_by_key = flatten(config.read_yaml(root / "params.yaml"), split_lists=True)
     assert set(PAPER_SYMBOLS) <= set(values_by_key)
 
 
@@ -51,7 +51,7 @@ def test_every_parameter_is_in_the_document_with_its_value(root: Path, stages: d
     values, text = config.read_yaml(root / "params.yaml"), (root / "params.yaml").read_text()
     rows = re.findall(r"^\| `(.+?)` \| (.*)$", render_document(text, values, stages), re.MULTILINE)
     cells = {(name, cell) for name, row in rows for cell in row.split(" | ")}
-    for key, value in flatten(values).items():
+    for key, value in flatten(values, split_lists=True).items():
         names = [key, key.split(".", 1)[-1], key.split(".", 2)[-1]]
         assert any((name, format_value(value)) in cells for name in names), key
 

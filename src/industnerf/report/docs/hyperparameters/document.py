@@ -4,10 +4,10 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from industnerf.config import flatten
 from industnerf.report.docs.hyperparameters.allowed_values import allowed_values
 from industnerf.report.docs.hyperparameters.paper_symbols import NERF_METHODS, PAPER_SYMBOLS
 from industnerf.report.docs.hyperparameters.yaml_comments import find_meaning, parse_comments
-from industnerf.report.flatten_config import flatten
 
 HEAD = """# Hyperparameters
 
@@ -33,7 +33,7 @@ class Sources:
 
 def render_document(text: str, values: dict[str, Any], stages: dict[str, dict[str, Any]]) -> str:
     """All parameters as Markdown; `text` is params.yaml, and `values` what it holds."""
-    sources = Sources(flatten(values), parse_comments(text), stages)
+    sources = Sources(flatten(values, split_lists=True), parse_comments(text), stages)
     sections = [name for name, value in values.items() if isinstance(value, dict)]
     sections.remove("method")
     methods = [f"method.{name}" for name in values["method"] if name not in NERF_METHODS]

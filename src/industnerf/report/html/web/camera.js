@@ -64,7 +64,7 @@ const KEYS = {
 
 // Drag turns, shift-drag or the right button shifts, the wheel zooms once the picture was clicked
 // (before that it scrolls the page), a double click or the key 0 goes back to the start.
-function followHand(canvas, camera, redraw) {
+function attachControls(canvas, camera, redraw) {
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
   canvas.addEventListener("pointermove", (event) => {
     if (!canvas.hasPointerCapture(event.pointerId)) return;

@@ -30,21 +30,21 @@ function colorEach(count, color) {
   return colors;
 }
 
-// Distances are stored as roots, for small ones matter most: 255 is `worst` mm.
-function millimeters(root, worst) {
-  return worst * (root / 255) ** 2;
+// Distances are stored as roots, for small ones matter most: 255 is `max_mm`.
+function millimeters(root, max_mm) {
+  return max_mm * (root / 255) ** 2;
 }
 
 // Each: what a cloud must hold, and the color of its point i.
 const COLORINGS = {
   error: {
     needs: "error", lacks: "there is nothing beside it to measure to",
-    of: (cloud, scene, look) => (i) =>
-      fromMap(look.maps.error, millimeters(cloud.error[i], scene.worst_mm) / look.limit_mm),
+    of: (cloud, scene, settings) => (i) =>
+      fromMap(settings.maps.error, millimeters(cloud.error[i], scene.max_error_mm) / settings.limit_mm),
   },
   confidence: {
     needs: "confidence", lacks: "it states no confidence that differs between points",
-    of: (cloud, scene, look) => (i) => fromMap(look.maps.confidence, cloud.confidence[i] / 255),
+    of: (cloud, scene, settings) => (i) => fromMap(settings.maps.confidence, cloud.confidence[i] / 255),
   },
   view: {
     needs: "view", lacks: "it does not say which view a point is from",
@@ -57,15 +57,15 @@ const COLORINGS = {
 };
 
 // Colors of `cloud`, and why they are gray where they are.
-function colorsOf(cloud, scene, look) {
-  const coloring = COLORINGS[look.coloring];
-  if (cloud.visible && look.coloring !== "error") {
+function colorsOf(cloud, scene, settings) {
+  const coloring = COLORINGS[settings.coloring];
+  if (cloud.visible && settings.coloring !== "error") {
     return { colors: colorEach(cloud.count, (i) => (cloud.visible[i] ? SEEN : HIDDEN)), why: "" };
   }
   if (!cloud[coloring.needs]) {
     return { colors: colorEach(cloud.count, () => GRAY), why: coloring.lacks };
   }
-  return { colors: colorEach(cloud.count, coloring.of(cloud, scene, look)), why: "" };
+  return { colors: colorEach(cloud.count, coloring.of(cloud, scene, settings)), why: "" };
 }
 
 function ramp(map) {
@@ -77,12 +77,12 @@ function spot([r, g, b], text) {
   return `<span class="dot" style="background:rgb(${r},${g},${b})"></span>${text}`;
 }
 
-function legendOf(look) {
+function legendOf(settings) {
   const truth = `truth: ${spot(SEEN, "seen by the reference rig")} ${spot(HIDDEN, "hidden from it")}`;
   return {
-    error: `0 ${ramp(look.maps.error)} ${look.limit_mm.toPrecision(3)} mm and more`,
-    confidence: `confidence 0 ${ramp(look.maps.confidence)} 1; ${truth}`,
+    error: `0 ${ramp(settings.maps.error)} ${settings.limit_mm.toPrecision(3)} mm and more`,
+    confidence: `confidence 0 ${ramp(settings.maps.confidence)} 1; ${truth}`,
     view: `each view has a color of its own, ${spot(GRAY, "view unknown")}; ${truth}`,
     photo: `as in the photographs; ${truth}`,
-  }[look.coloring];
+  }[settings.coloring];
 }

@@ -2,27 +2,27 @@
 // Points as round discs with WebGL 2, then a pass that darkens a pixel the further its neighbors
 // stand before it: eye-dome lighting, for clouds have no normals, but depth alone shows form.
 
-const DISC = [`#version 300 es
-  in vec3 place;
+const DISC_SHADER = [`#version 300 es
+  in vec3 position;
   in vec3 color;
   uniform mat4 camera;
   uniform float disc; // diameter of a disc at depth 1, px
-  out vec3 tint;
+  out vec3 vertexColor;
   void main() {
-    gl_Position = camera * vec4(place, 1.0);
+    gl_Position = camera * vec4(position, 1.0);
     gl_PointSize = max(2.0, disc / gl_Position.w);
-    tint = color;
+    vertexColor = color;
   }`, `#version 300 es
   precision mediump float;
-  in vec3 tint;
+  in vec3 vertexColor;
   out vec4 pixel;
   void main() {
     vec2 from = gl_PointCoord - 0.5;
     if (dot(from, from) > 0.25) discard;
-    pixel = vec4(tint, 1.0);
+    pixel = vec4(vertexColor, 1.0);
   }`];
 
-const RELIEF = [`#version 300 es
+const EDL_SHADER = [`#version 300 es
   void main() { // one triangle over the whole picture
     gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
   }`, `#version 300 es
@@ -32,7 +32,7 @@ const RELIEF = [`#version 300 es
   uniform vec2 range; // near and far
   uniform int reach; // px
   out vec4 pixel;
-  float away(ivec2 at) {
+  float logDepth(ivec2 at) {
     float depth = texelFetch(depths, clamp(at, ivec2(0), textureSize(depths, 0) - 1), 0).r;
     if (depth == 1.0) return 0.0; // nothing there
     float z = 2.0 * depth - 1.0;
@@ -42,13 +42,13 @@ const RELIEF = [`#version 300 es
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 here = texelFetch(colors, at, 0);
     if (here.a == 0.0) { pixel = vec4(1.0); return; }
-    float mine = away(at), before = 0.0;
+    float mine = logDepth(at), occlusion = 0.0;
     for (int i = 0; i < 9; i++) {
-      ivec2 beside = at + reach * ivec2(i % 3 - 1, i / 3 - 1);
-      float other = away(beside);
-      if (other != 0.0) before += min(max(0.0, mine - other), 0.05);
+      ivec2 neighbor = at + reach * ivec2(i % 3 - 1, i / 3 - 1);
+      float other = logDepth(neighbor);
+      if (other != 0.0) occlusion += min(max(0.0, mine - other), 0.05);
     }
-    pixel = vec4(here.rgb * exp(-4.0 * before), 1.0);
+    pixel = vec4(here.rgb * exp(-4.0 * occlusion), 1.0);
   }`];
 
 function compile(gl, [vertex, fragment]) {
@@ -67,31 +67,31 @@ function compile(gl, [vertex, fragment]) {
 }
 
 // Null where the browser has no WebGL 2.
-function newPainter(canvas) {
+function newRenderer(canvas) {
   const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true });
   if (!gl) return null;
-  return { gl, disc: compile(gl, DISC), relief: compile(gl, RELIEF), width: 0, height: 0 };
+  return { gl, disc: compile(gl, DISC_SHADER), edl: compile(gl, EDL_SHADER), width: 0, height: 0 };
 }
 
 // The picture that the points are drawn to, and its depth, as large as the canvas.
-function fitTo(painter, canvas) {
-  const { gl } = painter;
+function resize(renderer, canvas) {
+  const { gl } = renderer;
   const scale = Math.min(2, window.devicePixelRatio);
   const width = Math.round(canvas.clientWidth * scale);
   const height = Math.round(canvas.clientHeight * scale);
-  if (painter.width === width && painter.height === height) return;
-  Object.assign(painter, { width, height, scale });
+  if (renderer.width === width && renderer.height === height) return;
+  Object.assign(renderer, { width, height, scale });
   Object.assign(canvas, { width, height });
-  for (const texture of [painter.colors, painter.depths]) gl.deleteTexture(texture);
-  gl.deleteFramebuffer(painter.frame);
-  painter.colors = texture(gl, gl.RGBA8, width, height);
-  painter.depths = texture(gl, gl.DEPTH_COMPONENT24, width, height);
-  painter.frame = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, painter.frame);
+  for (const texture of [renderer.colors, renderer.depths]) gl.deleteTexture(texture);
+  gl.deleteFramebuffer(renderer.frame);
+  renderer.colors = texture(gl, gl.RGBA8, width, height);
+  renderer.depths = texture(gl, gl.DEPTH_COMPONENT24, width, height);
+  renderer.frame = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.frame);
   const attach = (where, what) =>
     gl.framebufferTexture2D(gl.FRAMEBUFFER, where, gl.TEXTURE_2D, what, 0);
-  attach(gl.COLOR_ATTACHMENT0, painter.colors);
-  attach(gl.DEPTH_ATTACHMENT, painter.depths);
+  attach(gl.COLOR_ATTACHMENT0, renderer.colors);
+  attach(gl.DEPTH_ATTACHMENT, renderer.depths);
 }
 
 function texture(gl, kind, width, height) {
@@ -104,9 +104,9 @@ function texture(gl, kind, width, height) {
   return made;
 }
 
-// `places`: Float32Array, three numbers a point; `colors`: Uint8Array, three numbers a point.
-function newPoints({ gl, disc }, places) {
-  const points = { count: places.length / 3, layout: gl.createVertexArray(), colors: gl.createBuffer() };
+// `positions`: Float32Array, three numbers a point; `colors`: Uint8Array, three numbers a point.
+function newPoints({ gl, disc }, positions) {
+  const points = { count: positions.length / 3, layout: gl.createVertexArray(), colors: gl.createBuffer() };
   gl.bindVertexArray(points.layout);
   const attribute = (name, buffer, kind, normalized) => {
     const where = gl.getAttribLocation(disc, name);
@@ -115,37 +115,37 @@ function newPoints({ gl, disc }, places) {
     gl.vertexAttribPointer(where, 3, kind, normalized, 0, 0);
   };
   attribute("color", points.colors, gl.UNSIGNED_BYTE, true);
-  points.places = gl.createBuffer();
-  attribute("place", points.places, gl.FLOAT, false);
-  gl.bufferData(gl.ARRAY_BUFFER, places, gl.STATIC_DRAW);
+  points.positions = gl.createBuffer();
+  attribute("position", points.positions, gl.FLOAT, false);
+  gl.bufferData(gl.ARRAY_BUFFER, positions, gl.STATIC_DRAW);
   return points;
 }
 
-function paint({ gl }, points, colors) {
+function uploadColors({ gl }, points, colors) {
   gl.bindBuffer(gl.ARRAY_BUFFER, points.colors);
   gl.bufferData(gl.ARRAY_BUFFER, colors, gl.DYNAMIC_DRAW);
 }
 
-function forget({ gl }, points) {
+function deletePoints({ gl }, points) {
   gl.deleteVertexArray(points.layout);
-  gl.deleteBuffer(points.places);
+  gl.deleteBuffer(points.positions);
   gl.deleteBuffer(points.colors);
 }
 
 // Draw two sets of points, either of which may be null, side by side; `size` of a disc in diagonals.
-function draw(painter, pair, camera, size) {
-  const { gl, width, height } = painter;
+function draw(renderer, pair, camera, size) {
+  const { gl, width, height } = renderer;
   const half = Math.floor(width / 2);
   const matrix = matrixOf(camera, half / height);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, painter.frame);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.frame);
   gl.viewport(0, 0, width, height);
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   gl.enable(gl.DEPTH_TEST);
-  gl.useProgram(painter.disc);
-  gl.uniformMatrix4fv(gl.getUniformLocation(painter.disc, "camera"), false, matrix);
+  gl.useProgram(renderer.disc);
+  gl.uniformMatrix4fv(gl.getUniformLocation(renderer.disc, "camera"), false, matrix);
   const pixels = (size * height * Math.min(1, half / height)) / (2 * OPENING);
-  gl.uniform1f(gl.getUniformLocation(painter.disc, "disc"), pixels);
+  gl.uniform1f(gl.getUniformLocation(renderer.disc, "disc"), pixels);
   gl.enable(gl.SCISSOR_TEST); // a disc may reach over the edge of its pane
   pair.forEach((points, i) => {
     if (!points) return;
@@ -155,23 +155,23 @@ function draw(painter, pair, camera, size) {
     gl.drawArrays(gl.POINTS, 0, points.count);
   });
   gl.disable(gl.SCISSOR_TEST);
-  shade(painter);
+  applyEyeDomeLighting(renderer);
 }
 
-function shade(painter) {
-  const { gl, width, height, relief } = painter;
+function applyEyeDomeLighting(renderer) {
+  const { gl, width, height, edl } = renderer;
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.viewport(0, 0, width, height);
   gl.disable(gl.DEPTH_TEST);
-  gl.useProgram(relief);
-  [painter.colors, painter.depths].forEach((texture, i) => {
+  gl.useProgram(edl);
+  [renderer.colors, renderer.depths].forEach((texture, i) => {
     gl.activeTexture(gl.TEXTURE0 + i);
     gl.bindTexture(gl.TEXTURE_2D, texture);
   });
-  gl.uniform1i(gl.getUniformLocation(relief, "colors"), 0);
-  gl.uniform1i(gl.getUniformLocation(relief, "depths"), 1);
-  gl.uniform2f(gl.getUniformLocation(relief, "range"), NEAR, FAR);
-  gl.uniform1i(gl.getUniformLocation(relief, "reach"), Math.round(painter.scale));
+  gl.uniform1i(gl.getUniformLocation(edl, "colors"), 0);
+  gl.uniform1i(gl.getUniformLocation(edl, "depths"), 1);
+  gl.uniform2f(gl.getUniformLocation(edl, "range"), NEAR, FAR);
+  gl.uniform1i(gl.getUniformLocation(edl, "reach"), Math.round(renderer.scale));
   gl.bindVertexArray(null);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }

@@ -2,43 +2,43 @@
 // The linked viewer: two clouds of one part under one camera.  Clouds lie in the page as base64,
 // a JSON element a part, and are decoded when the part is chosen.
 
-function bytesOf(text) {
+function decodeBase64(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
-const WIDE = new Set(["place", "view"]); // 16 bits a number, the others have 8
+const WIDE = new Set(["positions", "view"]); // 16 bits a number, the others have 8
 
 function decode(packed, scene) {
-  const cloud = { says: packed.says, failed: packed.failed, count: packed.count };
+  const cloud = { caption: packed.caption, failed: packed.failed, count: packed.count };
   for (const [name, text] of Object.entries(packed.arrays)) {
-    const bytes = bytesOf(text);
+    const bytes = decodeBase64(text);
     cloud[name] = WIDE.has(name) ? new Uint16Array(bytes.buffer) : bytes;
   }
-  if (cloud.place) {
-    cloud.place = Float32Array.from(cloud.place, (n) => (n / 65535 - 0.5) * scene.span);
+  if (cloud.positions) {
+    cloud.positions = Float32Array.from(cloud.positions, (n) => (n / 65535 - 0.5) * scene.span);
   }
   return cloud;
 }
 
 function startViewer(root) {
   const canvas = root.querySelector("canvas");
-  const painter = newPainter(canvas);
-  if (!painter) {
+  const renderer = newRenderer(canvas);
+  if (!renderer) {
     root.querySelector("#legend").textContent =
       "This browser draws no WebGL 2: the contact sheet below shows the same clouds.";
     return;
   }
-  const facts = JSON.parse(document.getElementById("looks").textContent);
-  const look = { maps: {}, coloring: "error" };
-  for (const [name, text] of Object.entries(facts.maps)) look.maps[name] = bytesOf(text);
+  const settings = { maps: {}, coloring: "error" };
+  const colorMaps = JSON.parse(document.getElementById("color-maps").textContent);
+  for (const [name, text] of Object.entries(colorMaps)) settings.maps[name] = decodeBase64(text);
   const camera = newCamera();
   const sides = ["left", "right"].map((name) => root.querySelector(`.pane.${name}`));
   let scene = null;
   let shown = [null, null];
 
   const redraw = () => {
-    fitTo(painter, canvas);
-    draw(painter, shown, camera, scene.disc);
+    resize(renderer, canvas);
+    draw(renderer, shown, camera, scene.disc_diameter);
   };
 
   const cloudOf = (name) => {
@@ -51,27 +51,27 @@ function startViewer(root) {
     const cloud = cloudOf(names[i]);
     if (names[i] !== "truth" || names[1 - i] === "truth") return cloud;
     const { missed } = cloudOf(names[1 - i]);
-    const asked = missed && look.coloring === "error";
-    return asked ? { ...cloud, error: missed, says: `${cloud.says}: what ${names[1 - i]} misses` } : cloud;
+    const asked = missed && settings.coloring === "error";
+    return asked ? { ...cloud, error: missed, caption: `${cloud.caption}: what ${names[1 - i]} misses` } : cloud;
   };
 
   const show = () => {
-    look.limit_mm = Number(root.querySelector("[name=limit]").value) * scene.diagonal_mm;
+    settings.limit_mm = Number(root.querySelector("[name=limit]").value) * scene.diagonal_mm;
     const names = sides.map((side) => side.querySelector("select").value);
-    for (const points of shown) if (points) forget(painter, points);
+    for (const points of shown) if (points) deletePoints(renderer, points);
     shown = sides.map((side, i) => {
       const cloud = onSide(names, i);
-      const says = side.querySelector(".says");
-      says.classList.toggle("failed", Boolean(cloud.failed));
-      says.textContent = cloud.failed ? `failed: ${cloud.failed}` : cloud.says;
-      if (!cloud.place) return null;
-      const { colors, why } = colorsOf(cloud, scene, look);
-      if (why) says.textContent += `; ${why}`;
-      const points = newPoints(painter, cloud.place);
-      paint(painter, points, colors);
+      const caption = side.querySelector(".caption");
+      caption.classList.toggle("failed", Boolean(cloud.failed));
+      caption.textContent = cloud.failed ? `failed: ${cloud.failed}` : cloud.caption;
+      if (!cloud.positions) return null;
+      const { colors, why } = colorsOf(cloud, scene, settings);
+      if (why) caption.textContent += `; ${why}`;
+      const points = newPoints(renderer, cloud.positions);
+      uploadColors(renderer, points, colors);
       return points;
     });
-    root.querySelector("#legend").innerHTML = legendOf(look);
+    root.querySelector("#legend").innerHTML = legendOf(settings);
     redraw();
   };
 
@@ -88,14 +88,14 @@ function startViewer(root) {
 
   root.addEventListener("change", (event) => {
     if (event.target.name === "part") return open(event.target.value);
-    if (event.target.name === "coloring") look.coloring = event.target.value;
+    if (event.target.name === "coloring") settings.coloring = event.target.value;
     return show();
   });
   document.addEventListener("click", (event) => {
     const link = event.target.closest("[data-scene]");
     if (link) open(link.dataset.scene);
   });
-  followHand(canvas, camera, redraw);
+  attachControls(canvas, camera, redraw);
   new ResizeObserver(redraw).observe(canvas);
   open(root.querySelector("[name=part]").value);
 }

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import linregress
 
-from industnerf.report.statistics.power_law import power_law
+from industnerf.report.sweeps.series import power_law
 
 
 def test_a_power_law_is_found_exactly():

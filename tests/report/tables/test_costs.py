@@ -6,11 +6,12 @@ import pytest
 
 from industnerf.artifacts.files import write_json
 from industnerf.report.study import StudyFolders
-from industnerf.report.tables.cost_table import format_row, method_costs
 from industnerf.report.tables.costs import (
     CostRow,
     add_cost,
     costs_csv,
+    format_row,
+    method_costs,
     read_costs,
     seconds_per_part,
 )

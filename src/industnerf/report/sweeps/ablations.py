@@ -1,22 +1,37 @@
-"""The effect of each reading of the paper: from a sweep to docs/reference/readings.md."""
+"""What single changes cost, from the points of a sweep.
 
+Each reading of the paper for docs/reference/readings.md, each addition of `industnerf_plus` for
+docs/reference/method.md.
+"""
+
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from statistics import fmean
 from typing import Any, get_args, get_type_hints
 
-from industnerf.config import read_yaml
+from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.flatten_config import flatten
 from industnerf.report.statistics.significance import BOOTSTRAP_SEED, paired_change
 from industnerf.report.tables.formats import label_intervals, markdown_table, read_csv
-from industnerf.report.tables.score_lookup import EMD_EVEN
+from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 
-METHODS = ("industnerf", "industnerf_shared")  # the second is reading `shared` of R14
-HEADS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
+READING_METHODS = ("industnerf", "industnerf_shared")  # the second is reading `pretrained` of R14
+READING_HEADERS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
+ADDITION_METHODS = ("industnerf_plus",)
+ADDITION_HEADERS = [
+    "changed",
+    "EMD even",
+    "more than with all",
+    "95 %",
+    "worse on",
+    "failed",
+    "RGB MSE",
+    "RGB worse on",
+]
 NOT_MEASURED = "not yet measured"
 RGB_MSE = ("rgb_mse", "P1-union")
 
@@ -32,7 +47,7 @@ class PointScores:
     rgb_mse: dict[str, float] = field(default_factory=dict)  # part id -> RGB MSE
 
 
-def read_point_scores(sweep: Path, methods: Sequence[str] = METHODS) -> list[PointScores]:
+def read_point_scores(sweep: Path, methods: Sequence[str] = READING_METHODS) -> list[PointScores]:
     """Every finished point of the folder of a sweep, of the first of `methods` that it ran.
 
     Raises BadArtifact if there is none.
@@ -54,7 +69,7 @@ def _read_point(point: Path, methods: Sequence[str]) -> PointScores:
     emd_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == EMD_EVEN]
     rgb_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == RGB_MSE]
     return PointScores(
-        flatten(params["method"][method]),
+        flatten(params["method"][method], split_lists=True),
         {row["part_id"]: float(row["value"]) for row in emd_rows},
         {row["part_id"]: row["family"] for row in emd_rows},
         sum(row["status"] != "ok" for row in emd_rows),
@@ -77,11 +92,13 @@ def readings_table(
     by_change = {_single_change(point.settings, defaults): point for point in points}
     baseline = by_change.get(("", ""))
     rows = [
-        _row(reading_ids[name], value, value == defaults[name], by_change, baseline, name, settings)
+        _reading_row(
+            reading_ids[name], value, value == defaults[name], by_change, baseline, name, settings
+        )
         for name in (each.name for each in fields(Readings))
         for value in _ordered(name, defaults[name])
     ]
-    return markdown_table(label_intervals(HEADS, settings.confidence_level), rows)
+    return markdown_table(label_intervals(READING_HEADERS, settings.confidence_level), rows)
 
 
 def _ordered(name: str, default: str) -> list[str]:
@@ -101,7 +118,7 @@ def _single_change(settings: dict[str, Any], defaults: dict[str, str]) -> tuple[
     return ("", "") if not changed else changed[0] if len(changed) == 1 else None
 
 
-def _row(
+def _reading_row(
     reading_id: str,
     value: str,
     is_default: bool,
@@ -128,3 +145,70 @@ def format_difference(
     if change is None:
         return ["", ""]
     return [f"{change.mean:+.4f}", f"{change.low:+.4f} to {change.high:+.4f}"]
+
+
+def ablation_table(
+    points: list[PointScores], default_settings: dict[str, Any], settings: ReportParams
+) -> str:
+    """A row for every point of the sweep, by how much worse it is than with all additions.
+
+    `usual` are the settings with all of them, by dotted key.  Raises BadArtifact if no point has
+    just these: there is nothing to compare with.
+
+    RGB MSE is of the parts that did not fail: of the others there are no pictures.
+    """
+    by_change = {describe_changes(point.settings, default_settings): point for point in points}
+    baseline = by_change.pop("", None)
+    if baseline is None:
+        raise BadArtifact(
+            "no finished point has the settings of params.yaml; were they changed after the sweep?"
+        )
+    baseline_row = [
+        "nothing",
+        _mean(baseline.emd, 4),
+        "",
+        "",
+        "",
+        str(baseline.num_failed),
+        _mean(baseline.rgb_mse, 5),
+    ]
+    rows = [[*baseline_row, ""]]
+    ranked = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
+    rows += [_addition_row(name, point, baseline, settings) for name, point in ranked]
+    return markdown_table(label_intervals(ADDITION_HEADERS, settings.confidence_level), rows)
+
+
+def describe_changes(settings: dict[str, Any], default_settings: dict[str, Any]) -> str:
+    """What is not as usual, as Markdown; empty if all is."""
+    values = [
+        f"`{k}: {v}`"
+        for k, v in settings.items()
+        if k not in default_settings or v != default_settings[k]
+    ]
+    missing = [re.sub(r"\].*", "]", key) for key in default_settings if key not in settings]
+    return ", ".join([*values, *(f"no `{key}`" for key in dict.fromkeys(missing))])
+
+
+def _addition_row(
+    name: str, point: PointScores, baseline: PointScores, settings: ReportParams
+) -> list[str]:
+    return [
+        name,
+        _mean(point.emd, 4),
+        *format_difference(point, baseline, settings),
+        _count_worse(point.emd, baseline.emd),
+        str(point.num_failed),
+        _mean(point.rgb_mse, 5),
+        _count_worse(point.rgb_mse, baseline.rgb_mse),
+    ]
+
+
+def _mean(values: dict[str, float], digits: int) -> str:
+    return f"{fmean(values.values()):.{digits}f}" if values else ""
+
+
+def _count_worse(values: dict[str, float], baseline: dict[str, float]) -> str:
+    parts = values.keys() & baseline.keys()
+    return (
+        f"{sum(values[part] > baseline[part] for part in parts)} of {len(parts)}" if parts else ""
+    )

@@ -1,8 +1,16 @@
-"""Comparisons and strata on the page, from values that are known."""
+"""Tables of the page, from values that are known."""
 
 import re
 
-from industnerf.report.html.summary_tables import comparisons_html, strata_html
+from industnerf.report.html.page import environment
+from industnerf.report.html.tables import (
+    Cell,
+    Column,
+    HtmlRow,
+    comparisons_table,
+    html_table,
+    strata_table,
+)
 from industnerf.report.statistics.comparisons import Comparison
 from industnerf.report.tables.strata import ALL, StratumRow
 
@@ -11,8 +19,13 @@ COMPARISON = Comparison(
 )
 
 
-def texts(html: str) -> list[list[str]]:
-    """The cells of every row, without their tags."""
+def render(table) -> str:
+    return environment().get_template("macros.html.j2").module.table(table)
+
+
+def texts(table) -> list[list[str]]:
+    """The cells of every row as the page has them, without their tags."""
+    html = render(table)
     rows = re.findall(r"<tr[^>]*>(.*?)(?=<tr|</tbody|</thead)", html, re.DOTALL)
     return [
         [re.sub("<[^>]*>", "", cell) for cell in re.split("<t[hd][^>]*>", row)[1:]] for row in rows
@@ -24,7 +37,7 @@ def make_stratum(name: str, method: str, emd: float, parts: int) -> StratumRow:
 
 
 def test_a_comparison_is_a_row_with_its_interval_named():
-    heads, row = texts(comparisons_html([COMPARISON], 0.9))
+    heads, row = texts(comparisons_table([COMPARISON], 0.9))
     by_header = dict(zip(heads, row, strict=True))
     assert by_header["difference"] == "-0.0123"
     assert by_header["90 %"] == "-0.0200 to -0.0010"
@@ -40,11 +53,24 @@ def test_a_stratum_is_a_column_and_a_method_a_row():
         make_stratum("pockets", "box", 0.3, 4),
         make_stratum("pockets", "hull", 0.05, 4),
     ]
-    heads, first, second = texts(strata_html(rows))
+    heads, first, second = texts(strata_table(rows))
     assert heads == ["method", f"{ALL} (9)", "pockets (4)"]
     assert first == ["hull", "0.0200 2.00 mm", "0.0500 5.00 mm"]
     assert second == ["box", "0.2000 20.0 mm", "0.3000 30.0 mm"]
 
 
 def test_of_nothing_there_is_nothing():
-    assert comparisons_html([], 0.95) == strata_html([]) == ""
+    assert comparisons_table([], 0.95) is None
+    assert strata_table([]) is None
+
+
+def test_a_table_leaves_out_the_columns_that_no_row_fills():
+    columns = [Column("a", True), Column("b"), Column("c")]
+    text = render(html_table(columns, [HtmlRow(["x", "", "1"]), HtmlRow(["y", "", ""], "failed")]))
+    assert re.findall(r"<button>(\w)", text) == ["a", "c"]
+    assert "<tr class=failed><td class=text>y<td></tbody>" in text
+
+
+def test_a_link_survives_any_id():
+    text = render(html_table([Column("a")], [HtmlRow([Cell("<x>", part_id="a b#'c")])]))
+    assert "<td><a href='#part=a%20b%23%27c'>&lt;x&gt;</a>" in text

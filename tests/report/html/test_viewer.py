@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.truth import Truth
-from industnerf.report.html.viewer_clouds import (
+from industnerf.report.html.viewer import (
     MAX_ERROR,
     MAX_POINTS,
     SHOWN_POINTS,
@@ -17,7 +17,7 @@ from industnerf.report.html.viewer_clouds import (
 )
 from tests.report import ball_study
 
-KINDS = {"place": ("<u2", 3), "view": ("<u2", 1), "color": ("u1", 3)}
+KINDS = {"positions": ("<u2", 3), "view": ("<u2", 1), "color": ("u1", 3)}
 STEP = SPAN * ball_study.DIAGONAL_MM / 65535  # mm
 
 
@@ -48,7 +48,7 @@ def packed(study):
 
 def test_points_are_where_they_were_to_half_a_step_in_one_frame(packed):
     offset = {
-        name: ball_study.points(2000, radius) - places_mm(decode(packed[name])["place"])
+        name: ball_study.points(2000, radius) - places_mm(decode(packed[name])["positions"])
         for name, radius in (("truth", 10.0), ("oracle", 10.0), ("hull", 10.2))
     }
     center = offset["truth"].mean(axis=0)  # of the samples' box, not quite the ball's
@@ -75,7 +75,7 @@ def test_what_a_method_says_is_kept_and_what_it_does_not_say_is_left_out(packed)
     np.testing.assert_allclose(hull["confidence"] / 255, np.linspace(0, 1, 2000), atol=0.5 / 255)
     np.testing.assert_array_equal(hull["view"], np.arange(2000) % 5 + 1)
     np.testing.assert_array_equal(hull["color"][-1], [200, 200, 200])
-    assert set(packed["oracle"]["arrays"]) == {"place", "error", "missed"}
+    assert set(packed["oracle"]["arrays"]) == {"positions", "error", "missed"}
 
 
 def test_a_cloud_that_is_not_there_says_why(study, packed):
@@ -94,8 +94,8 @@ def test_of_many_points_a_few_are_spread_evenly_and_equally_in_every_run(tmp_pat
     (one, again) = (pack_scene(many, many.parts["near-ball"]).clouds["oracle"] for _ in range(2))
     assert one == again
     assert one["count"] == SHOWN_POINTS
-    assert one["says"] == f"{SHOWN_POINTS} of {MAX_POINTS + 1} points"
-    places = decode(one)["place"] * STEP
+    assert one["caption"] == f"{SHOWN_POINTS} of {MAX_POINTS + 1} points"
+    places = decode(one)["positions"] * STEP
     apart = cKDTree(places).query(places, 2)[0][:, 1]
     # a hexagonal lattice has 1.07 of this side between neighbors, a random cloud 0.5 on average
     side = np.sqrt(4 * np.pi * ball_study.RADIUS_MM**2 / SHOWN_POINTS)
@@ -109,7 +109,7 @@ def test_points_outside_the_picture_are_counted(study, tmp_path):
     ball_study.cloud("near-ball", points_mm, is_varied=False).save(tmp_path / "hull" / "near-ball")
     sparse = ball_study.study(tmp_path)
     packed_cloud = pack_scene(sparse, sparse.parts["near-ball"]).clouds["hull"]
-    assert packed_cloud["says"] == "1993 of 2000 points; 7 more lie outside the picture"
+    assert packed_cloud["caption"] == "1993 of 2000 points; 7 more lie outside the picture"
     assert len(decode(packed_cloud)["error"]) == packed_cloud["count"] == 1993
 
 
@@ -119,7 +119,7 @@ def test_an_empty_cloud_is_no_reason_to_fall_over(tmp_path):
     ball_study.cloud("near-ball", no_points, is_varied=False).save(tmp_path / "hull" / "near-ball")
     sparse = ball_study.study(tmp_path)
     packed_cloud = pack_scene(sparse, sparse.parts["near-ball"]).clouds["hull"]
-    assert (packed_cloud["count"], packed_cloud["says"]) == (0, "0 of 0 points")
+    assert (packed_cloud["count"], packed_cloud["caption"]) == (0, "0 of 0 points")
     assert set(decode(packed_cloud)["missed"]) == {255}
 
 
