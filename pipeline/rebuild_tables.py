@@ -5,7 +5,7 @@ python -m pipeline.rebuild_tables results/organic
 
 No score is measured anew, and none changes; `made.json` says when and at which commit the tables
 were made.  Pictures, which need more than the scores, stay as they are, and so does the goal about
-what the reference rig sees; `python -m pipeline.publish readme` then brings the documents up to
+what the reference rig sees; `python -m industnerf.report.docs` then brings the documents up to
 date.  What is in mm is told by the parts as they are today: if these have another size than those
 that were scored, nothing is written.
 """

@@ -8,20 +8,21 @@ from pathlib import Path
 
 import pytest
 import yaml
-from industnerf.report.docs.readme_tables import study_block
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.docs.markdown_blocks import read_block
+from industnerf.report.docs.study_results import readme_block, results_block
 from pipeline import publish
 from tests.pipeline.conftest import Project
 from tests.pipeline.lock_check import lock_mismatches
 
 DOCUMENTS = {
     "README.md": ["study"],
+    "docs/results/study.md": ["study"],
     "docs/reference/baselines.md": ["nets"],
     "docs/reference/scaling.md": ["costs", "cluster"],
-    "docs/reference/readings.md": ["measuring"],
+    "docs/reference/sweeps.md": ["sweeps"],
 }
 MARKS = "<!-- study -->\n<!-- end study -->\n"
 
@@ -65,8 +66,9 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
         assert code == 0, output
         provenance = json.loads((out / "made.json").read_text())
         assert (provenance["clean"], provenance["changed"]) == (True, [])
-    readme = (project.folder / "README.md").read_text()
-    assert read_block(readme, "study") == study_block(out, project.folder / "params.yaml")
+    readme, page = ((project.folder / name).read_text() for name in list(DOCUMENTS)[:2])
+    assert read_block(readme, "study") == readme_block(out)
+    assert read_block(page, "study") == results_block(out, project.folder / "params.yaml")
     assert "2 test parts of 2 families" in readme
     for name in ("table1.csv", "scores.csv"):
         assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
@@ -74,9 +76,10 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
 
     params = project.folder / "params.yaml"
     params.write_text(params.read_text().replace("sheet_parts: ", "sheet_parts: 1"))
-    code, output = project.run("python", "-m", "pipeline.publish", "readme")
+    code, output = project.run("python", "-m", "industnerf.report.docs")
     assert code == 0, output
-    assert "has changed" in read_block((project.folder / "README.md").read_text(), "study")
+    page = (project.folder / "docs/results/study.md").read_text()
+    assert "has changed" in read_block(page, "study")
     assert lock_mismatches(out, "pipeline") == []
 
 
@@ -132,7 +135,7 @@ def test_a_lock_of_two_runs_is_found_out(locked):
 def test_the_committed_lock_is_that_of_the_committed_study(root):
     """`make repro` and `make results`, and commit dvc.lock with what they wrote.
 
-    What was run stands beside the results: settings may have changed since, and the README says so.
+    The values of the run are published with it; the page of the study names what changed since.
     """
     study = root / "results" / "study"
     assert lock_mismatches(study, "pipeline") == []
