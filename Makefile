@@ -29,7 +29,7 @@ lint: $(INSTALLED)  ## style and import contracts
 	@ruff check . && ruff format --check . && lint-imports
 
 docs: .venv/.docs-installed  ## the documentation, to site/index.html
-	@NO_MKDOCS_2_WARNING=1 mkdocs build --quiet && echo "wrote site/index.html"
+	@NO_MKDOCS_2_WARNING=1 mkdocs build
 
 results: $(INSTALLED)  ## the finished study's numbers to results/study, README and docs/
 	@python -m pipeline.publish
