@@ -79,7 +79,7 @@ def test_a_part_that_was_learned_from_is_found_at_its_place_and_scale(name, part
 def test_its_points_are_scaled_to_the_part_asked_about(parts, fitted_state):
     inputs = inputs_of(parts / "bar")
     frame = BoundingCube(np.array([1.0, 2.0, 3.0]), 5.0)
-    moved = replace(inputs, loaded={**inputs.loaded, Input.PART_FRAME: frame})
+    moved = replace(inputs, loaded={**inputs.loaded, "frame": frame})
     points = RETRIEVAL.reconstruct(moved, SETTINGS, fitted_state, 1).points_mm
     np.testing.assert_allclose(beyond("bar", (points - [1, 2, 3]) / 5), 0, atol=1e-6)
 
