@@ -69,8 +69,8 @@ def ssim_map(
 
     scikit-image's, with the window (Gaussian, 1.5 px, 11 x 11) and the constants of
     Wang et al. (2004), eq. 13, for colors in [0, 1].  Images are mirrored at their border.  The
-    full map, for means over the union of the foregrounds need single pixels; scikit-image's own mean
-    is over all pixels but 5 px of border.
+    full map, for means over the union of the foregrounds need single pixels; scikit-image's own
+    mean is over all pixels but 5 px of border.
     """
     from skimage.metrics import structural_similarity
 
