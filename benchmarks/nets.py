@@ -4,12 +4,12 @@ OMP_NUM_THREADS=1 python benchmarks/nets.py DATA [--methods ...] [--times 1 4 15
     [--experiment gpu]
 
 DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` and `split.json`
-are read.  Each network is trained on the parts of the other folds, with so many times the steps of
-params.yaml, or of a preset, and then reconstructs the parts of the fold.  Other than 1 time it
+are read.  Each network is trained on the parts of the other folds, with so many times the steps
+of params.yaml, or of a preset, and then reconstructs the parts of the fold.  Other than 1 time it
 does not end early, and validates at least twenty times.  `minutes` are those of one processor, on
 a GPU by the clock, reading and targets included.  EMD is P1-even, the mean over reported parts and
-over dev parts; retrieval and the mean shape stand beside it.  `best step`: the step of the last phase
-whose weights were best on validation.  `memory` is torch's on the GPU.  Rows run one after the
+over dev parts; retrieval and the mean shape stand beside it.  `best step` is the step of the last
+phase whose weights were best on validation.  `memory` is torch's on the GPU.  Rows run one after the
 other, each in a process of its own.
 """
 

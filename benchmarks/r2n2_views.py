@@ -3,10 +3,10 @@
 OMP_NUM_THREADS=1 python benchmarks/r2n2_views.py DATA
 
 DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` and `split.json` are
-read.  The network is trained as in params.yaml, once a fold, on one to five views at a time, and then
-reconstructs from one to five of each part of the fold, the farthest apart.  EMD is P1-even, the mean over the
-reported parts; beside it the mean difference from one view, with an interval from a
-bootstrap over families.
+read.  The network is trained as in params.yaml, once a fold, on one to five views at a time, and
+then reconstructs from one to five of each part of the fold, the farthest apart.  EMD is P1-even,
+the mean over the reported parts; beside it the mean difference from one view, with an interval
+from a bootstrap over families.
 """
 
 import multiprocessing

@@ -67,7 +67,7 @@ def rewrite_arrays(folder, **arrays):
         ({"faces_0": np.array([(0, 1, 9), (0, 1, 2)], np.int32)}, "one that names no vertex"),
         ({"faces_0": np.array([(0, 1, -1), (0, 1, 2)], np.int32)}, "one that names no vertex"),
         ({"faces_0": np.zeros((0, 3), np.int32), "finish_0": np.zeros(0, np.uint8)}, "no face"),
-        ({"finish_0": np.array([0, 2], np.uint8)}, "a face without a finish"),
+        ({"finish_0": np.array([0, 2], np.uint8)}, "a face without an appearance"),
         ({"finish_0": np.array([0], np.uint8)}, r"has shapes \(4, 3\), \(2, 3\) and \(1,\)"),
     ],
 )

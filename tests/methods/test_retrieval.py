@@ -13,7 +13,7 @@ from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.learning.views import resize_images
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, MethodInputs, load_inputs
-from industnerf.methods.retrieval import distances, features
+from industnerf.methods.retrieval import feature_distances, hog_features
 from industnerf.schema import Params, RetrievalSettings
 from tests.methods.conftest import save_as_part
 
@@ -79,7 +79,7 @@ def test_a_part_that_was_learned_from_is_found_at_its_place_and_scale(name, part
 def test_its_points_are_scaled_to_the_part_asked_about(parts, fitted_state):
     inputs = inputs_of(parts / "bar")
     frame = BoundingCube(np.array([1.0, 2.0, 3.0]), 5.0)
-    moved = replace(inputs, loaded={**inputs.loaded, Input.PART_FRAME: frame})
+    moved = replace(inputs, loaded={**inputs.loaded, "frame": frame})
     points = RETRIEVAL.reconstruct(moved, SETTINGS, fitted_state, 1).points_mm
     np.testing.assert_allclose(beyond("bar", (points - [1, 2, 3]) / 5), 0, atol=1e-6)
 
@@ -89,7 +89,7 @@ def test_fewer_views_are_compared_with_those_from_the_same_side(count, parts, fi
     """They are chosen otherwise than those learned from: nested, not by number."""
     for name in OFFSETS:
         inputs = load_inputs(RETRIEVAL, parts / name / "part", parts / name / "views", count)
-        query_features = features(resize_images(inputs.rgb, SETTINGS.image_px))
+        query_features = hog_features(resize_images(inputs.rgb, SETTINGS.image_px))
         both = np.isin(inputs.view_indices, fitted_state.arrays["views"])
         stored = np.searchsorted(fitted_state.arrays["views"], inputs.view_indices[both])
         own_features = fitted_state.arrays["features"][list(OFFSETS).index(name), stored]
@@ -111,7 +111,7 @@ def test_distances_are_summed_view_by_view():
         for one in part_features
     ]
     np.testing.assert_allclose(
-        distances(part_features, query_features), expected, rtol=1e-5
+        feature_distances(part_features, query_features), expected, rtol=1e-5
     )  # float32
 
 

@@ -1,11 +1,17 @@
-"""Structural similarity, against closed forms and a double loop over windows."""
+"""Structural similarity, against closed forms and a double loop over windows.
+
+They hold scikit-image to the window and the constants of Wang et al. (2004).
+"""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.metrics.ssim import HALF_WINDOW, K1, K2, SIGMA, ssim_map
+from industnerf.metrics.images import ssim_map
+
+SIGMA, HALF_WINDOW = 1.5, 5  # px: a Gaussian window of 11 x 11
+K1, K2 = 0.01, 0.03
 
 
 def random_images(
@@ -61,3 +67,9 @@ def test_beyond_the_border_the_picture_is_mirrored():
     a, b = random_images(4)
     wide = [np.pad(image, ((8, 8), (8, 8), (0, 0)), "symmetric") for image in (a, b)]
     np.testing.assert_allclose(ssim_map(*wide)[8:-8, 8:-8], ssim_map(a, b), rtol=0, atol=1e-13)
+
+
+def test_images_smaller_than_the_window_have_one_too():
+    a, b = random_images(5, shape=(4, 6, 3))
+    wide = [np.pad(image, ((4, 4), (6, 6), (0, 0)), "symmetric") for image in (a, b)]
+    np.testing.assert_allclose(ssim_map(a, b), ssim_map(*wide)[4:-4, 6:-6], rtol=0, atol=1e-13)

@@ -1,4 +1,4 @@
-"""Pictures between stages: small PNGs, and one message for whatever is wrong with one."""
+"""PNG images between stages, and the error of one that cannot be read."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ MAX_DEPTH_VALUE = 65535  # largest value of a 16-bit pixel
 def quantize_depth(
     depth_mm: Float[np.ndarray, "*pixels"], step_mm: float
 ) -> UInt16[np.ndarray, "*pixels"]:
-    """Depth as a picture holds it: 0 is background, so what is nearer than a step is 1."""
+    """Depth as 16-bit pixels: 0 is background, so what is nearer than a step is 1."""
     return np.maximum(np.rint(depth_mm / step_mm), depth_mm > 0).astype(np.uint16)
 
 

@@ -101,5 +101,5 @@ def _checked_mesh(
     if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
         raise BadArtifact(f"{what} has no face, or one that names no vertex")
     if face_appearance.max() >= len(metadata["finishes"]):
-        raise BadArtifact(f"{what} has a face without a finish")
+        raise BadArtifact(f"{what} has a face without an appearance")
     return Mesh(vertices, faces, face_appearance)

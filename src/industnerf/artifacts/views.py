@@ -39,7 +39,7 @@ class RgbdImage:
 
 @dataclass(frozen=True)
 class Views:
-    """The photographs in `folder`; images are read when asked for."""
+    """The photographs in `folder`; images are read on demand."""
 
     folder: Path
     part_id: str

@@ -93,7 +93,7 @@ def backgrounds(
 ) -> Float[np.ndarray, "n 3"]:
     """The background of each view, in [0, 1].
 
-    All are multiples of 1/255, so that a picture without noise shows them exactly.
+    All are multiples of 1/255, so that an image without noise shows them exactly.
     """
     if settings.background == "random":
         colors = [streams.generator("background").integers(0, 256, 3) for streams in view_streams]

@@ -21,7 +21,7 @@ class RandomStreams:
     view: str  # "training 0" ... "held out 0" ...
 
     def generator(self, purpose: str) -> np.random.Generator:
-        """A generator for this purpose alone, the same whenever asked for."""
+        """A generator for this purpose alone, the same at every call."""
         return generator(self.seed, "views", purpose, self.part_id, self.view)
 
 

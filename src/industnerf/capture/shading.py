@@ -1,7 +1,7 @@
 """The interface of shading: from surface points to the radiance that they send to the camera.
 
 Radiance has one channel or three.  One will do where the part has one albedo and no highlights:
-then every color is the same picture times the `tint`.
+then every color is the same image times the `tint`.
 """
 
 from abc import ABC, abstractmethod

@@ -6,7 +6,7 @@ from jaxtyping import Float, Int32, UInt8
 from industnerf.geometry.raycast import RaycastingScene
 
 TOWARDS_CAMERA = np.array([1.0, -1.2, 0.9])  # from the upper right
-MARGIN = 0.04  # of the picture, left white on each side
+MARGIN = 0.04  # of the image, left white on each side
 SUPERSAMPLES = 2  # rays across a pixel, both ways
 AMBIENT = 0.3
 # (right, up, towards the camera) in the image, and intensity: one lamp to model, one to fill
@@ -19,10 +19,10 @@ def render_thumbnail(
     albedo: Float[np.ndarray, "m 3"],
     size_px: int,
 ) -> UInt8[np.ndarray, "{size_px} {size_px} 3"]:
-    """The mesh as large as the picture allows, seen in parallel projection, +z up, on white.
+    """The mesh as large as the image allows, seen in parallel projection, +z up, on white.
 
     `albedo` is linear, in [0, 1], and one color a face; light follows Lambert's law, a face is
-    lit on the side that the viewer sees, and the picture is encoded in sRGB.
+    lit on the side that the viewer sees, and the image is encoded in sRGB.
     """
     view = viewing_axes()
     projected = vertices @ view.T

@@ -48,7 +48,7 @@ def prepare_depth_images(
 ) -> DepthImages:
     """The images of `depth`, in which 0 is the background.
 
-    Where it is UNKNOWN, and a pixel beside, an image says nothing of what is empty.
+    Where it is UNKNOWN, and a pixel beside, an image does not tell what is empty.
     """
     has_surface = depth > 0
     fallback_depth = np.where(depth < 0, np.float32(-np.inf), np.float32(np.inf))

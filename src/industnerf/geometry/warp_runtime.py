@@ -26,7 +26,7 @@ def init_warp() -> None:
 
 
 def warp_device() -> str:
-    """What `device.device` says; torch, slow to import, is asked only where Warp sees a GPU."""
+    """The device of `device.device`; torch, slow to import, is loaded only if Warp sees a GPU."""
     name = environment.get_str("INDUSTNERF_DEVICE")
     if name or not wp.is_cuda_available():
         return name or "cpu"

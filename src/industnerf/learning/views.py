@@ -1,7 +1,7 @@
 """Views as networks take them: fewer, smaller, and in the axes that the network predicts in.
 
-The published networks predict in the part's axes.  Of a part unlike all others nothing in one
-image says where these point; the camera knows, and every method is given its cameras.
+The published networks predict in the part's axes.  Of a part unlike all others one image
+does not tell these; those of the camera are known, for every method is given its cameras.
 """
 
 import numpy as np

@@ -58,7 +58,7 @@ class Role(StrEnum):
 
 @dataclass(frozen=True)
 class Example:
-    """A part to learn from, with what the method declares; files are read when asked for."""
+    """A part to learn from, with what the method declares; files are read on demand."""
 
     part_id: str
     part: Path

@@ -16,7 +16,7 @@ def predictions_to_reconstruction(
 ) -> Reconstruction:
     """One or several predictions in the unit cube of `part_frame`; their score is the mean.
 
-    The empty ones come last: the first, which stands for all in pictures, has points.
+    The empty ones come last: the first, which figures show, has points.
     Raises ReconstructionFailed if every one of them is empty.
     """
     non_empty = [points for points in clouds if len(points)]

@@ -36,7 +36,7 @@ def violated_pairs(
     max_potentials = u_a.max(axis=1), v_b.max(axis=1)
     cell_a, cell_b = _candidate_cells(cells_a, cells_b, *max_potentials, limit, ground)
     violations = []
-    for start in range(0, max(len(cell_a), 1), CHUNK):  # at least once: an empty answer has a shape
+    for start in range(0, max(len(cell_a), 1), CHUNK):  # at least once: an empty result has a shape
         p, q = cell_a[start : start + CHUNK], cell_b[start : start + CHUNK]
         reduced = ground.between_cells(points_a[p], points_b[q])
         reduced -= u_a[p][:, :, None]

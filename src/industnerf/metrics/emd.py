@@ -71,7 +71,7 @@ def certified_emd(
     max_pivots: int = MAX_PIVOTS,
     max_rounds: int = MAX_ROUNDS,
 ) -> CertifiedEmd:
-    """`emd`, or what `ground` says, with its proof.  `max_rounds=0` solves the dense problem."""
+    """EMD under the cost `ground`, certified.  `max_rounds=0` solves the dense problem."""
     left, right, unit = normalize_clouds(validate_cloud(a, "a"), validate_cloud(b, "b"))
     result, unit_cost = None, ground.of_length(unit)
     if max_rounds > 0 and not _is_small(left, right):
@@ -202,8 +202,8 @@ def _network_simplex(
 ) -> tuple[Cost, Float64[np.ndarray, "m"]]:
     """POT's network simplex on a dense or sparse cost >= 0: the flow and the potentials of `b`.
 
-    The potentials of `a` follow from these.  POT's own hang on arcs (n + m) (max cost + 1) dear,
-    and carry the rounding of those; scaling the cost up makes that 1 vanish.
+    The potentials of `a` follow from these.  POT's own depend on arcs of the cost
+    (n + m) (max cost + 1), and carry their rounding; scaling the cost up makes that 1 vanish.
     """
     for backend in ("PYTORCH", "JAX", "CUPY", "TENSORFLOW"):  # numpy is enough, and loads fast
         os.environ.setdefault(f"POT_BACKEND_DISABLE_{backend}", "1")

@@ -21,9 +21,7 @@ from industnerf.metrics.images import NormalizedImage, mean_over_views, psnr
 from industnerf.metrics.reference_rig import ReferenceSurface
 
 MAX_CANDIDATE_DISTANCE = 0.05  # diagonals; only candidates this close to the visible truth count
-REMOVED_PERCENTS = range(
-    10, 100, 10
-)  # of the candidates, at which the sparsification curve is kept
+REMOVED_PERCENTS = range(10, 100, 10)  # of the candidates, where sparsification is evaluated
 # unit, and the best possible value: it stands where other metrics have their floor
 METRICS = {
     "rgb_mse": ("white^2", 0.0),

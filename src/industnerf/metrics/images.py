@@ -18,8 +18,6 @@ from statistics import fmean
 import numpy as np
 from jaxtyping import Bool, Float
 
-from industnerf.metrics.ssim import ssim_map
-
 QUANTIZATION_MSE = 1 / (12 * 255**2)  # mean squared error of colors rounded to 8 bits
 
 
@@ -62,6 +60,31 @@ def view_scores(truth: NormalizedImage, rendered: NormalizedImage) -> dict[tuple
     values["depth_mse", "P1-union"] = _masked_mean(error, both_have_depth & union)
     values["depth_mse", "P1-frame"] = _masked_mean(error, both_have_depth | both_empty)
     return {kind: value for kind, value in values.items() if value is not None}
+
+
+def ssim_map(
+    a: Float[np.ndarray, "h w c"], b: Float[np.ndarray, "h w c"]
+) -> Float[np.ndarray, "h w"]:
+    """Structural similarity in [-1, 1] about each pixel, the mean of the channels; 1 if equal.
+
+    scikit-image's, with the window (Gaussian, 1.5 px, 11 x 11) and the constants of
+    Wang et al. (2004), eq. 13, for colors in [0, 1].  Images are mirrored at their border.  The
+    full map, for means over the union of the foregrounds need single pixels; scikit-image's own
+    mean is over all pixels but 5 px of border.
+    """
+    from skimage.metrics import structural_similarity
+
+    _, similarity = structural_similarity(
+        a,
+        b,
+        data_range=1.0,
+        channel_axis=-1,
+        gaussian_weights=True,
+        use_sample_covariance=False,
+        full=True,
+        win_size=1,  # only of the mean that is not used: images may be smaller than the window
+    )
+    return similarity.mean(axis=-1)
 
 
 def psnr(mse: float) -> float:

@@ -15,7 +15,7 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.sampling import sample_surface
 from industnerf.methods import load_method
 from industnerf.methods.atlasnet import run
-from industnerf.methods.atlasnet.run import grid, sample_patches
+from industnerf.methods.atlasnet.run import sample_patches, square_mesh
 from industnerf.methods.base import Example, load_inputs
 from industnerf.schema import AugmentSettings
 from tests.methods.test_conformance import merged
@@ -188,7 +188,7 @@ def test_what_is_said_in_the_axes_of_a_view_comes_back_to_the_parts(examples, se
 
 @pytest.mark.parametrize("side", [2, 5])
 def test_a_grid_covers_the_unit_square_once(side):
-    uv, faces = grid(side)
+    uv, faces = square_mesh(side)
     assert sorted(map(tuple, uv)) == [
         (i / (side - 1), j / (side - 1)) for i in range(side) for j in range(side)
     ]
@@ -201,7 +201,7 @@ def test_a_grid_covers_the_unit_square_once(side):
 
 def plates(*sizes_and_heights, side=5):
     """Squares of edges (x, y) from the origin, level, at heights z."""
-    uv, faces = grid(side)
+    uv, faces = square_mesh(side)
     flat = [np.c_[uv * size, np.full(len(uv), z)] for size, z in sizes_and_heights]
     return np.stack(flat), faces
 

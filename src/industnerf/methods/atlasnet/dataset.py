@@ -67,7 +67,7 @@ class AtlasNetDataset:
         points = net(inputs, torch.from_numpy(rng.random(shape, np.float32)).to(self.device))
         if not points.isfinite().all():
             raise ReconstructionFailed(
-                "the net gives points that are not finite: its training diverged; "
+                "the network predicts points that are not finite: its training diverged; "
                 f"method.atlasnet.training.lr is {self.settings.training.lr}, lower it"
             )
         return chamfer(points, target)

@@ -129,7 +129,7 @@ def predict_clouds(
     torch.set_num_threads(1)
     net = AtlasNet(build_image_encoder(settings), build_decoder(settings)).to(device()).eval()
     load_arrays(net, state.arrays)
-    uv, faces = grid(settings.grid_res)
+    uv, faces = square_mesh(settings.grid_res)
     squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
     rng = np.random.default_rng(seed)
     tensors = images_to_tensor(images, device())
@@ -148,7 +148,7 @@ def _vertices(
     return points.view(patches, -1, 3).cpu().numpy().astype(np.float64)
 
 
-def grid(side: int) -> tuple[Float[np.ndarray, "n 2"], Int[np.ndarray, "m 3"]]:
+def square_mesh(side: int) -> tuple[Float[np.ndarray, "n 2"], Int[np.ndarray, "m 3"]]:
     """`side`^2 regular points of the unit square, its border included, and its triangles."""
     u, v = np.meshgrid(*2 * [np.linspace(0, 1, side)], indexing="ij")
     corner = np.arange(side * side).reshape(side, side)

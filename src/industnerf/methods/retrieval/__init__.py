@@ -26,7 +26,7 @@ def fit(
     from industnerf.learning.targets import surface_points
 
     rng = np.random.default_rng(seed)
-    view_features = [features(one.rgb(settings.image_px, settings.views)) for one in examples]
+    view_features = [hog_features(one.rgb(settings.image_px, settings.views)) for one in examples]
     points = [surface_points(*one.mesh, settings.points, rng) for one in examples]
     arrays = {
         "features": np.stack(view_features),
@@ -36,7 +36,7 @@ def fit(
     return ModelState(arrays, num_parts=len(examples))
 
 
-def features(images: UInt8[np.ndarray, "views px px 3"]) -> Float32[np.ndarray, "views c"]:
+def hog_features(images: UInt8[np.ndarray, "views px px 3"]) -> Float32[np.ndarray, "views c"]:
     """Histograms of oriented gradients of every image: 9 directions, cells of 8 px."""
     from skimage.feature import hog
 
@@ -55,14 +55,16 @@ def reconstruct(
     given, stored = inputs.view_indices, state.arrays["views"]
     given = np.arange(len(inputs.rgb)) if given is None else given
     _, input_views, stored_views = np.intersect1d(given, stored, return_indices=True)
-    query_features = features(resize_images(inputs.rgb[input_views], settings.image_px))
-    nearest = int(np.argmin(distances(state.arrays["features"][:, stored_views], query_features)))
+    query_features = hog_features(resize_images(inputs.rgb[input_views], settings.image_px))
+    nearest = int(
+        np.argmin(feature_distances(state.arrays["features"][:, stored_views], query_features))
+    )
     return predictions_to_reconstruction(
         [state.arrays["points"][nearest].astype(np.float64)], inputs.part_frame, state
     )
 
 
-def distances(
+def feature_distances(
     part_features: Float32[np.ndarray, "parts views c"],
     query_features: Float32[np.ndarray, "views c"],
 ) -> Float[np.ndarray, "parts"]:
