@@ -202,9 +202,7 @@ def area(points, corners):
 
 
 @given(
-    st.lists(st.floats(0.2, 1.0), min_size=4, max_size=24),
-    st.floats(0, 6),
-    st.floats(-100, 100),
+    st.lists(st.floats(0.2, 1.0), min_size=4, max_size=24), st.floats(0, 6), st.floats(-100, 100)
 )
 def test_a_star_is_filled_exactly(radii, tilt, far):
     """Of a star-shaped outline, the triangles' areas sum to the outline's, none is turned over."""
