@@ -22,7 +22,7 @@ class CadFile:
 def find_cad_files(root: Path, pattern: str, select: list[str]) -> list[CadFile]:
     """The CAD files at `root`: itself, or those in it that match `pattern`, by id.
 
-    In a folder, files of unknown types are skipped, as are hidden files and folders.  With `select`,
+    In a folder, unknown types are skipped, as are hidden files and folders.  With `select`,
     only files that it names, or of which it names a solid.
     Raises BadParams if there is none, or if two would share an id.
     """
