@@ -53,7 +53,7 @@ def test_content_alone_tells_the_format(tmp_path, name):
     assert "its content is" in warnings[0]
 
 
-def test_content_wins_over_the_name_with_a_remark(read):
+def test_content_wins_over_the_name_with_a_warning(read):
     solids = read("part.step", SAMPLES["binary.stl"])
     assert solids.format == "binary STL"
     assert solids.warnings == ("named .step, but its content is STL",)
@@ -61,7 +61,7 @@ def test_content_wins_over_the_name_with_a_remark(read):
 
 
 @pytest.mark.parametrize("header", [b"solid facet normal of a liar", b"ply to stl", b"glTF to stl"])
-def test_the_header_of_a_binary_stl_may_say_anything(read, header):
+def test_the_header_of_a_binary_stl_may_hold_anything(read, header):
     solids = read("part.stl", binary_stl(header=header))
     assert (solids.format, len(solids.solids[0].mesh.faces)) == ("binary STL", 12)
 
@@ -84,7 +84,7 @@ def test_the_header_of_a_binary_stl_may_say_anything(read, header):
         (b"PK\3\4 torn", None),
     ],
 )
-def test_heads_are_told_apart(tmp_path, head, name):
+def test_heads_identify_formats(tmp_path, head, name):
     (tmp_path / "file").write_bytes(head)
     detected = detect_by_content(tmp_path / "file", head, len(head))
     assert (detected.name if detected else None) == name
@@ -108,7 +108,7 @@ def test_a_file_that_is_not_there_is_named(read, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [s for f in FORMATS[:3] for s in f.suffixes])
-def test_the_kernels_formats_without_the_kernel_say_how_to_get_it(read, monkeypatch, suffix):
+def test_formats_of_the_cad_kernel_name_its_package(read, monkeypatch, suffix):
     monkeypatch.setattr("industnerf.parts.io.readers.find_spec", lambda name: None)
     with pytest.raises(BadPart, match=r"needs the CAD kernel.*pip install -e '\.\[cad\]'"):
         read(f"part{suffix}", b"anything")
