@@ -7,6 +7,7 @@ import pytest
 
 from industnerf.errors import BadPart
 from industnerf.parts.io.readers.formats import FORMATS, SUFFIXES, detect_by_content, detect_format
+from industnerf.parts.io.readers.mesh_content import normalize_unit
 from industnerf.parts.validation.checks import bad_edges, volume_mm3
 from tests.parts.io.readers.samples import BLUE, RED, SAMPLES, SIZE, binary_stl, ply, text_stl
 
@@ -132,3 +133,11 @@ def test_a_file_that_states_its_unit_is_believed(read, name):
 def test_doubles_and_text_keep_their_digits(read):
     assert read("a.ply", ply(number="double")).solids[0].mesh.vertices.max() == 30.0
     assert read("b.stl", text_stl(number="{:.17g}")).solids[0].mesh.vertices.max() == 30.0
+
+
+@pytest.mark.parametrize(
+    ("spelling", "unit"),
+    [("METRE", "m"), ("millimetre", "mm"), ("centimeter", "cm"), ("in", "inch"), ("foot", "foot")],
+)
+def test_units_have_one_name_in_any_spelling(spelling, unit):
+    assert normalize_unit(spelling) == unit
