@@ -104,7 +104,7 @@ def test_the_hidden_share_of_a_cup_is_its_inside():
     assert hidden_share == pytest.approx(share, abs=error)
 
 
-def test_every_stratum_is_told_from_its_threshold():
+def test_every_stratum_follows_from_its_threshold():
     least = ShapeProperties(0.02, 0, 0.0499, None, 1)
     most = ShapeProperties(0.0199, 1, 0.05, 3, 2)
     assert least.strata == ()

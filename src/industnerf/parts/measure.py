@@ -19,7 +19,7 @@ SIGNIFICANT_DIGITS = 10  # kept of a measure, so that files do not differ by the
 
 @dataclass(frozen=True)
 class MeshProperties:
-    """The facts that `Part` and the catalogue share; what they mean is said at `Part`."""
+    """The properties that `Part` and the catalogue share; `Part` explains them."""
 
     extents_mm: tuple[float, float, float]
     area_mm2: float
@@ -38,7 +38,7 @@ class MeshProperties:
 
 
 def measure(mesh: Mesh) -> MeshProperties:
-    """All facts of a mesh; raises `BadPart` if it has no area."""
+    """All properties of a mesh; raises `BadPart` if it has no area."""
     area = checks.area_mm2(mesh.vertices, mesh.faces)
     if not area > 0:
         raise BadPart(

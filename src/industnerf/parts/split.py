@@ -9,10 +9,10 @@ from industnerf.schema import SplitParams
 
 
 def assign_splits(parts: list[Part], settings: SplitParams) -> dict[str, SplitAssignment]:
-    """Place every part.
+    """The split and fold of every part, by id.
 
-    A share of the embedded parts is `dev`; a file that the user brought never is, for nothing
-    was tuned on it.  What is held out together is in one of `folds` folds together.
+    A share of the embedded parts is `dev`.  A user's file never is, because nothing was tuned on
+    it.  Parts that are held out together share one of `folds` folds.
     """
     return {
         part.part_id: SplitAssignment(_split(part, settings), _fold(part, settings))

@@ -1,6 +1,6 @@
-"""Kinds of parts on which methods differ, each a formula on the mesh alone.
+"""Kinds of parts on which methods may differ, each a formula on the mesh alone.
 
-They were written down, thresholds and all, before any reconstruction was looked at.  Lengths are
+Formulas and thresholds were fixed before any reconstruction.  Lengths are
 shares of the diagonal of the bounding box.  `NUM_SAMPLES` points, uniform over the area and drawn
 with a fixed seed, stand for the surface: a share of 5 % has a standard error of 0.34 %.
 
@@ -65,7 +65,7 @@ class ShapeProperties:
 
     @property
     def strata(self) -> tuple[str, ...]:
-        """The strata that the part is in, in the order of FORMULAS."""
+        """The strata that the part is in, in the order of STRATUM_DEFINITIONS."""
         is_member = {
             "thin": self.thickness < MAX_THIN_THICKNESS,
             "holes": self.through_holes >= 1,

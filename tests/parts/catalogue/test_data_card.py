@@ -94,7 +94,7 @@ def test_a_table_in_markdown():
     )
 
 
-def test_every_part_has_a_row_that_says_what_was_measured(embedded, tmp_path):
+def test_every_part_has_a_row_of_its_measurements(embedded, tmp_path):
     lines = render_card(embedded, tmp_path / "none", SPLITS).splitlines()
     (row,) = (line for line in lines if line.startswith("| `a-tube`"))
     properties = ENTRIES[2].measured
@@ -137,7 +137,7 @@ def test_strata_and_families_are_counted_with_their_dev_parts():
     assert "| round | 2 | 0 | 2 |" in families
 
 
-def test_the_other_set_is_told_of_where_it_is_there(embedded, tmp_path):
+def test_the_organic_set_has_a_section_if_it_exists(embedded, tmp_path):
     assert "non-industrial" not in render_card(embedded, tmp_path / "none", SPLITS)
     organic = store_catalogue(tmp_path / "data/organic", [ENTRIES[1]])
     text = render_card(embedded, organic, SPLITS)

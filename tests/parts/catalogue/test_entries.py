@@ -118,7 +118,7 @@ def test_a_torn_file_is_refused(copied):
         load_catalogue_mesh(entry, folder)
 
 
-def test_a_missing_file_says_how_to_get_it(tmp_path):
+def test_a_missing_file_names_the_command_that_restores_it(tmp_path):
     with pytest.raises(BadArtifact, match=r"industnerf\.parts build"):
         load_catalogue_mesh(ENTRIES[0], tmp_path)
     with pytest.raises(BadArtifact, match=r"industnerf\.parts build"):

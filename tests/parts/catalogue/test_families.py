@@ -50,7 +50,7 @@ def test_catalogue_and_families_name_the_same_parts():
 
 
 @pytest.mark.parametrize(("family", "recipe"), sampled_recipes(), ids=lambda x: getattr(x, "id", x))
-def test_a_part_drawn_anew_is_the_part_that_was_baked(family, recipe):
+def test_a_rebuilt_part_is_the_stored_part(family, recipe):
     """Not byte by byte: another version of the CAD kernel may triangulate otherwise."""
     fresh, stored = build_part(family, recipe).entry, ENTRIES[recipe.id]
     now, then = fresh.measured, stored.measured

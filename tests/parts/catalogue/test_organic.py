@@ -36,7 +36,7 @@ def bounds(radius):
     return [-1.3 * radius] * 3, [1.3 * radius] * 3
 
 
-def test_the_set_is_small_broad_and_of_the_families_promised():
+def test_the_set_is_small_broad_and_of_the_declared_families():
     assert 12 <= len(ENTRIES) <= 16
     assert {entry.family for entry in ENTRIES.values()} == {"organic", "thin", "textured"}
     assert sum(path.stat().st_size for path in FOLDER.iterdir()) <= 3_000_000
@@ -85,7 +85,7 @@ def test_every_finish_of_the_palette_is_seen(entry):
 
 
 @pytest.mark.parametrize("part_id", ["organic-knot", "thin-leaf", "textured-ball"])
-def test_a_part_drawn_anew_is_the_part_that_was_baked(part_id):
+def test_a_rebuilt_part_is_the_stored_part(part_id):
     stored = ENTRIES[part_id]
     (recipe,) = (candidate for candidate in FAMILIES[stored.family] if candidate.id == part_id)
     fresh = build_part(stored.family, recipe).entry
@@ -176,7 +176,7 @@ def test_a_tube_has_round_ends():
     assert rod.volume() == pytest.approx(np.pi * 25 * 30 + 4 / 3 * np.pi * 125, rel=3e-3)
 
 
-def test_a_sheet_is_as_thick_as_it_says():
+def test_a_sheet_has_its_nominal_thickness():
     x, y = np.meshgrid(np.linspace(0, 30, 11), np.linspace(0, 20, 9), indexing="ij")
     plate = sheet(np.stack([x, y, 0 * x], axis=-1), 1.5)
     assert plate.volume() == pytest.approx(30 * 20 * 1.5, rel=1e-12)

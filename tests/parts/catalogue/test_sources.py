@@ -61,11 +61,11 @@ def test_a_file_whose_name_begins_another_is_not_read_for_it(tmp_path):
     assert selected_ids("bracket-large-bolt") == {"bracket", "bracket-large"}  # of either
 
 
-def test_one_file_is_taken_whatever_it_is_called(folder):
+def test_one_file_is_taken_under_any_name(folder):
     assert ids(find_cad_files(folder / "notes.txt", "**/*", [])) == [("notes", "own")]
 
 
-def test_ids_come_from_paths_and_tell_types_apart(tmp_path):
+def test_ids_come_from_paths_and_distinguish_types(tmp_path):
     names = ["A b.stl", "sub/A b.stl", "sub/c.STL", "sub/c.obj"]
     file_names = file_ids(tmp_path, [tmp_path / name for name in names])
     assert file_names == ["a-b", "sub-a-b", "sub-c-stl", "sub-c-obj"]
@@ -125,7 +125,7 @@ def test_or_every_solid_of_several_is(folder, read):
     ]
 
 
-def test_names_that_cannot_be_told_apart_become_numbers(folder, tmp_path):
+def test_names_that_collide_become_numbers(folder, tmp_path):
     solids_in(tmp_path / "solids" / "a-b", "nut", "nut", "nut 1")
     tasks = parts(folder, tmp_path / "solids", split_bodies=True)
     assert [part.part_id for part in tasks] == ["a-b-1", "a-b-2", "a-b-3"]
@@ -155,13 +155,13 @@ def test_a_part_with_the_name_of_a_file_that_failed_is_refused(folder, read):
         parts(folder, read, split_bodies=True)
 
 
-def test_a_file_that_nobody_asked_for_is_no_rival(folder, read):
+def test_an_unselected_file_causes_no_duplicate_id(folder, read):
     """It was not read, as those that failed were not."""
     (folder / "sub c step bolt m8.stl").touch()
     tasks = parts(folder, read, split_bodies=True, select=["sub-c-step"])
     assert len(tasks) == 3
 
 
-def test_a_folder_without_a_catalogue_says_what_to_set(tmp_path):
+def test_a_folder_without_a_catalogue_names_the_key_to_set(tmp_path):
     with pytest.raises(BadParams, match=r"holds no catalogue\.json.*set parts\.source: path"):
         embedded_parts(tmp_path, [])

@@ -197,7 +197,7 @@ def test_all_is_the_whole_set(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {f"{part_id}.stl" for part_id in ENTRIES}
 
 
-def test_step_without_the_cad_libraries_says_what_to_install(tmp_path, monkeypatch):
+def test_step_without_the_cad_libraries_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setattr("industnerf.parts.io.export.find_spec", lambda name: None)
     with pytest.raises(SuiteError, match=r"pip install -e '\.\[cad\]'"):
         export(QUIET, "organic", [PART], "step", tmp_path / "out")
@@ -235,7 +235,7 @@ def test_the_command_line_refuses_in_one_sentence(
     assert message in capsys.readouterr().err
 
 
-def test_the_command_line_says_what_it_wrote(tmp_path, monkeypatch, capsys):
+def test_the_command_line_lists_what_it_wrote(tmp_path, monkeypatch, capsys):
     argv = ["export", PART, "--set", "organic", "--format", "ply", "--out", str(tmp_path)]
     monkeypatch.setattr(sys, "argv", ["parts", *argv])
     assert command_line.main() == 0

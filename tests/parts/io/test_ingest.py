@@ -63,7 +63,7 @@ def test_one_solid_becomes_a_part_of_its_own(folder, tmp_path, which, name, fini
     assert part.finishes == (finish,)
 
 
-def test_a_size_that_the_assumed_unit_makes_unlikely_is_remarked(tmp_path):
+def test_a_size_that_the_assumed_unit_makes_unlikely_has_a_note(tmp_path):
     solids = (Solid("solid 1", scaled(box(), 1e-3)),)
     Solids("m.stl", "STL", "mm, assumed", (UNSPECIFIED,), (), solids).save(tmp_path)
     ingest(tmp_path, "m", "own", None, settings(), tmp_path / "out")
@@ -71,7 +71,7 @@ def test_a_size_that_the_assumed_unit_makes_unlikely_is_remarked(tmp_path):
     assert warning.startswith("its largest side is 0.03 mm if its numbers are mm, as assumed")
 
 
-def test_an_open_part_has_no_volume_and_says_why(tmp_path):
+def test_an_open_part_has_no_volume_and_lists_its_defects(tmp_path):
     solids = (Solid("solid 1", select_faces(box(), slice(1, None))),)
     Solids("o.ply", "PLY", "mm, assumed", (UNSPECIFIED,), (), solids).save(tmp_path)
     ingest(tmp_path, "o", "own", None, settings(), tmp_path / "out")

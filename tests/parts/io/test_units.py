@@ -35,5 +35,5 @@ def test_only_units_that_make_the_size_likely_are_offered():
         ("", 0.0),  # of a file that was refused
     ],
 )
-def test_nothing_is_said_of_the_likely_the_stated_and_the_hopeless(unit, largest_mm):
+def test_likely_stated_and_hopeless_units_have_no_note(unit, largest_mm):
     assert unit_note(unit, largest_mm) == ""

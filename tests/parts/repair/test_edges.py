@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.parts.repair.edges import build_edges, piece_labels
-from industnerf.parts.validation.checks import bad_edges, count_bodies
+from industnerf.parts.repair.edges import build_edges
+from industnerf.parts.validation.checks import bad_edges, count_bodies, surface_components
 from tests.parts.repair.shapes import ball, box, concatenated
 
 FACES = st.lists(st.permutations(range(7)).map(lambda p: p[:3]), min_size=1, max_size=12).map(
@@ -35,6 +35,6 @@ def test_edges_are_those_that_a_loop_over_the_faces_finds(faces):
 
 def test_pieces_are_the_bodies():
     mesh = concatenated(box(), ball(1.0, (40, 0, 0)), box(center=(0, 0, 50)))
-    pieces = piece_labels(mesh.faces)
+    pieces = surface_components(mesh.faces)
     assert len(np.unique(pieces)) == count_bodies(mesh.faces) == 3
     assert np.bincount(pieces).tolist() == [12, 320, 12]

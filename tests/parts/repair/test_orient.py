@@ -78,7 +78,7 @@ def test_a_ball_that_stands_alone_meets_the_rays_that_cauchy_promises():
         assert votes.front[faces].sum() == pytest.approx(expected, rel=0.05)
 
 
-def test_a_hidden_solid_of_another_solid_is_judged_by_its_volume():
+def test_a_hidden_solid_of_another_solid_is_oriented_by_its_volume():
     [_, inner], repairs, _ = fix_winding([box((4, 4, 4)), flipped(box((2, 2, 2)))], settings())
     assert volume(inner) == pytest.approx(8)
     assert repairs == [
@@ -104,7 +104,7 @@ def test_a_box_without_a_lid_shows_its_inside_and_is_not_turned():
     assert len(repairs) == 1
 
 
-def test_a_solid_that_crosses_itself_is_not_wound_alike_where_that_shows_its_inside():
+def test_a_solid_that_crosses_itself_keeps_windings_that_hide_its_inside():
     tie = bow_tie()
     outward = flipped(tie, (tie.triangles[..., 0] <= 0).all(axis=1))
     assert ray_votes(outward).back.sum() == 0

@@ -117,7 +117,7 @@ def damaged(mesh: Mesh, kinds: set[str], rng: np.random.Generator, diagonal: flo
 
 @examples(max_examples=16)
 @given(defects())
-def test_whatever_the_defects_the_solid_comes_back(case):
+def test_any_mix_of_defects_is_repaired_to_the_solid(case):
     name, kinds, seed = case
     rng = np.random.default_rng(seed)
     original = concatenated(*SOLIDS[name])
@@ -138,7 +138,7 @@ def test_whatever_the_defects_the_solid_comes_back(case):
 
 @examples(max_examples=5)
 @given(st.integers(0, 2**32 - 1), st.floats(-6, 6), st.floats(-1e3, 1e3))
-def test_cleaning_a_moved_and_scaled_mesh_moves_and_scales_the_clean_one(seed, power, shift):
+def test_repair_commutes_with_moving_and_scaling(seed, power, shift):
     rng = np.random.default_rng(seed)
     mesh = concatenated(
         flipped(select_faces(ball(), rng.permutation(320)[:280]), slice(0, 100)),
@@ -195,7 +195,7 @@ def test_what_is_no_surface_is_refused(mesh, message):
         repair_mesh([mesh], settings())
 
 
-def test_a_sheet_without_thickness_loads_and_says_so():
+def test_a_sheet_without_thickness_loads_with_a_defect():
     sheet = Mesh.with_one_appearance(
         np.array([[0, 0, 0], [100, 0, 0], [100, 60, 0], [0, 60, 0]], float),
         np.array([[0, 1, 2], [0, 2, 3]], np.int32),

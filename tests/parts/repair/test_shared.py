@@ -75,7 +75,7 @@ CLOSED = {
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_a_broken_file_that_can_be_mended_comes_out_closed(name):
+def test_a_repairable_file_comes_out_closed(name):
     solids = read_nasty(name)
     cleaned = repair_mesh(solids, settings())
     assert len(solids) == CLOSED[name]
@@ -96,7 +96,7 @@ def test_a_broken_file_that_can_be_mended_comes_out_closed(name):
         ("trimesh_soup.stl", "open edges: 300"),
     ],
 )
-def test_what_is_wrong_is_said(name, message):
+def test_what_is_wrong_is_stated(name, message):
     cleaned = repair_mesh(read_nasty(name), settings())
     assert any(text.startswith(message) for text in cleaned.repairs + cleaned.residual_defects)
 
@@ -122,7 +122,7 @@ def test_the_sheet_looks_closed_though_it_is_not():
 
 
 @pytest.mark.parametrize("path", OTHERS, ids=lambda path: path.name)
-def test_cleaning_a_clean_part_finds_nothing(path):
+def test_repair_of_a_sound_part_finds_nothing(path):
     solids = read(path)
     once = repair_mesh(solids, settings())
     twice = repair_mesh(

@@ -75,7 +75,7 @@ def test_a_united_body_leaves_the_others_as_they_were():
 
 
 @pytest.mark.parametrize("clean_settings", [settings(), UNION])
-def test_more_pairs_than_can_be_looked_at_are_counted(monkeypatch, clean_settings):
+def test_pairs_beyond_the_limit_are_counted(monkeypatch, clean_settings):
     monkeypatch.setattr(union, "MAX_PAIRS", 2)
     _, _, defects = boolean_union([box(), box(), box((1, 1, 1))], clean_settings)
     assert defects[-1] == "pairs of bodies not searched for overlap: 1, beyond the first 2"

@@ -123,7 +123,7 @@ def test_units_are_those_that_are_stated(folder):
     assert "note:" not in text
 
 
-def test_a_unit_that_makes_a_mite_of_a_part_is_noted_and_no_fault(tmp_path):
+def test_a_unit_that_makes_a_tiny_part_is_a_note_and_no_defect(tmp_path):
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "meters.stl")
     trimesh.creation.box((0.003, 0.002, 0.001)).export(tmp_path / "stated.glb")
     code, text, rows = run([tmp_path], tmp_path / "out")
@@ -135,7 +135,7 @@ def test_a_unit_that_makes_a_mite_of_a_part_is_noted_and_no_fault(tmp_path):
     assert "GLB (m), 3 x 1 x 2" in text
 
 
-def test_solids_can_be_looked_at_one_by_one(tmp_path):
+def test_solids_can_be_checked_one_by_one(tmp_path):
     dot = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     scene = trimesh.Scene({"plate": trimesh.creation.box((3, 2, 1)), "dot": dot})
     scene.export(tmp_path / "two.glb")
@@ -146,7 +146,7 @@ def test_solids_can_be_looked_at_one_by_one(tmp_path):
     assert rows["two.glb"]["solids"] == "2"
 
 
-def test_a_named_file_is_looked_at_whatever_its_type(folder):
+def test_a_named_file_is_checked_under_any_type(folder):
     _, text, rows = run([folder / "readme.txt", folder / "nowhere.stl"], folder / "out")
     assert rows["readme.txt"]["verdict"] == rows["nowhere.stl"]["verdict"] == "refused"
     assert "nowhere.stl: refused: cannot be opened: No such file" in text
@@ -192,7 +192,7 @@ def test_a_full_or_locked_disk_is_noticed_before_any_work(folder, monkeypatch):
         run([folder], folder / "out")
 
 
-def test_solids_of_one_name_are_told_apart_as_in_part_ids(tmp_path):
+def test_solids_of_one_name_are_numbered_as_in_part_ids(tmp_path):
     box = trimesh.creation.box((3, 2, 1))
     scene = trimesh.Scene()
     for node in ("nut", "bolt", "Nut"):

@@ -80,7 +80,7 @@ def test_two_boxes_are_two_bodies():
     )
 
 
-def test_pieces_of_two_boxes_are_told_apart_however_faces_are_ordered():
+def test_pieces_of_two_boxes_are_found_in_any_order_of_faces():
     _, faces = box()
     both = np.concatenate([faces, faces + 20])  # numbers that no face uses do not count
     order = np.random.default_rng(0).permutation(24)

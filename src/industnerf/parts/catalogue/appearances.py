@@ -1,8 +1,8 @@
 """The finishes that embedded parts are made of.
 
-Albedos are ours, chosen by eye to tell materials apart.  They are linear: at most 0.72, so that
-the three lamps of params.yaml do not drive a lit face into the white of the background, and none
-as dark as rubber really is, so that shading survives 8 linear bits.
+Albedos are chosen by eye to tell materials apart.  They are linear and at most 0.72, so that the
+three lamps of params.yaml do not turn a lit face as white as the background.  None is as dark as
+real rubber, so that shading survives 8 linear bits.
 """
 
 from industnerf.artifacts.part import Appearance

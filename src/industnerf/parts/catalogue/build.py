@@ -1,4 +1,4 @@
-"""`python -m industnerf.parts list` and `build`: a catalogue as a table, and built anew."""
+"""`python -m industnerf.parts list` and `build`: print a catalogue, and build it again."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -10,14 +10,12 @@ from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
 
 CATALOGUE_FOLDERS = {"embedded": EMBEDDED_FOLDER, "organic": EMBEDDED_FOLDER.with_name("organic")}
-REFERENCE_REFINEMENT = (
-    4  # times finer: the mesh whose volume is taken for exact where no B-rep's is
-)
+REFERENCE_REFINEMENT = 4  # times finer: the mesh whose volume is exact where no B-rep's is
 
 
 @dataclass(frozen=True)
 class MeshPart:
-    """A mesh, its finishes, and the volume that it is held against."""
+    """A mesh, its finishes, and its reference volume."""
 
     mesh: Mesh
     finishes: tuple[Appearance, ...]  # that the mesh counts

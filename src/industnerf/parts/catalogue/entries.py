@@ -2,8 +2,8 @@
 
 Each part is `data/embedded/<id>.npz`: `vertices` (n, 3) float32 in mm, in the frame of the
 drawing, `faces` (m, 3), counter-clockwise from outside, and `finish` (m,), an index into the
-part's finishes.  The arrays are indexed: never weld them again by position, for neighboring
-thread crests come closer than any safe tolerance.
+part's finishes.  The arrays are indexed.  Do not weld them by position: neighboring thread
+crests come closer than any safe tolerance.
 """
 
 import hashlib

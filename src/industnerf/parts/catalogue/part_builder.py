@@ -38,7 +38,7 @@ class BuiltPart:
 
 
 def build_part(family: str, recipe: PartRecipe) -> BuiltPart:
-    """Draw and mesh one part here and now.  Raises `BadPart` if the mesh is not sound."""
+    """Draw and mesh one part in this process.  Raises `BadPart` if the mesh is not sound."""
     mesh_part = recipe.build_mesh()
     vertices32 = mesh_part.mesh.vertices.astype(np.float32)
     index_dtype = np.uint16 if len(vertices32) <= 1 << 16 else np.uint32
@@ -91,7 +91,7 @@ def _build_draft(name: str, part_id: str, drafts: Path) -> None:
 
 
 def read_draft(drafts: Path, part_id: str) -> BuiltPart:
-    """What `build_parts` left; only ever called on a folder of this process's own."""
+    """What `build_parts` left.  It unpickles: call it only on a folder of this process."""
     return pickle.loads((drafts / part_id).read_bytes())
 
 

@@ -39,7 +39,7 @@ class Recipe:
     """One part: its name, and how to draw it.
 
     `id` never changes once published: it names files, seeds and splits.  `designation` is the
-    standard and the size; "-like" marks proportions that are ours, not the standard's table.
+    standard and the size; "-like" marks proportions that are not from the table of the standard.
     """
 
     id: str

@@ -23,7 +23,7 @@ from industnerf.parts.io.ingest import ingest
 
 @dataclass(frozen=True)
 class PartTask:
-    """One part to be: how to make it, and all that it depends on."""
+    """How to make one part, and all that it depends on."""
 
     part_id: str
     make: "partial[None]"

@@ -1,1 +1,1 @@
-"""io."""
+"""CAD files in and out: readers, writers, units, ingest and export."""

@@ -1,4 +1,4 @@
-"""The user's own files: which there are, and what they are called."""
+"""The user's own files and their ids."""
 
 import re
 from collections import Counter
@@ -22,8 +22,8 @@ class CadFile:
 def find_cad_files(root: Path, pattern: str, select: list[str]) -> list[CadFile]:
     """The CAD files at `root`: itself, or those in it that match `pattern`, by id.
 
-    In a folder, files of types that are never read are passed over, as are hidden ones, and all
-    in hidden folders.  With `select`, only files that it names, or of which it names a solid.
+    In a folder, unknown types are skipped, as are hidden files and folders.  With `select`,
+    only files that it names, or of which it names a solid.
     Raises BadParams if there is none, or if two would share an id.
     """
     require_path(root)

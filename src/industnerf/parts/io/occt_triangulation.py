@@ -19,9 +19,7 @@ from industnerf.errors import BadPart
 from industnerf.parts.validation import checks
 
 WELD_TOLERANCE = 1e-6  # share of the diagonal
-LINEAR_DEFLECTION = (
-    5e-4  # share of the diagonal, the most that a facet may stand off: 0.2 px of a 512 px view
-)
+LINEAR_DEFLECTION = 5e-4  # share of the diagonal that a facet may stand off: 0.2 px of 512 px
 ANGULAR_DEFLECTION = 0.25  # rad, the most that neighboring facets of a curved face may turn
 
 

@@ -1,4 +1,4 @@
-"""The paper's "denoising" (4.1) of a user's CAD, made concrete: a chain of short steps.
+"""The paper's "denoising" of CAD (section 4.1) as a chain of short steps.
 
 Each step takes the solids of a file, repairs one defect, and says in one sentence what it repaired
 and what it left.  Between `normalize` and `denormalize` lengths are shares of the bounding-box
@@ -39,7 +39,7 @@ STEPS = (
 
 @dataclass(frozen=True)
 class RepairResult:
-    """A mesh in mm, and what was the matter with it."""
+    """A mesh in mm, and its defects."""
 
     mesh: Mesh
     repairs: tuple[str, ...]  # a sentence for each step that had something to do

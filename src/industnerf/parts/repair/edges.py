@@ -1,4 +1,4 @@
-"""The edges of an indexed mesh, and the pieces that they join.
+"""The edges of an indexed mesh, and connected components.
 
 An edge is sound if exactly two faces share it and run along it oppositely.
 """
@@ -48,10 +48,3 @@ def component_labels(pairs: Int[np.ndarray, "p 2"], n: int) -> Int[np.ndarray, "
     """For `n` things joined in `pairs`, the number of the component of each."""
     graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(n, n))
     return connected_components(graph, directed=False)[1]
-
-
-def piece_labels(faces: Int[np.ndarray, "m 3"]) -> Int[np.ndarray, "m"]:
-    """The loose piece of each face: faces are of one piece if they share a vertex."""
-    links = np.concatenate([faces[:, :2], faces[:, 1:]])
-    label = component_labels(links, int(faces.max(initial=0)) + 1)[faces[:, 0]]
-    return np.unique(label, return_inverse=True)[1]

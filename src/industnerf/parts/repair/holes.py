@@ -1,4 +1,7 @@
-"""Small flat holes, closed by the polygon of their border.  It invents surface: only if asked."""
+"""Small flat holes, closed by the polygon of their border.
+
+Off by default, because it invents surface.
+"""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Faces turned outward, by what rays from outside see.
+"""Winding: faces turned outward by the vote of rays from outside.
 
 Each patch of faces that are wound alike is turned if most rays meet it from behind.  A shell whose
 windings can be made to agree is turned as a whole unless the rays contradict it.  A closed shell
@@ -19,9 +19,7 @@ from industnerf.parts.repair.shells import ContainmentTree, Shells, find_shells
 from industnerf.parts.validation.checks import double_area_normals
 from industnerf.schema import RepairParams
 
-MAJORITY_SHARE = (
-    0.55  # of a patch's rays; a sheet is seen from both sides alike, and stays as it is
-)
+MAJORITY_SHARE = 0.55  # of a patch's rays; a sheet is seen from both sides alike and stays
 MAX_STRAY_SHARE = 0.01  # of a shell's rays: so many may speak against making its windings agree
 HIDDEN_SHARE = 0.05  # of the rays that would reach a closed shell if it stood alone: it is hidden
 NUM_BEAMS, RAYS_PER_SIDE = 100, 96
@@ -103,8 +101,8 @@ def _orient_hidden_shells(
 ) -> None:
     """Decide `flipped`, in place, of the closed shells that are `hidden`.
 
-    One that a shell of its own solid holds is a cavity, hence rightly inside out, unless file and
-    rays say otherwise: where both are wound alike in themselves, they turn together.
+    A hidden shell within another shell of its solid is a cavity, so it is rightly inside out.  But
+    where both are consistently wound in the file, they turn together.
     """
     if not hidden.any():
         return

@@ -14,9 +14,7 @@ from industnerf.artifacts.part import Mesh
 from industnerf.parts.repair.edges import build_edges, component_labels
 from industnerf.parts.validation.checks import double_area_normals
 
-NUM_SAMPLE_VERTICES = (
-    5  # vertices asked, evenly along the shell: one of them may lie on the other shell
-)
+NUM_SAMPLE_VERTICES = 5  # evenly along the shell; one of them may lie on the other shell
 
 
 @dataclass(frozen=True)

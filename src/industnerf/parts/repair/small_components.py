@@ -4,9 +4,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.repair.edges import piece_labels
 from industnerf.parts.repair.mesh_ops import concatenate, select_faces, solid_of_faces
-from industnerf.parts.validation.checks import double_area_normals
+from industnerf.parts.validation.checks import double_area_normals, surface_components
 from industnerf.schema import RepairParams
 
 
@@ -20,7 +19,7 @@ def drop_small_components(
     stays.  All stay if together they exceed `max_removed_area`.
     """
     whole = concatenate(solids)
-    component, solid = piece_labels(whole.faces), solid_of_faces(solids)
+    component, solid = surface_components(whole.faces), solid_of_faces(solids)
     area = np.bincount(
         component, np.linalg.norm(double_area_normals(whole.vertices, whole.faces), axis=1) / 2
     )

@@ -1,4 +1,4 @@
-"""Noise of a scan, smoothed away.  It rounds the edges of CAD: only if asked."""
+"""Noise of a scan, smoothed away.  Off by default, because it rounds the edges of CAD."""
 
 import numpy as np
 from jaxtyping import Float
@@ -8,10 +8,7 @@ from industnerf.artifacts.part import Mesh
 from industnerf.parts.repair.edges import build_edges
 from industnerf.schema import RepairParams
 
-SHRINK_STEP, GROW_STEP = (
-    0.5,
-    -0.53,
-)  # Taubin (1995): the second step undoes the shrinking of the first
+SHRINK_STEP, GROW_STEP = 0.5, -0.53  # Taubin (1995): the second step undoes the shrinking
 
 
 def smooth(solids: list[Mesh], settings: RepairParams) -> tuple[list[Mesh], list[str], list[str]]:

@@ -13,9 +13,7 @@ from industnerf.parts.repair.mesh_ops import concatenate, select_faces, solid_of
 from industnerf.parts.repair.shells import ContainmentTree, find_shells
 from industnerf.schema import RepairParams
 
-MIN_OVERLAP = (
-    1e-3  # of the smaller body's volume; the facets of a pin and of its bore interlock by less
-)
+MIN_OVERLAP = 1e-3  # of the smaller body's volume; a pin and its bore interlock by less
 MAX_PAIRS = 500  # that are looked at, in order; a pair takes some 5 ms
 MIN_VOLUME = 1e-12  # volume in cubed diagonals: a body with less is a surface folded onto itself
 
@@ -89,7 +87,7 @@ def find_overlaps(bodies: list[ClosedBody]) -> Overlaps:
 
 
 def overlap_warnings(overlaps: Overlaps) -> list[str]:
-    """What to say if the bodies are left as they are."""
+    """The warnings if the bodies are left as they are."""
     messages = []
     if len(overlaps.pairs):
         messages.append(
@@ -100,7 +98,7 @@ def overlap_warnings(overlaps: Overlaps) -> list[str]:
 
 
 def unchecked_warnings(overlaps: Overlaps) -> list[str]:
-    """What to say of the pairs that were not looked at, whatever became of the others."""
+    """The warning about pairs beyond MAX_PAIRS."""
     if not overlaps.num_unchecked:
         return []
     return [

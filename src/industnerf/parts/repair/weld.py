@@ -1,7 +1,7 @@
-"""Vertices that should be one, made one.
+"""Welding of vertices that are the same up to a tolerance.
 
-A file that stores every triangle by itself (STL), or cracks a surface where its normals jump, has
-borders within its surface.  So only vertices on unsound edges are welded: a solid that is stored
+A file that stores every triangle by itself (STL), or splits a surface where its normals jump, has
+borders within its surface.  Only vertices on unsound edges are welded.  So a solid that is stored
 closed stays as it is, though the crests of its threads may come closer than any safe tolerance.
 """
 
@@ -15,9 +15,7 @@ from industnerf.parts.repair.edges import build_edges, component_labels
 from industnerf.parts.repair.mesh_ops import drop_unused_vertices
 from industnerf.schema import RepairParams
 
-MAX_NEIGHBORS = (
-    64  # neighbors per vertex; no surface has so many, and their pairs would fill the memory
-)
+MAX_NEIGHBORS = 64  # per vertex; no surface has so many, and their pairs would fill the memory
 
 
 def weld(solids: list[Mesh], settings: RepairParams) -> tuple[list[Mesh], list[str], list[str]]:

@@ -71,7 +71,7 @@ def expand_folders(paths: Sequence[Path]) -> list[Path]:
 
 
 def _make_folder(out: Path) -> None:
-    """Before any work is done that could then not be written."""
+    """Raises BadParams before any work if `out` cannot be written."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=out).close()
@@ -82,7 +82,7 @@ def _make_folder(out: Path) -> None:
 def _validate_all(
     files: Sequence[Path], settings: PartsParams, scratch: Path
 ) -> Iterator[tuple[int, list[Finding], list[Tile]]]:
-    """The number of each file, with what there is to say and to see of it, once that is known."""
+    """The number, findings and tiles of each file, in the order in which they finish."""
     targets = [scratch / str(i) for i in range(len(files))]
     works = [
         partial(validate_file, f, settings.units, settings.split_bodies, settings.repair, t)

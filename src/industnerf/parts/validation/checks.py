@@ -1,4 +1,4 @@
-"""What makes a mesh a part: closed, outward oriented, of positive volume, clean from outside.
+"""What makes a mesh a part: closed, outward oriented, of positive volume, without back faces.
 
 `vertices` are in mm; `faces` index them counter-clockwise seen from outside.
 """

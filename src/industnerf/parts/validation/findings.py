@@ -1,4 +1,4 @@
-"""Findings about files, as a table for a terminal, as sentences, and as a spreadsheet."""
+"""Findings about files as a terminal table, as sentences and as CSV."""
 
 import csv
 import io

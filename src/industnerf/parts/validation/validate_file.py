@@ -1,4 +1,4 @@
-"""One file looked at by itself, in a process that it may take down: read, repaired, and reported.
+"""One file in a process of its own: read, repaired, and reported.
 
 <target>/findings.json    a finding for the file, or one for each of its solids
 <target>/cost.json        seconds and memory
@@ -25,7 +25,7 @@ from industnerf.stage import run_timed
 
 @dataclass(frozen=True)
 class Finding:
-    """What there is to say of a file, or of one solid of it."""
+    """The verdict on a file, or on one of its solids."""
 
     file: str
     refused: str = ""  # why it cannot be a part; empty if it can
@@ -54,14 +54,14 @@ class Finding:
 
     @property
     def note(self) -> str:
-        """What is no fault, but may be a mistake; mostly empty."""
+        """A likely mistake that is no defect; mostly empty."""
         return unit_note(self.unit, max(self.size_mm)) if self.size_mm else ""
 
 
 def validate_file(
     path: Path, units: str, split: bool, settings: RepairParams, target: Path
 ) -> None:
-    """Fill the folder `target` with what becomes of the file at `path`.
+    """Write the findings, cost and repaired solids of the file at `path` into `target`.
 
     Raises BadPart if it cannot be read, or is looked at as a whole and cannot be a part.
     """

@@ -75,7 +75,7 @@ def off_of_eight(corners):
         ("empty.3dxml", samples.zipped({"Manifest.xml": "<a/>"}), "which it names, is not in the"),
     ],
 )
-def test_what_cannot_be_read_is_said_in_one_sentence(read, name, content, expected):
+def test_what_cannot_be_read_is_refused_in_one_sentence(read, name, content, expected):
     with pytest.raises(BadPart) as refused:
         read(name, content)
     message = str(refused.value)
@@ -85,19 +85,19 @@ def test_what_cannot_be_read_is_said_in_one_sentence(read, name, content, expect
     assert "Traceback" not in message
 
 
-def test_a_tail_is_ignored_and_said(read):
+def test_a_tail_is_ignored_with_a_warning(read):
     solids = read("tail.stl", samples.binary_stl() + b"\0" * 7)
     assert solids.warnings == ("7 bytes after the last triangle ignored",)
     assert len(solids.solids[0].mesh.faces) == 12
 
 
-def test_decimal_commas_are_read_and_said(read):
+def test_decimal_commas_are_read_with_a_warning(read):
     solids = read("commas.stl", samples.text_stl().replace(b".", b","))
     assert solids.warnings == ("decimal commas read as points",)
     np.testing.assert_array_equal(solids.solids[0].mesh.vertices.max(axis=0), (30, 20, 10))
 
 
-def test_a_text_stl_that_stops_is_said_or_refused(read):
+def test_a_text_stl_that_stops_has_a_warning_or_is_refused(read):
     text = samples.text_stl()
     whole = text[: text.rindex(b"facet normal")]
     assert "may be cut short" in read("whole.stl", whole).warnings[0]
@@ -115,7 +115,7 @@ def test_a_facet_without_a_normal_is_a_facet(read):
     assert len(read("bare.stl", content + b"endfacet\nendsolid").solids[0].mesh.faces) == 1
 
 
-def test_vertices_that_are_no_numbers_are_left_to_cleaning(read):
+def test_vertices_that_are_no_numbers_are_left_to_the_repair(read):
     vertices = CORNERS.copy()
     vertices[0] = np.nan, np.inf, 0
     mesh = read("nan.stl", samples.binary_stl(vertices)).solids[0].mesh
@@ -153,7 +153,7 @@ def test_obj_lines_may_go_on_in_the_next(read):
     assert len(read("long.obj", content).solids[0].mesh.faces) == 1
 
 
-def test_obj_without_its_materials_loads_and_says_so(read):
+def test_obj_without_its_materials_loads_with_a_warning(read):
     solids = read("bare.obj", samples.obj(materials="no where.mtl"))
     assert solids.warnings == ("its materials are missing: no where.mtl",)
     assert [finish.name for finish in solids.finishes] == ["unstated"]
@@ -171,7 +171,7 @@ def test_a_dented_polygon_keeps_its_dent(read):
     assert (normals[:, 1] < 0).all()  # all the way round that the outline goes, seen from -y
 
 
-def test_a_3mf_color_that_is_not_there_is_left_out_and_said(read):
+def test_a_3mf_color_that_is_missing_is_left_out_with_a_warning(read):
     content = samples.threemf()
     import io
     import zipfile
@@ -247,7 +247,7 @@ def test_entities_are_refused(read, name):
 # The diagonal is 37.4 and the step of a 32-bit number at x is 2^(floor(log2 x) - 23): at 1e4 it is
 # 2.6e-5 of the diagonal, at 1e6 it is 1.7e-3, at 3e7 it is 0.053.
 @pytest.mark.parametrize(("offset", "warned"), [(0.0, False), (1e4, False), (1e6, True)])
-def test_a_part_far_from_the_origin_in_32_bits_is_remarked(read, offset, warned):
+def test_a_part_far_from_the_origin_in_32_bits_has_a_warning(read, offset, warned):
     warnings = read("far.stl", samples.binary_stl(CORNERS + offset)).warnings
     assert ("32-bit coordinates" in "".join(warnings)) == warned
 
@@ -260,7 +260,7 @@ def test_a_part_too_far_from_the_origin_in_32_bits_is_refused(read):
     assert read("far.obj", (far + faces).encode()).warnings == ()  # text has digits enough
 
 
-def test_gltf_beside_its_buffer(read, tmp_path):
+def test_gltf_with_a_buffer_in_its_folder(read, tmp_path):
     tree, data = samples.gltf_tree(uri="box%20data.bin")
     (tmp_path / "box data.bin").write_bytes(data)
     solids = read("box.gltf", json.dumps(tree).encode())

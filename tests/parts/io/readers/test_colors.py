@@ -83,7 +83,7 @@ def test_no_color_stated_takes_one_of_the_256_places(bare, kept):
     assert len(np.unique(finish[:256])) > 200  # the reduced ones are still told apart
 
 
-def test_a_reduced_palette_says_how_far_off_it_is(read):
+def test_a_reduced_palette_states_its_error(read):
     ramp = np.stack(np.meshgrid(*[np.arange(0, 256, 25)] * 3), axis=-1).reshape(-1, 3)
     finishes, (finish,), (warning,) = quantize_finishes((body(srgb_to_linear(ramp / 255)),))
     hex_colors = np.array([bytes.fromhex(finishes[i].name[1:]) for i in finish])
@@ -192,7 +192,7 @@ def test_gltf_factors_are_linear_and_multiply_the_picture(read):
     np.testing.assert_array_equal(solids.solids[0].mesh.finish, TOP)
 
 
-def test_a_gltf_whose_picture_is_missing_keeps_its_shape_and_says_so(read):
+def test_a_gltf_whose_texture_is_missing_loads_with_a_warning(read):
     tree, data = samples.gltf_tree()
     tree["images"], tree["textures"] = [{"uri": "paint.png"}], [{"source": 0}]
     tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}

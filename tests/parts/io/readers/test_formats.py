@@ -7,6 +7,7 @@ import pytest
 
 from industnerf.errors import BadPart
 from industnerf.parts.io.readers.formats import FORMATS, SUFFIXES, detect_by_content, detect_format
+from industnerf.parts.io.readers.mesh_content import normalize_unit
 from industnerf.parts.validation.checks import bad_edges, volume_mm3
 from tests.parts.io.readers.samples import BLUE, RED, SAMPLES, SIZE, binary_stl, ply, text_stl
 
@@ -53,7 +54,7 @@ def test_content_alone_tells_the_format(tmp_path, name):
     assert "its content is" in warnings[0]
 
 
-def test_content_wins_over_the_name_with_a_remark(read):
+def test_content_wins_over_the_name_with_a_warning(read):
     solids = read("part.step", SAMPLES["binary.stl"])
     assert solids.format == "binary STL"
     assert solids.warnings == ("named .step, but its content is STL",)
@@ -61,7 +62,7 @@ def test_content_wins_over_the_name_with_a_remark(read):
 
 
 @pytest.mark.parametrize("header", [b"solid facet normal of a liar", b"ply to stl", b"glTF to stl"])
-def test_the_header_of_a_binary_stl_may_say_anything(read, header):
+def test_the_header_of_a_binary_stl_may_hold_anything(read, header):
     solids = read("part.stl", binary_stl(header=header))
     assert (solids.format, len(solids.solids[0].mesh.faces)) == ("binary STL", 12)
 
@@ -84,7 +85,7 @@ def test_the_header_of_a_binary_stl_may_say_anything(read, header):
         (b"PK\3\4 torn", None),
     ],
 )
-def test_heads_are_told_apart(tmp_path, head, name):
+def test_heads_identify_formats(tmp_path, head, name):
     (tmp_path / "file").write_bytes(head)
     detected = detect_by_content(tmp_path / "file", head, len(head))
     assert (detected.name if detected else None) == name
@@ -108,7 +109,7 @@ def test_a_file_that_is_not_there_is_named(read, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [s for f in FORMATS[:3] for s in f.suffixes])
-def test_the_kernels_formats_without_the_kernel_say_how_to_get_it(read, monkeypatch, suffix):
+def test_formats_of_the_cad_kernel_name_its_package(read, monkeypatch, suffix):
     monkeypatch.setattr("industnerf.parts.io.readers.find_spec", lambda name: None)
     with pytest.raises(BadPart, match=r"needs the CAD kernel.*pip install -e '\.\[cad\]'"):
         read(f"part{suffix}", b"anything")
@@ -132,3 +133,11 @@ def test_a_file_that_states_its_unit_is_believed(read, name):
 def test_doubles_and_text_keep_their_digits(read):
     assert read("a.ply", ply(number="double")).solids[0].mesh.vertices.max() == 30.0
     assert read("b.stl", text_stl(number="{:.17g}")).solids[0].mesh.vertices.max() == 30.0
+
+
+@pytest.mark.parametrize(
+    ("spelling", "unit"),
+    [("METRE", "m"), ("millimetre", "mm"), ("centimeter", "cm"), ("in", "inch"), ("foot", "foot")],
+)
+def test_units_have_one_name_in_any_spelling(spelling, unit):
+    assert normalize_unit(spelling) == unit

@@ -29,7 +29,7 @@ def face_colors(solids, solid=0):
 
 
 @pytest.mark.parametrize(("unit", "stated"), [("MM", "mm"), ("INCH", "inch"), ("M", "m")])
-def test_step_comes_in_mm_whatever_its_unit(tmp_path, unit, stated):
+def test_step_comes_in_mm_from_any_unit(tmp_path, unit, stated):
     drawing = Drawing()
     drawing.add(drawings.box(), "block")
     solids = read_solids(drawing.write_step(tmp_path / "a.step", unit), "cm")
@@ -40,7 +40,7 @@ def test_step_comes_in_mm_whatever_its_unit(tmp_path, unit, stated):
 
 
 @pytest.mark.parametrize("odd", [drawings.half_space, drawings.empty_solid])
-def test_a_body_without_end_or_extent_is_left_out_and_told(tmp_path, odd):
+def test_a_body_without_end_or_extent_is_left_out_with_a_warning(tmp_path, odd):
     both = drawings.compound_of(odd(), drawings.box())
     solids = read_solids(drawings.write_brep(both, tmp_path / "a.brep"), "mm")
     assert volumes(solids) == pytest.approx([6000])
@@ -49,7 +49,7 @@ def test_a_body_without_end_or_extent_is_left_out_and_told(tmp_path, odd):
 
 
 @pytest.mark.parametrize("radius", [0.05, 500.0])
-def test_the_mesh_is_as_fine_as_the_size_asks(tmp_path, radius):
+def test_the_mesh_is_as_fine_as_the_size_requires(tmp_path, radius):
     drawing = Drawing()
     drawing.add(drawings.ball(radius), "ball")
     solids = read_solids(drawing.write_step(tmp_path / "ball.step"), "mm")

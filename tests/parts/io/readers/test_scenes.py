@@ -79,7 +79,7 @@ def test_collada_units(read, unit, factor):
 
 
 @pytest.mark.parametrize("up", samples.UP_CORNERS)
-def test_collada_says_which_way_is_up(read, up):
+def test_collada_states_its_up_axis(read, up):
     solids = read("up.dae", samples.dae(up=up))
     assert solids.warnings == ()
     # the very corners, not only the size: a mirror image would have its volume, and no faults
@@ -94,7 +94,7 @@ def test_collada_with_an_unheard_of_up_is_taken_for_the_default(read):
     assert solids.warnings == ("up_axis 'W_UP' is none of X_UP, Y_UP, Z_UP; taken for Y_UP",)
 
 
-def test_gltf_has_y_up_whatever_its_nodes_do(read):
+def test_gltf_has_y_up_under_any_node(read):
     """What a node does to its mesh happens in the file's axes: the turn comes last."""
     tree, data = samples.gltf_tree()
     tree["nodes"] = [{"mesh": 0, "translation": [0, 1, 0]}]  # a meter up
@@ -202,9 +202,7 @@ def area(points, corners):
 
 
 @given(
-    st.lists(st.floats(0.2, 1.0), min_size=4, max_size=24),
-    st.floats(0, 6),
-    st.floats(-100, 100),
+    st.lists(st.floats(0.2, 1.0), min_size=4, max_size=24), st.floats(0, 6), st.floats(-100, 100)
 )
 def test_a_star_is_filled_exactly(radii, tilt, far):
     """Of a star-shaped outline, the triangles' areas sum to the outline's, none is turned over."""

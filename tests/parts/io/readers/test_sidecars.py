@@ -45,7 +45,7 @@ def test_what_is_not_there_or_not_below_is_no_sidecar(folder):
     assert resolve_sidecar(inside / "box.obj", "link.mtl") is None
 
 
-def test_a_path_of_another_machine_means_the_file_beside(folder):
+def test_a_path_of_another_machine_means_the_file_in_the_folder(folder):
     assert resolve_sidecar(folder / "x.obj", r"C:\work\box.mtl") == folder / "box.mtl"
     assert resolve_sidecar(folder / "x.obj", "-o 1 2 a b.mtl") == folder / "a b.mtl"
 
@@ -75,7 +75,7 @@ def test_a_name_is_found_however_its_format_writes_it(folder, owner, text, name)
     assert sidecars_of(folder, owner, text.encode()) == [name]
 
 
-def test_a_name_that_could_not_be_told_from_the_text_around_it_is_not_looked_for(folder):
+def test_a_name_with_a_delimiter_is_no_sidecar(folder):
     (folder / 'a"b.png').write_bytes(b"")
     assert resolve_sidecar(folder / "x.dae", 'a"b.png') is None
 

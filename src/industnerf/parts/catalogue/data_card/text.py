@@ -12,9 +12,10 @@ generate them again. They replace the roughly 100 models of the paper, which wer
 
 ## Contents
 
-Each part is one indexed triangle mesh in mm, closed and outward oriented. Every face has a finish.
-There are {finishes} finishes in all, and {colored} parts have several. `data/embedded/catalogue.json`
-lists designation, family, drawing parameters, volume, area, Euler number, visible share and strata.
+Each part is one indexed triangle mesh in mm, closed and outward oriented. Every face has a
+finish. There are {finishes} finishes in all, and {colored} parts have several.
+`data/embedded/catalogue.json` lists designation, family, drawing parameters, volume, area, Euler
+number, visible share and strata.
 
 The set takes {megabytes:.1f} MB and has {triangles:.2f} million triangles. The median part has
 {median_faces} and the largest {most_faces}. Reading it needs only numpy.
@@ -29,12 +30,12 @@ Short modules in `src/industnerf/parts/catalogue/families/` draw the parts with 
 
 The `library` of an entry names the one used: {libraries}.
 
-The chord error of a mesh is at most 0.05 % of
-the diagonal. Neighboring facets differ by at most 0.25 rad. Solids that touch or overlap are united as
-meshes by manifold3d, so that no surface is left inside.
+The chord error of a mesh is at most 0.05 % of the diagonal. Neighboring facets differ by at most
+0.25 rad. Solids that touch or overlap are united as meshes by manifold3d, so that no surface is
+left inside.
 
-A designation names a standard and a size, or else what the part is. The suffix "-like" marks proportions
-that are ours and not those of the standard. {like} of {parts} parts have it.
+A designation names a standard and a size, or else what the part is. The suffix "-like" marks
+proportions that are ours and not those of the standard. {like} of {parts} parts have it.
 
 ## Checks
 
@@ -46,21 +47,24 @@ The external rays are 64 parallel beams from all directions, with 64 x 64 rays e
 
 ## Strata
 
-Strata are kinds of parts on which methods may differ. Each is a formula on the mesh alone, with fixed
-thresholds. They precede any reconstruction (`src/industnerf/parts/strata.py`).
+Strata are kinds of parts on which methods may differ. Each is a formula on the mesh alone, with
+fixed thresholds. They precede any reconstruction (`src/industnerf/parts/strata.py`).
 
 {strata}
 
-- *Seen* is the share of the area visible from at least one of 100 viewpoints on a sphere around the part.
-  Less than 90 % is seen of {seen_less} parts.
-- *Hull-hidden* is the share that lies deeper than 0.2 % of the diagonal below the ideal visual hull. No
-  silhouette can show it. The median part has {median_hidden}, and the maximum is {most_hidden}.
-- *Holes* is the genus of the surface. Loops that form where touching bodies were united count too.
+- *Seen* is the share of the area visible from at least one of 100 viewpoints on a sphere around
+  the part. Less than 90 % is seen of {seen_less} parts.
+- *Hull-hidden* is the share that lies deeper than 0.2 % of the diagonal below the ideal visual
+  hull. No silhouette can show it. The median part has {median_hidden}, and the maximum is
+  {most_hidden}.
+- *Holes* is the genus of the surface. Loops that form where touching bodies were united count
+  too.
 
 ## Splits
 
-Splits are by hash, so adding a part moves no other. Only the `dev` parts are used for tuning. No headline
-mean contains them ([Protocol P1](protocol.md)). All other families are assigned whole to folds.
+Splits are by hash, so adding a part moves no other. Only the `dev` parts are used for tuning. No
+headline mean contains them ([Protocol P1](protocol.md)). All other families are assigned whole to
+folds.
 
 {family_table}
 
@@ -71,17 +75,19 @@ mean contains them ([Protocol P1](protocol.md)). All other families are assigned
 {part_tables}
 ## Licenses
 
-The meshes were drawn for this project and share its license, Apache-2.0. So do the libraries that drew
-them: build123d, bd_warehouse, py_gearworks and manifold3d. The set contains none of their code
-(`data/embedded/NOTICE`). Standards are named to identify parts. Their text is not reproduced.
+The meshes were drawn for this project and share its license, Apache-2.0. So do the libraries that
+drew them: build123d, bd_warehouse, py_gearworks and manifold3d. The set contains none of their
+code (`data/embedded/NOTICE`). Standards are named to identify parts. Their text is not
+reproduced.
 
 ## Limitations
 
-- It is not the paper's dataset. Its models were never published, so the numbers are not comparable.
-- It is neither scanned nor measured. The geometry is nominal, without tolerances, roughness, wear, dirt or
-  markings.
-- It is not for manufacture. "-like" parts follow no table. Threads are helices where bd_warehouse draws
-  them, and rings of the profile or plain cylinders elsewhere.
+- It is not the paper's dataset. Its models were never published, so the numbers are not
+  comparable.
+- It is neither scanned nor measured. The geometry is nominal, without tolerances, roughness,
+  wear, dirt or markings.
+- It is not for manufacture. "-like" parts follow no table. Threads are helices where bd_warehouse
+  draws them, and rings of the profile or plain cylinders elsewhere.
 - It is not a sample of what industry makes. We chose the parts, so a mean describes this set.
 - Its materials are not measured. Colors were chosen by eye to tell finishes apart.
 
@@ -91,16 +97,18 @@ them: build123d, bd_warehouse, py_gearworks and manifold3d. The set contains non
     python -m industnerf.parts build [--family gears]
     python -m industnerf.parts card
 
-The tests regenerate some parts of every family. They compare volume, box, watertightness and back-face share
-within tolerances, not bytes. Another version of the CAD kernel may choose other triangles.
+The tests regenerate some parts of every family. They compare volume, box, watertightness and
+back-face share within tolerances, not bytes. Another version of the CAD kernel may choose other
+triangles.
 """
 
 ORGANIC_TEMPLATE = """
 ## The non-industrial set
 
-There are {parts} shapes in `data/organic` ({megabytes:.1f} MB). They test whether a method works only on
-industrial parts. They are formulas, generated by `src/industnerf/parts/catalogue/organic/` without a CAD
-kernel. They pass the same checks, are never used for tuning, and enter no headline mean.
+There are {parts} shapes in `data/organic` ({megabytes:.1f} MB). They test whether a method works
+only on industrial parts. They are formulas, generated by
+`src/industnerf/parts/catalogue/organic/` without a CAD kernel. They pass the same checks, are
+never used for tuning, and enter no headline mean.
 
 ![Contact sheet of the non-industrial set](organic.png)
 

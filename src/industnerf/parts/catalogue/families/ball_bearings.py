@@ -94,14 +94,7 @@ RECIPES = [
         "ISO 15 7304 20x52x15",
         "build123d",
         ball_bearing,
-        {
-            "bore": 20.0,
-            "outside": 52.0,
-            "width": 15.0,
-            "ball": 9.5,
-            "balls": 10,
-            "open_side": 0.17,
-        },
+        {"bore": 20.0, "outside": 52.0, "width": 15.0, "ball": 9.5, "balls": 10, "open_side": 0.17},
     ),
     Recipe(
         "bearing-deep-groove-6300",

@@ -55,5 +55,5 @@ RECIPES = [
         "build123d",
         brake_disc,
         {"diameter": 280.0, "hat": 155.0, "height": 52.0, "bolts": 5, "vanes": 30},
-    ),
+    )
 ]

@@ -122,5 +122,5 @@ RECIPES = [
         "build123d",
         cylinder_block,
         {"bore": 84.0, "pitch": 92.0, "deck": 210.0, "main": 54.0},
-    ),
+    )
 ]

@@ -1,14 +1,6 @@
 """Fans and blowers."""
 
-from build123d import (
-    Circle,
-    Pos,
-    Rectangle,
-    Rot,
-    Shape,
-    extrude,
-    loft,
-)
+from build123d import Circle, Pos, Rectangle, Rot, Shape, extrude, loft
 
 from industnerf.parts.catalogue.families.blades import blade_section
 from industnerf.parts.catalogue.families.drawing import (

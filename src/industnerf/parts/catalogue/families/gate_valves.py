@@ -97,5 +97,5 @@ RECIPES = [
             "bolt_circle": 125.0,
             "bolt_hole": 19.0,
         },
-    ),
+    )
 ]

@@ -74,12 +74,7 @@ def clock_wheel(module: Real, teeth: int, leaves: int, thickness: Real, spokes: 
     low, high, pivot = -6 * thickness, 13 * thickness, arbor / 2
     shaft = chamfered_rod(arbor, high - low, 0.2 * arbor, (0, 0, low))
     shaft += chamfered_rod(pivot, high - low + 4 * arbor, 0.2 * pivot, (0, 0, low - 2 * arbor))
-    return Assembly(
-        {
-            "brass": wheel + collet - shaft,
-            "bright steel": shaft + pinion,
-        }
-    )
+    return Assembly({"brass": wheel + collet - shaft, "bright steel": shaft + pinion})
 
 
 RECIPES = [

@@ -67,12 +67,7 @@ def herringbone_gear(
 def rack(module: Real, teeth: int, width: Real, height: Real, screw: Real) -> Shape:
     """Straight rack along x, `height` to the pitch line, held by two socket screws along y."""
     body = RackGear(
-        module,
-        teeth,
-        20,
-        width,
-        root_fillet=0.2 * module,
-        base_height=height - 1.25 * module,
+        module, teeth, 20, width, root_fillet=0.2 * module, base_height=height - 1.25 * module
     )
     head, depth = 1.7 * screw, 0.9 * screw
     for x in (-0.25 * math.pi * module * teeth, 0.25 * math.pi * module * teeth):

@@ -34,11 +34,7 @@ def universal_joint(diameter: Real, bore: Real, pivot: Real, angle: Real) -> Ass
     cross = bend * block(cube, cube, cube, (0, 0, -cube / 2))
     pins = [bend * bar(pin, 1.01 * diameter, axis) for axis in "xy"]
     return Assembly(
-        {
-            "steel": fused([fork, other]),
-            "black oxide": cross,
-            "bright steel": fused(pins),
-        }
+        {"steel": fused([fork, other]), "black oxide": cross, "bright steel": fused(pins)}
     )
 
 
@@ -49,5 +45,5 @@ RECIPES = [
         "build123d",
         universal_joint,
         {"diameter": 36.0, "bore": 20.0, "pivot": 43.0, "angle": 20.0},
-    ),
+    )
 ]

@@ -1,16 +1,7 @@
 """Linear motion and springs."""
 
 import numpy as np
-from build123d import (
-    Edge,
-    Line,
-    Plane,
-    Pos,
-    Shape,
-    Spline,
-    Wire,
-    sweep,
-)
+from build123d import Edge, Line, Plane, Pos, Shape, Spline, Wire, sweep
 
 from industnerf.parts.catalogue.families import linear_guides
 from industnerf.parts.catalogue.families.drawing import (

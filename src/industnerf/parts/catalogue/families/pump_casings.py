@@ -83,5 +83,5 @@ RECIPES = [
         pump_casing,
         {"impeller": 100.0, "throat": 38.0, "suction": 50.0, "wall": 6.0},
         finish="yellow paint",
-    ),
+    )
 ]

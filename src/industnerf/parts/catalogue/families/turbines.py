@@ -1,15 +1,6 @@
 """Blades and discs of turbines."""
 
-from build123d import (
-    Plane,
-    Pos,
-    Rot,
-    Shape,
-    Sketch,
-    extrude,
-    fillet,
-    loft,
-)
+from build123d import Plane, Pos, Rot, Shape, Sketch, extrude, fillet, loft
 
 from industnerf.parts.catalogue.families.blades import airfoil_face, blade_section
 from industnerf.parts.catalogue.families.drawing import (

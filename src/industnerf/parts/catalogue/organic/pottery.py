@@ -81,10 +81,7 @@ def _filled(profile: Float[np.ndarray, "n 2"], diameter: float, edge_mm: float) 
 
 
 def _bent(
-    knots: Float[np.ndarray, "n 2"],
-    radii: tuple[float, float],
-    diameter: float,
-    edge_mm: float,
+    knots: Float[np.ndarray, "n 2"], radii: tuple[float, float], diameter: float, edge_mm: float
 ) -> Manifold:
     """A tube in the plane y = 0 from one radius to the other; all as shares of `diameter`."""
     centerline = curve(np.insert(knots, 1, 0.0, axis=1) * diameter, edge_mm)

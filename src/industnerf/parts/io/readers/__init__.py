@@ -1,8 +1,8 @@
 """One CAD file to its solids in mm: as the file has them, not yet repaired.
 
-Where a format says which way is up (glTF, COLLADA), the part is turned to z up; all others stay as
-they are in the file.  Every refusal is a BadPart of one sentence; a file that hangs, crashes the
-kernel or eats memory is the runner's to end.
+Formats that name their up axis (glTF, COLLADA) are turned to z up.  A file that cannot be read
+raises BadPart with one sentence.  The runner ends files that hang, crash the CAD kernel or eat
+memory.
 """
 
 import warnings
@@ -41,9 +41,7 @@ MESH_READERS: dict[Format, Callable[[Path], MeshContent]] = {
     formats.THREEDXML: read_threedxml,
 }
 MAX_MESSAGE_CHARS = 300  # characters of a library's own message
-UNPARSED_NUMBER_WARNING = (
-    "string or file could not be read to its end"  # numpy's, where text is no number
-)
+UNPARSED_NUMBER_WARNING = "string or file could not be read to its end"  # numpy's
 
 
 def write_solids(path: Path, units: str, target: Path) -> None:

@@ -7,16 +7,13 @@ from typing import Any
 
 from industnerf.errors import BadPart
 
-MAX_RATIO, FREE_BYTES = (
-    200,
-    1 << 20,
-)  # meshes as XML shrink 10 to 30 times; small files are left alone
+MAX_RATIO, FREE_BYTES = 200, 1 << 20  # meshes as XML shrink 10 to 30 times; small files are exempt
 
 
 def read_archive(path: Path) -> dict[str, bytes]:
     """Every file of the zip at `path`; raises BadPart if it is torn, locked or a bomb.
 
-    Python reads no more of a member than its header promises, so the promises can be added up.
+    Python reads no more of a member than its header declares, so the declared sizes are trusted.
     """
     size = path.stat().st_size
     try:

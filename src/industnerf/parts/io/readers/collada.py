@@ -80,7 +80,7 @@ def _read_content(data: bytes, load_image: Any) -> MeshContent:
 
 
 def _up_transform(scene: Any, warnings: list[str]) -> Float64[np.ndarray, "4 4"]:
-    """What brings the file's own up to z; the standard's silence is Y_UP."""
+    """From the file's up axis to z; Y_UP, the standard's default, if it states none."""
     stated = (scene.xmlnode.findtext("{*}asset/{*}up_axis") or "Y_UP").strip()
     if stated not in UP_AXES:
         axes = ", ".join(UP_AXES)
@@ -109,7 +109,7 @@ def _body(bound: Any, load_image: Any, warnings: list[str]) -> MeshBody | None:
 def _albedo(
     triangles: Any, material: Any, load_image: Any, warnings: list[str]
 ) -> Float64[np.ndarray, "m 3"]:
-    """Of each triangle: the picture's, else the diffuse color."""
+    """Of each triangle: from the texture, else the diffuse color."""
     albedo = unstated_albedo(len(triangles))
     diffuse = material.target.effect.diffuse if material is not None else None
     if isinstance(diffuse, tuple | list | np.ndarray):

@@ -1,4 +1,4 @@
-"""Which format a file is in: by its content, and by its name only where the content is mute."""
+"""The format of a file: by its content, or by its name where the content does not tell."""
 
 import re
 import zipfile
