@@ -60,7 +60,9 @@ def test_no_key_of_today_is_taken_for_an_old_one():
 
 
 def test_a_key_below_a_renamed_section_follows_it():
-    assert renamed.new_key("method.nerf.relief.start.grid_res") == "method.nerf.sdf.init.grid_res"
+    new = "method.industnerf_plus.sdf.init.grid_res"
+    assert renamed.new_key("method.industnerf_plus.relief.start.grid_res") == new
+    assert renamed.new_key("method.nerf.relief.start.grid_res") == new
     assert renamed.new_key("parts.clean.fill_holes") == "parts.repair.fill_holes"
 
 
