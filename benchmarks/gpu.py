@@ -39,7 +39,7 @@ from industnerf.schema.readings import InterpolationReading
 RAY_COUNTS = 4096, 65536, 262144  # rays at a time
 READINGS: dict[str, InterpolationReading] = {
     "inverse square, searched": "inverse_square",
-    "tents, on a lattice": "trilinear",
+    "trilinear, on a grid": "trilinear",
 }
 
 
@@ -66,11 +66,13 @@ def kernels() -> Iterator[tuple[str, ...]]:
 def time_sample(
     device: str, density: str, reading: InterpolationReading, count: int
 ) -> tuple[float, float]:
-    """Nanoseconds forward and backward, the median of TURNS after one that compiles."""
+    """Nanoseconds forward and backward, the median of REPEATS after one that compiles."""
     point_cloud = make_cloud(1.0, DENSITY[density], jittered=reading != "trilinear")
     points = PointGrid(point_cloud.positions.to(device), point_cloud.radius, NEIGHBORS, reading)
     points.cells.is_grid_aligned = reading == "trilinear"
-    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
+    renderer = CompiledRenderer(
+        points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.early_stop_transmittance
+    )
     batch = make_rays(count)
     samples = int(samples_in_box(batch)[1].sum())
     device_batch = Rays(*(x.to(device) for x in (batch.origins, batch.directions, batch.offsets)))
@@ -130,7 +132,7 @@ def processes(count: int, warm_up: Callable, job: Job) -> Iterator[ProcessPoolEx
 
 
 def _set_barrier(barrier: Barrier) -> None:
-    """Where `_warmed` finds it: only at its start can a process be given a barrier."""
+    """Where `_warm_up_and_wait` finds it: a process can be given a barrier only at its start."""
     global shared_barrier
     shared_barrier = barrier
 

@@ -1,19 +1,18 @@
-"""How fast do the compiled kernels march, against plain torch and against scipy's k-d tree?
+"""How fast do the compiled kernels march, against the renderer in plain torch?
 
 OMP_NUM_THREADS=1 python benchmarks/kernels.py [radius ...]     in spacings; 0.9 and 1.2 by default
 
 A shell of some 100 000 points, one in each cell of a grid; rays from outside that all hit it,
 a sample every spacing, 8 neighbors.  `forward` and `backward` are nanoseconds a sample of the
-rays in the box, whether or not there is a point near it, so that all ways are counted alike;
-`times` is both of them over those of the kernels.  The three ways take turns and the median of
-the turns counts, so that a busy machine stretches all of them.
+rays in the box, whether or not there is a point near it, so that both are counted alike; `times`
+is the sum over that of the kernels.  Both take turns and the median of the turns counts, so that
+a busy machine slows both.
 
-Then what skipping and ending early save; and tents, whose points may be anywhere, or stand
-on a lattice, where only the corners of a cube are looked into.
+Then what skipping and early stopping save; and trilinear weights of points that are searched, or
+that stand on a grid, where only the corners of a cube are looked up.
 
-`twin` compares every sample with every point.  It is what the kernels are tested against, and is
-given fewer rays.  `k-d tree` is what one would write without kernels: scipy finds neighbors,
-torch composites and differentiates.
+`torch` is what one would write without kernels, and what they are tested against: scipy's k-d tree
+finds neighbors, torch composites and differentiates.
 """
 
 import sys
@@ -26,22 +25,19 @@ import numpy as np
 import torch
 from rich.console import Console
 from rich.table import Table
-from scipy.spatial import cKDTree
 from torch import Tensor
 
 from industnerf.rendering.compiled_renderer import CompiledRenderer
-from industnerf.rendering.compositing import opacities, terminated_density, transmittance
 from industnerf.rendering.points import PointGrid
 from industnerf.rendering.render import Rays
-from industnerf.rendering.samples import Samples, sample_distances
+from industnerf.rendering.samples import sample_distances
 from industnerf.rendering.torch_renderer import render_reference
-from industnerf.rendering.weights import inverse_distance_weights
 from industnerf.schema.readings import InterpolationReading
 
 SPACING, NEIGHBORS, READING = 1 / 64, 8, "inverse_square"
 SHELL_RADII = 0.56, 0.645  # between these distances from the middle of [-1, 1]^3 the points are
 CORE_RADII = 0.2, 0.285  # in a ball full of points, only those between these have density
-RAYS, REFERENCE_RAYS, REPEATS = 4096, 8, 5
+RAYS, REPEATS = 4096, 5
 DENSITY = {"thin": 0.2, "opaque": 200.0}  # a ray through the shell keeps 0.9, or nothing
 RenderFunction = Callable[[Rays, Tensor, Tensor], Tensor]  # rays, densities and colors -> pixels
 
@@ -52,7 +48,7 @@ class Cloud:
     sigma: Tensor
     rgb: Tensor
     radius: float
-    stop: float
+    early_stop_transmittance: float
 
 
 def make_cloud(
@@ -60,7 +56,7 @@ def make_cloud(
 ) -> Cloud:
     """The shell, or a `ball` as wide, full of points of which few have density.
 
-    Points are anywhere in their cells if they are `shaken`, else in the corners.
+    Points are anywhere in their cells if they are `jittered`, else in the corners.
     """
     random = torch.Generator().manual_seed(0)
     axis = torch.arange(-1, 1, SPACING)
@@ -100,19 +96,21 @@ def compiled_renderer(
     skipping: bool = True,
     is_occupied: Tensor | None = None,
     reading: InterpolationReading = READING,
-    lattice: bool = False,
+    aligned: bool = False,
 ) -> RenderFunction:
-    """The kernels; `skipping` space without a point, or without one that is `filled`.
+    """The kernels; `skipping` space without a point, or without one that `is_occupied`.
 
-    Points of a `lattice` are looked up, not searched.
+    Points of an `aligned` grid are looked up, not searched.
     """
     points = PointGrid(point_cloud.positions, point_cloud.radius, NEIGHBORS, reading)
-    points.cells.is_grid_aligned = lattice
+    points.cells.is_grid_aligned = aligned
     if is_occupied is not None:
         points.update_occupancy(is_occupied[points.order])
     if not skipping:
         points._distance_to_occupied.zero_()
-    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
+    renderer = CompiledRenderer(
+        points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.early_stop_transmittance
+    )
 
     def render(batch: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
         output = renderer.render(batch, sigma[points.order], rgb[points.order])
@@ -134,31 +132,13 @@ def reference_render(point_cloud: Cloud) -> RenderFunction:
         )
         white = torch.ones(len(batch), 3)
         return render_reference(
-            *geometry, sigma, rgb, white, **options, early_stop_transmittance=point_cloud.stop
+            *geometry,
+            sigma,
+            rgb,
+            white,
+            **options,
+            early_stop_transmittance=point_cloud.early_stop_transmittance,
         ).rgb
-
-    return render
-
-
-def kdtree_render(point_cloud: Cloud) -> RenderFunction:
-    tree = cKDTree(point_cloud.positions.numpy())
-
-    def render(batch: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
-        t, in_box = samples_in_box(batch)
-        positions = (batch.origins[:, None] + t[:, :, None] * batch.directions[:, None])[in_box]
-        neighbor_distances, neighbor_ids = tree.query(
-            positions.numpy(), NEIGHBORS, distance_upper_bound=point_cloud.radius
-        )
-        distance = torch.full((*t.shape, NEIGHBORS), torch.inf)
-        distance[in_box] = torch.from_numpy(neighbor_distances).float()
-        ids = torch.full((*t.shape, NEIGHBORS), -1)
-        ids[in_box] = torch.from_numpy(np.where(np.isfinite(neighbor_distances), neighbor_ids, -1))
-        weights = inverse_distance_weights(distance, point_cloud.radius, READING)
-        field = Samples(t, ids, weights).mean(torch.cat([sigma[:, None], rgb], dim=1))
-        density = terminated_density(field[..., 0], SPACING, point_cloud.stop)
-        remaining = transmittance(density, SPACING)
-        sample_weights = remaining[:, :-1] * opacities(density, SPACING)
-        return (sample_weights[:, :, None] * field[..., 1:]).sum(dim=1) + remaining[:, -1:]
 
     return render
 
@@ -175,7 +155,7 @@ def time_render(render: RenderFunction, point_cloud: Cloud, batch: Rays) -> np.n
 
 
 def median_times(variants: dict[Any, tuple[RenderFunction, Cloud, Rays]]) -> dict[Any, np.ndarray]:
-    """The median of TURNS for each, after one that compiles."""
+    """The median of REPEATS for each, after one that compiles."""
     for variant in variants.values():
         time_render(*variant)
     turns = [[time_render(*variant) for variant in variants.values()] for _ in range(REPEATS)]
@@ -183,37 +163,19 @@ def median_times(variants: dict[Any, tuple[RenderFunction, Cloud, Rays]]) -> dic
 
 
 def compare_renderers(radii: list[float]) -> Table:
-    heads = "radius", "density", "way", "forward ns", "backward ns", "times", "off by"
+    heads = "radius", "density", "renderer", "forward ns", "backward ns", "times", "off by"
     table = Table(*heads, title=f"a sample; {len(make_cloud(1, 1).positions)} points, {RAYS} rays")
     for radius in radii:
         for name, density in DENSITY.items():
-            point_cloud = make_cloud(radius, density)
-            all_rays = make_rays(RAYS)
-            few_rays = make_rays(REFERENCE_RAYS)
-            renderers = {
-                "kernels": compiled_renderer(point_cloud),
-                "k-d tree": kdtree_render(point_cloud),
-                "twin": reference_render(point_cloud),
-            }
-            times_by_renderer = median_times(
-                {
-                    name_of_renderer: (
-                        render,
-                        point_cloud,
-                        few_rays if name_of_renderer == "twin" else all_rays,
-                    )
-                    for name_of_renderer, render in renderers.items()
-                }
-            )
-            pixels = {
-                name_of_renderer: render(few_rays, point_cloud.sigma, point_cloud.rgb)
-                for name_of_renderer, render in renderers.items()
-            }
-            for name_of_renderer, (forward, backward) in times_by_renderer.items():
-                ratio = (forward + backward) / sum(times_by_renderer["kernels"])
-                max_error = (pixels[name_of_renderer] - pixels["twin"]).abs().max().item()
+            cloud, rays = make_cloud(radius, density), make_rays(RAYS)
+            renderers = {"compiled": compiled_renderer(cloud), "torch": reference_render(cloud)}
+            times = median_times({key: (each, cloud, rays) for key, each in renderers.items()})
+            pixels = {key: each(rays, cloud.sigma, cloud.rgb) for key, each in renderers.items()}
+            for key, (forward, backward) in times.items():
+                ratio = (forward + backward) / sum(times["compiled"])
+                max_error = (pixels[key] - pixels["torch"]).abs().max().item()
                 cells = f"{forward:.1f}", f"{backward:.1f}", f"{ratio:.1f}", f"{max_error:.0e}"
-                table.add_row(f"{radius:g}", name, name_of_renderer, *cells)
+                table.add_row(f"{radius:g}", name, key, *cells)
     return table
 
 
@@ -249,14 +211,14 @@ def measure_savings(radii: list[float]) -> Table:
     return table
 
 
-def compare_lattice() -> Table:
+def compare_grid_lookup() -> Table:
     heads = "density", "points are", "forward ns", "backward ns", "times"
-    table = Table(*heads, title="a sample, tents")
+    table = Table(*heads, title="a sample, trilinear")
     for name, density in DENSITY.items():
         point_cloud, batch = make_cloud(1.0, density, jittered=False), make_rays(RAYS)
         renderers = {
             "searched": compiled_renderer(point_cloud, reading="trilinear"),
-            "looked up": compiled_renderer(point_cloud, reading="trilinear", lattice=True),
+            "looked up": compiled_renderer(point_cloud, reading="trilinear", aligned=True),
         }
         times_by_renderer = median_times(
             {lookup: (render, point_cloud, batch) for lookup, render in renderers.items()}
@@ -272,7 +234,7 @@ def main(radii: list[float]) -> None:
     console = Console(width=110)
     console.print(compare_renderers(radii))
     console.print(measure_savings(radii))
-    console.print(compare_lattice())
+    console.print(compare_grid_lookup())
 
 
 if __name__ == "__main__":

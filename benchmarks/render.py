@@ -1,10 +1,10 @@
 """How fast are views rendered, against bare ray casting of as many primary rays?
 
-python benchmarks/render.py [photo] [part ...]     ids of embedded parts, or a choice of ten
+python benchmarks/render.py [photorealistic] [part ...]     ids of embedded parts, or a choice of 10
 
 Both are timed in turn, view by view, on one core (set OMP_NUM_THREADS=1), so that a busy machine
 slows both.  Shares are of rendering; PNG files are written, and timed, apart.  `part s` is all of
-it: camera rig, normals and ray tracer made ready, views rendered, files written.
+it: set-up of cameras, normals and ray tracer, rendering of the views, writing of the files.
 """
 
 import cProfile
@@ -38,12 +38,12 @@ from industnerf.schema import ViewsParams
 
 # Each share: the functions that it counts, less those in them that another share counts.
 SHARES = {
-    "bounds": (("project", "may_show"), ()),
-    "rays": (("through_centers",), ()),
+    "bounds": (("project", "candidate_pixels"), ()),
+    "rays": (("pixel_center_rays",), ()),
     "casting": (("cast",), ()),
-    "shading": (("shown_by",), ("cast",)),
-    "edges": (("on_edge", "pixel_means"), ("light_at",)),
-    "8 bits": (("composed", "expose"), ()),
+    "shading": (("trace_rays",), ("cast",)),
+    "edges": (("edge_mask", "pixel_means"), ("radiance_at",)),
+    "8 bits": (("composite", "simulate_sensor"), ()),
 }
 HEADS = ["faces", "ready ms", "views/s", "bare views/s", "ratio", "PNG ms/view", "PNG MB", "part s"]
 HEADS += [f"{name} %" for name in SHARES]
@@ -101,21 +101,21 @@ def write(views: Views, frames: list[RgbdImage]) -> tuple[float, int]:
 
 
 def shares(profile: cProfile.Profile) -> list[float]:
-    """The share of `develop` that each of SHARES takes."""
+    """The share of `render_image` that each of SHARES takes."""
     spent: dict[str, float] = {}
     for (_, _, name), (_, _, _, cumulative, _) in pstats.Stats(profile).stats.items():
         spent[name] = spent.get(name, 0) + cumulative
     return [
         (sum(spent[name] for name in counted) - sum(spent[name] for name in less))
-        / spent["develop"]
+        / spent["render_image"]
         for counted, less in SHARES.values()
     ]
 
 
 def main(names: list[str]) -> None:
     settings, console = load_params().views, Console(width=190)
-    if names[:1] == ["photo"]:
-        settings, names = replace(settings, shading="photo"), names[1:]
+    if names[:1] == ["photorealistic"]:
+        settings, names = replace(settings, shading="photorealistic"), names[1:]
     views = f"{settings.count + settings.held_out} {settings.shading} views"
     table = Table(title=f"{views}, {settings.resolution} px")
     table.add_column("part")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from industnerf.photohull.silhouette_coverage import silhouette_coverage
+from industnerf.photohull import silhouette_coverage
 from industnerf.photohull.voxel_grid import unit_frame_cameras_about
 from tests.methods.solids import cameras_around, masks_of_ball
 

@@ -24,7 +24,7 @@ class Sample:
 
 
 def march_rays(scene: RenderScene) -> Iterator[Sample]:
-    """Every ray until it leaves the cube or has less than `stop` left."""
+    """Every ray until it leaves the cube or has less than `early_stop_transmittance` left."""
     points, sigma = scene.points.numpy(), scene.sigma.numpy()
     tree, settings = cKDTree(points), scene.settings
     for ray, (o, d) in enumerate(zip(scene.origins.numpy(), scene.directions.numpy(), strict=True)):
@@ -101,7 +101,7 @@ def render_loops(scene: RenderScene) -> CompositeOutput:
 def confidence_loops(
     scene: RenderScene, steps: list[Sample], transmittance: str, opacity: str, samples: str
 ) -> torch.Tensor:
-    """What `confidence_reference` returns, from all steps of `march`."""
+    """What `confidence_reference` returns, from all steps of `march_rays`."""
     result = torch.zeros_like(scene.sigma)
     for step in steps:
         visibility = step.transmittance * (1 - step.alpha if transmittance == "own" else 1)

@@ -1,4 +1,4 @@
-"""Clouds on lattices: bodies whose renderings have closed forms."""
+"""Clouds on grids: bodies whose renderings have closed forms."""
 
 import torch
 from torch import Tensor
@@ -22,7 +22,7 @@ def render_points(
 ) -> CompositeOutput:
     """Rays at samples' middles through a cube of half width 2, without early end.
 
-    `given` may hold colors (else 1), a background (else 0) and settings.
+    `options` may hold colors (else 1), a background (else 0) and settings.
     """
     rgb = options.pop("rgb", torch.ones_like(points))
     background = options.pop("background", torch.zeros_like(origins))

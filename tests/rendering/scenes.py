@@ -26,7 +26,7 @@ class RenderScene:
     rgb: Tensor
     background: Tensor
     agreement: Tensor  # S of eq. (12), per ray
-    settings: dict[str, Any]  # step, radius, k, weights, stop; beta: sigma is a signed distance
+    settings: dict[str, Any]  # of the renderer; with `beta`, sigma is a signed distance
 
     @property
     def rays(self) -> tuple[Tensor, ...]:
@@ -56,7 +56,7 @@ class RenderScene:
 def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> RenderScene:
     """Points throughout the cube, every fifth of them empty, and rays of all kinds at it.
 
-    `settings` may set `density`, the mean of the other sigmas; the rest are a Scene's.
+    `settings` may set `density`, the mean of the other sigmas; the rest are those of `RenderScene`.
     """
     rng = torch.Generator().manual_seed(seed)
     size = HI - LO
@@ -90,7 +90,7 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Ren
 
 
 def grid_scene(seed: int, spacing: float = 0.25, **settings: Any) -> RenderScene:
-    """`random_scene` with tents on the points of a lattice, every seventh of which is missing.
+    """`random_scene`, trilinear, on the points of a grid, every seventh of which is missing.
 
     Two and a half spacings of the cube are left empty on all sides, so that there are samples
     beyond the cells that points are sorted into.

@@ -1,4 +1,4 @@
-"""The compiled kernels against the torch twin, on every scene.
+"""The compiled kernels against the torch renderer, on every scene.
 
 float32 marches of a few hundred steps: 1e-4 is a hundred roundings, gradients add some thousand
 terms and are compared by the largest; so that small ones count too, nine in ten, those whose terms
@@ -28,7 +28,7 @@ def scene(request: pytest.FixtureRequest) -> RenderScene:
     return SCENES[request.param]
 
 
-def test_pixels_are_the_twins(scene):
+def test_pixels_are_those_of_torch(scene):
     renderer, rays = scene_renderer(scene)
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
@@ -46,7 +46,7 @@ def test_pixels_are_the_twins(scene):
 
 
 def test_a_neighbor_that_weighs_nothing_is_none():
-    """Rays graze a ball of the radius about one point: a tapered weight of 0 is not divided by."""
+    """Rays graze a ball of the radius about one point: a weight of 0 is not divided by."""
     radius, n = 0.03, 5000
     points = PointGrid(torch.zeros(1, 3), radius, 4, "modified_shepard")
     rotation = torch.linspace(0, 2 * math.pi, n, dtype=torch.float64)
@@ -64,7 +64,7 @@ def test_a_neighbor_that_weighs_nothing_is_none():
     )
 
 
-def test_gradients_are_the_twins(scene):
+def test_gradients_are_those_of_torch(scene):
     renderer, rays = scene_renderer(scene)
     sigma, rgb = (to_renderer_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb))
     back_color = scene.background.float().requires_grad_()
@@ -98,7 +98,7 @@ def test_gradients_are_the_twins(scene):
 @pytest.mark.parametrize("samples", ["max", "sum"])
 @pytest.mark.parametrize("transmittance", ["shared", "own"])
 @pytest.mark.parametrize("opacity", ["without", "with"])
-def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
+def test_confidence_is_that_of_torch(scene, transmittance, opacity, samples):
     readings = {"transmittance": transmittance, "opacity": opacity, "samples": samples}
     renderer, rays = scene_renderer(scene)
     sigma = to_renderer_order(renderer, scene.sigma)
@@ -219,7 +219,7 @@ def test_confidence_is_of_the_rays_last_looked_along(scene):
         renderer.accumulate_confidence(values, torch.ones(1), confidence, **DEFAULT)
 
 
-def test_what_is_found_on_a_lattice_is_what_a_search_finds():
+def test_lookup_on_a_grid_finds_what_a_search_finds():
     """But for roundings, on which no neighbor hangs here: `test_scenes`."""
     scene = SCENES["grid"]
     renderer, rays = scene_renderer(scene)
@@ -232,8 +232,8 @@ def test_what_is_found_on_a_lattice_is_what_a_search_finds():
         torch.testing.assert_close(getattr(quick, name), value, rtol=1e-5, atol=1e-5)
 
 
-def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
-    """All tents end there: no weight is left to be divided by."""
+def test_a_ray_one_spacing_beside_a_grid_meets_nothing():
+    """All trilinear weights are 0 there: nothing may be divided by their sum."""
     axis = torch.arange(-1.0, 1.5, 0.5)
     points = torch.cartesian_prod(axis, axis, axis)
     renderer = CompiledRenderer(
@@ -259,7 +259,7 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
         ("none", {"weights": "inverse"}),
     ],
 )
-def test_what_is_no_lattice_is_searched(change, settings):
+def test_what_is_no_grid_is_searched(change, settings):
     scene = SCENES["grid"].with_settings(**settings)
     points = scene.points.clone()
     if change == "a point is off its place":

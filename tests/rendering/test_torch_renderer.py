@@ -1,4 +1,4 @@
-"""The twin against closed forms, and against the same written as loops."""
+"""The torch renderer against closed forms, and against the same written as loops."""
 
 import math
 
@@ -37,7 +37,7 @@ def test_loops_see_the_same(name):
 def test_a_slab_square_on(weights):
     """1 - exp(-sigma length), to the last digits.
 
-    The slab's faces lie midway between layers of the lattice, full on one side and empty on the
+    The slab's faces lie midway between layers of the grid, full on one side and empty on the
     other, so that the density at mirrored places sums to sigma; steps fit the slab and are
     mirrored too.  Hence the steps count sigma exactly length / step times.
     """
@@ -181,7 +181,7 @@ def test_the_order_of_the_points_does_not_matter(name):
     points, sigma, rgb = (x[order] for x in (scene.points, scene.sigma, scene.rgb))
     mine = render_reference(*scene.rays, points, sigma, rgb, scene.background, **scene.settings)
     # No point is as far as another, so the neighbors come in the same order, bit by bit; but on a
-    # lattice, where eight terms are added in another.
+    # grid, where eight terms are added in another.
     roundings = 1e-14 if name == "grid" else 0
     assert_same(
         mine, render_reference(*scene.render_inputs, **scene.settings), rtol=0, atol=roundings

@@ -66,7 +66,7 @@ def test_a_point_on_the_sample_weighs_as_one_at_the_floor(reading, at_zero):
     torch.testing.assert_close(result, f64(at_zero), rtol=1e-14, atol=0)
 
 
-def test_only_the_tapered_weight_fades_out():
+def test_only_the_modified_shepard_weight_fades_out():
     edge = f64(RADIUS - 1e-6)
     # (1e-6 / (2 * 2))^2 against 1/2 and 1/4
     assert inverse_distance_weights(edge, RADIUS, "modified_shepard") < 1e-12

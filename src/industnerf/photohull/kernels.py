@@ -1,4 +1,4 @@
-"""The inner loops, compiled (NVIDIA Warp): how deep a cell is in the hull, and how it looks.
+"""The inner loops, compiled (NVIDIA Warp): depth of cells in the hull, and their color gaps.
 
 Unit frame: the region of interest is the ball of radius 1 about the origin, and n^3 cells tile
 the cube around it.  Cells are given by their flat index.
@@ -18,7 +18,7 @@ OCCLUSION_START = wp.constant(2.0)  # cells; what is nearer to a cell does not h
 UNKNOWN = wp.constant(float(voxel_grid.UNKNOWN))
 OUTSIDE = wp.constant(3.0)  # cells; beyond it how far a cell is outside does not matter
 NORMAL_RADIUS = wp.constant(2)  # cells on either side that a normal is taken from
-MAX_OUTLIER_VIEWS = wp.constant(3)  # views at most that may disagree: `insert` keeps one more
+MAX_OUTLIER_VIEWS = wp.constant(3)  # views that may disagree: `insert_descending` keeps one more
 
 
 @wp.func
@@ -67,7 +67,7 @@ def measure_depth(
     focal: wp.array(dtype=wp.float32),
     depth: wp.array(dtype=wp.float32),
 ):
-    """How deep each cell's center is in all silhouettes, in cells; beyond OUTSIDE its sign."""
+    """Depth of each cell's center in all silhouettes, in cells; beyond OUTSIDE only its sign."""
     i = wp.tid()
     spacing = 2.0 / float(n)
     x = cell_center(unravel_index(cells[i], n), spacing)
@@ -93,7 +93,7 @@ def is_solid(solid: wp.array3d(dtype=wp.uint8), i: int, j: int, k: int):
 @wp.func
 @no_type_check
 def normal_at(solid: wp.array3d(dtype=wp.uint8), cell: wp.vec3i):
-    """Away from the middle of the solid about the cell."""
+    """Unit vector away from the centroid of the solid cells about this one."""
     outward = wp.vec3(0.0, 0.0, 0.0)
     for di in range(-NORMAL_RADIUS, NORMAL_RADIUS + 1):
         for dj in range(-NORMAL_RADIUS, NORMAL_RADIUS + 1):
@@ -114,7 +114,7 @@ def is_occluded(
     lo: wp.vec3,
     hi: wp.vec3,
 ):
-    """Whether a ray meets a solid cell, from `begin` cells after its start to the box's end."""
+    """Whether a ray meets a solid cell, from `start_cells` after its start to the box's end."""
     t = start_cells * spacing
     occluded = wp.bool(False)
     x = start + t * direction
@@ -173,6 +173,7 @@ def measure_color_gap(
     params: CarvingParams,
     gap: wp.array(dtype=wp.float32),
 ):
+    """By how much no color lies in the ranges of all views; UNKNOWN of fewer than `min_views`."""
     i = wp.tid()
     spacing = 2.0 / float(solid.shape[0])
     index = unravel_index(cells[i], solid.shape[0])
@@ -225,9 +226,9 @@ def smooth_color_gap(
     max_gap: wp.float32,
     mean: wp.array(dtype=wp.float32),
 ):
-    """Of each cell that looks wrong, the mean gap of the 27 solid cells about it.
+    """The mean gap of the 27 solid cells about each cell whose own gap is above 0.
 
-    A gap counts up to `most`: one cell that looks very wrong takes no other with it.
+    A gap counts up to `max_gap`: one very inconsistent cell takes no other with it.
     """
     i = wp.tid()
     index = unravel_index(cells[i], solid.shape[0])

@@ -1,10 +1,10 @@
-"""Sweeps: what the photographs contradict is taken off, until they contradict nothing more.
+"""Space carving: surface cells that the photographs contradict are removed, sweep by sweep.
 
 A surface cell is consistent if there is a color that its views can agree on: one within the
 range that each of them shows across the cell's footprint (the r-consistency of Kutulakos, 2000).
-Only views count that look at the cell nearly straight and unhidden; a convex edge shows its two
-faces to different views, but both of them to those.  What is hidden now may be seen later.  All
-cells of a sweep are judged before any of them is taken off, so that their order does not matter.
+Only views count that see the cell nearly straight and unoccluded; both faces of a convex edge are
+in the footprint of those.  What is occluded now may be seen later.  All cells of a sweep are
+measured before any of them is removed, so that their order does not matter.
 """
 
 from typing import Any
@@ -16,10 +16,10 @@ from industnerf.geometry.warp_launch import launch, to_warp
 from industnerf.photohull.voxel_grid import UNKNOWN, UnitFrameCameras
 from industnerf.schema import SpaceCarvingSettings
 
-FULL_SWEEP_INTERVAL = 8  # sweeps; those between look only where the one before took something off
-CONVERGED_SHARE = 1e-3  # share of the surface that a whole sweep may still take off
+FULL_SWEEP_INTERVAL = 8  # sweeps; those between visit only neighbors of what was just removed
+CONVERGED_SHARE = 1e-3  # share of the surface; a full sweep that removes less is the last
 NEIGHBOR_OFFSETS = np.indices((3, 3, 3)).reshape(3, -1).T - 1
-MAX_NEIGHBOR_GAP = 0.12  # that the gap of a cell may say to its neighbors; or twice the threshold
+MAX_NEIGHBOR_GAP = 0.12  # of a cell, in the mean of its neighbors; or twice the threshold
 
 CellIndices = Int32[np.ndarray, "_"]
 
@@ -27,9 +27,9 @@ CellIndices = Int32[np.ndarray, "_"]
 def color_ranges(
     rgb: UInt8[np.ndarray, "n h w 3"], width: int
 ) -> tuple[UInt8[np.ndarray, "n h w 3"], UInt8[np.ndarray, "n h w 3"]]:
-    """The least and the largest value of each channel in a square of `width` px about each pixel.
+    """Minimum and maximum of each channel in a square of `width` px about each pixel.
 
-    Of an even width, the pixel is the first behind the middle.
+    Of an even width, the pixel is the first after the middle.
     """
     before = width // 2
     padding = [(0, 0), (before, width - 1 - before), (before, width - 1 - before), (0, 0)]
@@ -49,7 +49,7 @@ def color_ranges(
 
 
 class SpaceCarver:
-    """The solid, and what the photographs say of it."""
+    """The solid, and how far photographs contradict its surface cells."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class SpaceCarver:
         return self._solid > 0
 
     def _sweep(self, cells: CellIndices) -> CellIndices:
-        """Take off those of `cells` that are inconsistent, and return them."""
+        """Remove those of `cells` that are inconsistent, and return them."""
         import warp as wp
 
         from industnerf.photohull import kernels
@@ -124,13 +124,13 @@ class SpaceCarver:
         return self._launch(kernels.measure_color_gap, cells, *self._view_inputs)
 
     def _launch(self, kernel: Any, cells: CellIndices, *inputs: Any) -> Float32[np.ndarray, "_"]:
-        """What `kernel` says of each cell of the solid as it is now."""
+        """The output of `kernel` for each cell of the solid as it is now."""
         import warp as wp
 
         return launch(kernel, cells, to_warp(self._solid, wp.uint8), *inputs)
 
     def _surface_neighbors(self, removed: CellIndices) -> CellIndices:
-        """The surface cells among the 26 about each of `taken`; none at the rim."""
+        """The surface cells among the 26 about each of `removed`; none at the border."""
         side = self._side
         index = np.stack(np.unravel_index(removed, self._solid.shape), axis=1)
         neighbors = (index[:, None] + NEIGHBOR_OFFSETS).reshape(-1, 3)
@@ -148,7 +148,7 @@ class SpaceCarver:
 
 
 def surface_voxels(solid: UInt8[np.ndarray, "r r r"]) -> CellIndices:
-    """Flat indices of the solid cells that share a face with one that is not; none at the rim."""
+    """Flat indices of solid cells that share a face with one that is not; none at the border."""
     interior = solid[1:-1, 1:-1, 1:-1]
     enclosed = interior.copy()
     for axis in range(3):

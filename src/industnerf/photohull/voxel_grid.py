@@ -1,4 +1,4 @@
-"""The first solid: how deep every cell of the lattice is in the visual hull."""
+"""The visual hull on a cubic grid: the depth of every cell in it."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from industnerf.geometry.cameras import Cameras, common_view_ball, unit_ball_pro
 from industnerf.geometry.silhouettes import BOUNDARY_OFFSET_PX
 from industnerf.geometry.warp_launch import launch, to_warp
 
-SUBDIVISIONS = 3  # from the first lattice, whose cells are all measured, to the last
+SUBDIVISIONS = 3  # from the first grid, whose cells are all measured, to the last
 # A child's center is sqrt(3)/2 of its sides from its parent's, and a value counts within
 # 1 of the surface; the rest is for distances in images, which perspective stretches.
 NARROW_BAND = 2.5
@@ -18,7 +18,7 @@ UNKNOWN = np.float32(-1e6)  # the gap of a cell that too few views see
 
 @dataclass(frozen=True)
 class UnitFrameCameras:
-    """The cameras in the unit frame."""
+    """The cameras in the frame where the region of interest is the unit ball."""
 
     projection: Float32[np.ndarray, "n 3 4"]
     camera_centers: Float32[np.ndarray, "n 3"]
@@ -28,7 +28,7 @@ class UnitFrameCameras:
 
     @property
     def min_diameter_px(self) -> float:
-        """How many pixels span the region of interest where it is smallest."""
+        """How many pixels span the region of interest in the view where it is smallest."""
         return float((2 * self.focal / np.linalg.norm(self.camera_centers, axis=1)).min())
 
 
@@ -75,7 +75,7 @@ def measure_depth(
     distance: Float32[np.ndarray, "n h w"],
     rig: UnitFrameCameras,
 ) -> Float32[np.ndarray, "m"]:
-    """The depth of `cells` of a lattice of `side`^3."""
+    """The depth of `cells` (flat indices) of a grid of `side`^3, in cells."""
     import warp as wp
 
     from industnerf.photohull import kernels

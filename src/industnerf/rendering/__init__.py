@@ -1,5 +1,6 @@
 """A cloud of colored, more or less opaque points seen along rays -- paper, 3.3 and 3.4.
 
-Lengths (step, radius, t, the cube) share the unit of the points, and a density sigma counts per
-that unit.  `o` is a ray's origin, `d` its unit direction; the cube [lo, hi] is where it is sampled.
+Lengths (step, radius, t, the box) share the unit of the points; a density sigma is per that unit.
+Rays are sampled inside the box [lo, hi].  The equations stand in `compositing.py` (10) and
+`confidence.py` (11)-(13); `compiled_renderer.py` and `torch_renderer.py` both execute them.
 """

@@ -106,7 +106,7 @@ class CompiledRenderer(Renderer):
         return self.points.cells.points.device
 
     def _neighbor_buffer(self, num_rays: int) -> Any:
-        """Room for the neighbors of so many rays or more; only what is filled takes memory.
+        """Room for the neighbors of so many rays or more; only what is written takes memory.
 
         It is kept for the next rays: fresh pages cost as much as a third of rendering.
 

@@ -43,9 +43,9 @@ class RayMarchParams:
     hi: wp.vec3
     step: wp.float32
     early_stop_transmittance: wp.float32
-    max_samples: wp.int32  # samples that a ray can have at most
-    beta: wp.float32  # 0: points hold densities, else distances, and this is their softness
-    median_beta: wp.float32  # the same, for the median alone
+    max_samples: wp.int32  # of a ray
+    beta: wp.float32  # softness of the surface; 0: points hold densities, not distances
+    median_beta: wp.float32  # the same, for the median depth alone
 
 
 @wp.func
@@ -74,7 +74,7 @@ def interpolate(
     values: wp.array(dtype=wp.float32),
     rgb: wp.array(dtype=wp.vec3),
 ):
-    """What a sample's neighbors hold in the mean, by weight, and their color."""
+    """The weighted mean of the neighbors' values, and of their colors."""
     value = wp.float32(0.0)
     color = wp.vec3(0.0, 0.0, 0.0)
     for i in range(first, first + size):
@@ -99,10 +99,10 @@ def forward(
     depth: wp.array(dtype=wp.float32),
     median: wp.array(dtype=wp.float32),
 ):
-    """Color before the background, T_end, mean distance, where T falls through 1/2.
+    """Color without the background, T_end, mean distance, and where T falls through 1/2.
 
     The last is of the surface that `median_beta` makes, or where that one never takes half of the
-    light, of the other.  A ray goes on until both have ended.
+    light, of the one of `beta`.  A ray goes on until both have ended.
     """
     r = wp.tid()
     t_range = ray_box_intersection(origins[r], directions[r], params.lo, params.hi)
@@ -122,7 +122,7 @@ def forward(
         x = origins[r] + t * directions[r]
         cell = cell_at(cells, x)
         empty_cells = wp.int32(cells.distance_to_occupied[cell])
-        if empty_cells > 0:  # the next away - 1 cells are empty too
+        if empty_cells > 0:  # the next empty_cells - 1 cells are empty too
             q += wp.max(1, wp.int32(wp.float32(empty_cells - 1) * per_cell))
         else:
             q += 1
@@ -179,14 +179,14 @@ def backward(
     d_values: wp.array(dtype=wp.float32),
     d_rgb: wp.array(dtype=wp.vec3),
 ):
-    """The way back, from the eye again.
+    """The adjoint of `forward`, marched from the eye again.
 
-    With w_q = T_q alpha_q and v_q = dL/d w_q, what a sample adds to the loss by being seen,
+    With w_q = T_q alpha_q and v_q = dL/d w_q, of a sample q
         dL/d sigma_q = step (T_{q+1} v_q - sum_{p>q} w_p v_p - T_end dL/d T_end)
         dL/d c_q = w_q dL/d color
         v_q = c_q . dL/d color + (t_q - depth) / (1 - T_end) dL/d depth
-    What lies behind a sample is the total less what lies before.  Of the depth the total is 0: it
-    is the mean of t_q, weighted with w_q.
+    The sum behind a sample is the total less the sum up to it.  Of the depth the total is 0, for
+    the depth is the mean of t_q weighted with w_q.
     """
     r = wp.tid()
     g = d_color[r]

@@ -1,7 +1,7 @@
 """The neighbors of a radiance point and their weights, compiled: section 3.3, reading R7.
 
-Written in the C++ that Warp compiles for CPU and CUDA alike, for it is half of a ray's cost.
-`neighbors.py` and `weights.py` say the same in torch.
+The search is half of a ray's cost, so it is written in the C++ that Warp compiles for CPU and
+CUDA alike.  `neighbors.py` and `weights.py` are the same in torch.
 """
 
 from typing import no_type_check  # compiled, not called: there is nothing to check
@@ -24,29 +24,26 @@ class CellGrid:
 
     points: wp.array(dtype=wp.vec3)
     first: wp.array(dtype=wp.int32)  # point of each cell, and one beyond the last
-    distance_to_occupied: wp.array(
-        dtype=wp.uint8
-    )  # cells to the nearest with a filled point within the radius
+    # in cells, to the nearest cell that has an occupied point within the radius
+    distance_to_occupied: wp.array(dtype=wp.uint8)
     corner: wp.vec3
     nx: wp.int32
     ny: wp.int32
     nz: wp.int32
     radius: wp.float32
     k: wp.int32
-    reading: wp.int32  # 0 inverse, 1 inverse_square, 2 tapered, 3 tent
-    is_grid_aligned: wp.bool  # tents of points that have a cell each, and stand in its middle
+    reading: wp.int32  # 0 inverse, 1 inverse_square, 2 modified_shepard, 3 trilinear
+    is_grid_aligned: wp.bool  # trilinear, and each point is alone in the middle of its cell
 
 
 @wp.struct
 @no_type_check
 class NeighborBuffer:
-    """What each ray's samples met; a sample has a slot, its neighbors k times as many."""
+    """The neighbors of each ray's samples; a sample has one slot here, and k of neighbors."""
 
-    sample_counts: wp.array(
-        dtype=wp.int32
-    )  # of a ray: samples with a neighbor, until its light ends
+    sample_counts: wp.array(dtype=wp.int32)  # of a ray: samples with a neighbor, until it ends
     t: wp.array(dtype=wp.float32)  # of a sample: its distance along the ray
-    neighbor_counts: wp.array(dtype=wp.int32)  # of a sample: neighbors
+    neighbor_counts: wp.array(dtype=wp.int32)  # of a sample
     ids: wp.array(dtype=wp.int32)
     weights: wp.array(dtype=wp.float32)
 
@@ -73,7 +70,7 @@ SEARCH = """
         for (int j = begin[row]; j < end[row]; ++j) {
             const float dx = p[j][0] - x[0], dy = p[j][1] - x[1], dz = p[j][2] - x[2];
             const float square = reading == 3
-                ? wp::max(wp::max(dx * dx, dy * dy), dz * dz)  // a tent stands on a cube
+                ? wp::max(wp::max(dx * dx, dy * dy), dz * dz)  // trilinear weights reach a cube
                 : dx * dx + dy * dy + dz * dz;
             if (count == k && square >= reach) continue;
             id[worst] = j;
@@ -171,7 +168,7 @@ def grid_corners(
 def find_neighbors(
     cells: CellGrid, x: wp.vec3, cell: wp.int32, slot: wp.int32, neighbors: NeighborBuffer
 ):
-    """Bring the neighbors of `x` in `cell` into `slot`, their weights of sum 1; how many?"""
+    """Write the neighbors of `x` in `cell` into `slot`, weights of sum 1; returns their number."""
     if cells.is_grid_aligned:  # they are the corners of a cube: 8 cells to look into, not 27
         p = (x - cells.corner) / cells.radius - wp.vec3(0.5, 0.5, 0.5)
         ix = wp.clamp(wp.int32(p[0]), 0, cells.nx - 2)
@@ -211,7 +208,7 @@ def find_neighbors(
 @wp.func
 @no_type_check
 def cell_at(cells: CellGrid, x: wp.vec3):
-    """The cell of `x`, or where `x` is outside, the nearest: no farther from any point."""
+    """The flat index of the cell of `x`; of the nearest cell where `x` is outside."""
     p = (x - cells.corner) / cells.radius
     ix = wp.clamp(wp.int32(p[0]), 1, cells.nx - 2)
     iy = wp.clamp(wp.int32(p[1]), 1, cells.ny - 2)
@@ -224,7 +221,7 @@ def cell_at(cells: CellGrid, x: wp.vec3):
 def mark_occupied(
     points: wp.array(dtype=wp.vec3), cells: CellGrid, occupied: wp.array(dtype=wp.uint8)
 ):
-    """Mark the cells that have a spot within the radius of a point."""
+    """Mark the cells of which some position is within the radius of a point."""
     p = (points[wp.tid()] - cells.corner) / cells.radius
     for a in range(-1, 2):
         for b in range(-1, 2):
@@ -237,6 +234,6 @@ def mark_occupied(
                     wp.clamp(p[1], wp.float32(j), wp.float32(j + 1)),
                     wp.clamp(p[2], wp.float32(k), wp.float32(k + 1)),
                 )
-                # generous: a cell too many costs little; a tent reaches all 27
+                # generous: a cell too many costs little; trilinear weights reach all 27
                 if cells.reading == 3 or wp.length(closest - p) <= 1.001:
                     occupied[(i * cells.ny + j) * cells.nz + k] = wp.uint8(1)

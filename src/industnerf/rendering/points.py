@@ -1,4 +1,4 @@
-"""Cloud points sorted into cells, and the empty space between them: where kernels look up."""
+"""Cloud points sorted into cells, and the empty space between them: what rays look up."""
 
 import math
 
@@ -25,7 +25,7 @@ MAX_CELL_DISTANCE = 255  # cells: the most that a byte holds
 
 
 class PointGrid:
-    """A cloud in an order that lies well in memory: `positions` are the given ones [`order`].
+    """A cloud sorted by cell: `positions` are the given ones [`order`].
 
     Raises ReconstructionFailed if so small a radius has more cells than fit into memory.
     """
@@ -37,8 +37,8 @@ class PointGrid:
         size = ((positions.amax(0) - corner) / radius).long() + 4
         if (count := math.prod(size.tolist())) > MAX_CELLS:
             raise ReconstructionFailed(
-                f"the points span {count} cells of the neighbors' radius, at most {MAX_CELLS} "
-                "fit into memory: raise `neighbor_radius`, or lower `grid_res` or the number of levels"
+                f"the points span {count} cells of the neighbors' radius, at most {MAX_CELLS} fit "
+                "into memory: raise `neighbor_radius`, or lower `grid_res` or the number of levels"
             )
         cell = ((positions - corner) / radius).long()
         key, self.order = torch.sort(

@@ -1,6 +1,6 @@
-"""How much each neighbor counts at a radiance point: reading R7 of "inverse distance weighting".
+"""Weights of the neighbors of a radiance point: reading R7 of "inverse distance weighting".
 
-A neighbor that is not there has id -1 and distance inf; it weighs nothing.
+A missing neighbor has id -1, distance inf and weight 0.
 """
 
 import torch
@@ -9,7 +9,7 @@ from torch import Tensor
 
 from industnerf.schema.readings import InterpolationReading
 
-FLOOR = 1e-3  # of the radius: nearer points count as if they were so far, which bounds the weights
+FLOOR = 1e-3  # of the radius: nearer points count as at this distance, which bounds the weights
 
 
 def inverse_distance_weights(
@@ -40,7 +40,7 @@ def inverse_distance_weights(
 
 
 def trilinear_weights(offsets: Float[Tensor, "*any 3"], radius: float) -> Float[Tensor, "*any"]:
-    """The product over the axes of 1 - |apart| / radius, and 0 beyond; not normalized.
+    """The product over the axes of 1 - |offset| / radius, and 0 beyond; not normalized.
 
     On a grid of that spacing it is trilinear interpolation: linear fields come out as they are,
     which no weight by distance alone can do.
