@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.distortion import Distortion, undistort
+from industnerf.reconstruct.camera_models import Distortion, undistort
 
 W, H = 160, 120
 K = np.array([[150.0, 0, 82.0], [0, 155.0, 58.0], [0, 0, 1]])
