@@ -6,7 +6,7 @@ from jaxtyping import Float, Int64, UInt8
 from industnerf.geometry.cameras import Cameras, project
 
 BACKGROUND = np.array([255, 255, 255], np.uint8)
-SPLAT_RADIUS = 1  # a point covers (2 SPLAT + 1)^2 pixels
+SPLAT_RADIUS = 1  # a point covers (2 SPLAT_RADIUS + 1)^2 pixels
 SHADING_STRENGTH = 4.0  # strength of the shading
 
 

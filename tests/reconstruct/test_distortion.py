@@ -40,7 +40,7 @@ def pixel_rays(K: np.ndarray) -> np.ndarray:
 
 
 def invert_distortion(distorted: np.ndarray, distortion: Distortion) -> np.ndarray:
-    """The rays that are bent to `met`, by Newton's method with differences for a slope."""
+    """The rays that are bent to `distorted`, by Newton's method with differences for a slope."""
     rays, step = distorted.copy(), 1e-6
     for _ in range(20):
         residual = distortion.distort(rays) - distorted
