@@ -199,6 +199,6 @@ def _failure_error(
             "them: mend what is named, and give the same command again."
         )
     return PartsFailed(
-        f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the rest "
-        f"are stored. Failed:\n{listing}{advice}"
+        f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the "
+        f"rest are stored. Failed:\n{listing}{advice}"
     )

@@ -65,7 +65,7 @@ def test_a_torn_result_is_removed_and_can_be_made_anew(
     corrupt(entry)
     (finding,) = bare_copy.check("store")
     assert message in finding.message
-    bare_copy.fix("stored")
+    bare_copy.fix("store")
     store = Store(bare_copy.paths.store)
     store.put("views", KEY, write_result)
     assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
@@ -98,7 +98,7 @@ def test_a_file_that_can_be_written_to_is_found_and_closed(bare_copy: WorkingCop
     image_path.chmod(0o644)
     (finding,) = bare_copy.check("store")
     assert finding.message == "1 of 3 files can be written to, such as 000.png (-rw-r--r--)"
-    bare_copy.fix("stored")
+    bare_copy.fix("store")
     assert image_path.read_bytes() == before
     folders = entry / "out", entry / "out/rgb"
     assert all(path.stat().st_mode & 0o200 for path in folders)  # or it could not be removed
