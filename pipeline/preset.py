@@ -116,7 +116,8 @@ def _read_text(path: Path) -> str:
 
 
 def _relative_to_project(root: Path, project: Path, path: Path) -> Path:
-    """The place of the parts, relative to `root`, as the project finds it, which shares SHARED.
+    """The place of the parts, relative to `root`, as the project finds it, which shares
+    SHARED_PATHS.
 
     It stays relative, for a published result says no more of a machine than its user wrote.
     Raises BadParams if it is the user's own and not there.

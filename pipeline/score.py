@@ -61,7 +61,7 @@ def resolve_inputs(
 ) -> tuple[Params, dict[str, Path]]:
     """The parameters that bring in the parts, and the file of the cloud of each.
 
-    `cad` is the file that `part` names, if it names one.
+    `cad_path` is the file that `part` names, if it names one.
     """
     if cad_path:
         parts_params, part_id = user_cad(params.parts, cad_path)

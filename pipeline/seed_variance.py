@@ -4,7 +4,7 @@ python -m pipeline.sweep experiment=seeds
 python -m pipeline.sweep experiment=seeds_nets
 python -m pipeline.seed_variance runs/sweeps/seeds runs/sweeps/seeds_nets
 
-python -m pipeline.seed_variance     only writes the tables anew, with what the published study has in mm
+python -m pipeline.seed_variance     only writes the tables anew, in mm of the published study
 
 Methods that no sweep named here measured stay as they are.
 """
@@ -71,7 +71,7 @@ def merge_rows(
     published_rows: list[SeedVariance],
     kept_sweeps: Mapping[str, dict[str, Any]],
 ) -> list[SeedVariance]:
-    """What was `found`, and what was known `before` of methods of the sweeps `kept`, best first."""
+    """`new_rows`, and `published_rows` of methods of `kept_sweeps`, best first."""
     kept_methods = {method for sweep in kept_sweeps.values() for method in sweep["methods"]}
     kept_methods -= {row.method for row in new_rows}
     return sorted(

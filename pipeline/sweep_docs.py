@@ -1,6 +1,6 @@
 """Bring a finished sweep into docs/reference/sweeps/, and its row into sweeps.md beside it.
 
-python -m pipeline.sweep_docs runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
+python -m pipeline.sweep_docs runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, idle"
 python -m pipeline.sweep_docs        only writes the table anew
 python -m pipeline.sweep_docs redraw sweep-nets    draws a published plot anew, from its sweep.csv
 """

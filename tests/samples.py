@@ -6,7 +6,7 @@ from industnerf.artifacts.part import UNSPECIFIED, Part
 
 
 def unit_part(part_id: str = "p1", family: str = "gears", **fields: Any) -> Part:
-    """A part of unit size; `facts` are fields of Part that matter."""
+    """A part of unit size; `fields` are those of Part that matter."""
     values = {
         "designation": part_id,
         "origin": "embedded",

@@ -35,7 +35,7 @@ def write_unless_full(target, *, full):
 
 
 def sleep_and_return(target, *, total_s, extra_s):
-    """Take `whole` seconds, `aside` of them for something else."""
+    """Take `total_s` seconds, `extra_s` of them for something else."""
     (target / "done").touch()
     time.sleep(total_s)
     return extra_s
@@ -278,7 +278,7 @@ def test_seconds_for_something_else_stand_aside(tmp_path):
     cost = stage.run_timed(partial(sleep_and_return, total_s=0.3, extra_s=0.25), tmp_path)
     total_s = time.perf_counter() - start
     assert cost.extra_seconds == 0.25
-    # a sleep is never shorter, and what is left was measured inside of `whole`; rounded to 1e-4
+    # a sleep is never shorter, and what is left was measured inside of `total_s`; rounded to 1e-4
     assert 0.05 - 1e-4 <= cost.seconds <= total_s - 0.25 + 1e-4
     assert (
         stage.run_timed(

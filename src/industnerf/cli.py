@@ -35,8 +35,8 @@ def _check_arguments(main: Callable[..., None], name: str, arguments: list[str])
     except TypeError:
         expected = " ".join(parameter.upper() for parameter in list(signature.parameters)[1:])
         raise BadParams(
-            f"python -m pipeline.stages.{name} takes {expected}, {len(arguments)} arguments were given; "
-            f"`dvc repro {name}` gives it the right ones"
+            f"python -m pipeline.stages.{name} takes {expected}, {len(arguments)} arguments were "
+            f"given; `dvc repro {name}` gives it the right ones"
         ) from None
 
 

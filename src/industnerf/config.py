@@ -42,7 +42,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
 def build(schema: type[T], values: object, source: str = "params.yaml") -> T:
     """`values` as a `schema`: every key present, none unknown, all types and rules as declared.
 
-    Raises BadParams that names `where` and the key, and says what it must be.
+    Raises BadParams that names `source` and the key, and says what it must be.
     """
     return _check_type(schema, values, source, "")
 

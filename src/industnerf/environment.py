@@ -44,7 +44,7 @@ def get_str(name: str) -> str | None:
 
 
 def get_positive_int(name: str, unit: str, default: int | None = None) -> int | None:
-    """The variable `name` as a whole number of `what`, at least 1.
+    """The variable `name` as a whole number of `unit`, at least 1.
 
     Raises BadParams for anything else.
     """

@@ -9,12 +9,12 @@ RESULT_PATHS = ("dvc.lock", "results", "README.md", "docs")
 
 
 def head_commit() -> str:
-    """Its name, 40 digits; raises BadArtifact outside a repository, as does `changed`."""
+    """Its name, 40 digits; raises BadArtifact outside a repository, as does `changed_paths`."""
     return _git("rev-parse", "HEAD").strip()
 
 
 def changed_paths() -> list[str]:
-    """The paths that differ from it, new ones included; but for LATER."""
+    """The paths that differ from it, new ones included; but for RESULT_PATHS."""
     exclusions = (f":(top,exclude){path}" for path in RESULT_PATHS)
     return [
         line[3:] for line in _git("status", "--porcelain", "--", ":/", *exclusions).splitlines()

@@ -24,9 +24,10 @@ COST_COLUMNS = ["seconds", "peak_mb"]
 
 
 def loss_curve(runs: Path, pattern: str = "*") -> dict[int, float]:
-    """Step -> loss, meant over steps and then over the runs: folders in `runs`, or `below` it.
+    """Step -> loss, the mean over steps and then over the runs: folders in `runs` of `pattern`.
 
-    Steps are gathered into at most POINTS stretches of equal length, each named by its first.
+    Steps are gathered into at most MAX_CURVE_POINTS stretches of equal length, each named by
+    its first.
     Empty if the method keeps no history.  Raises BadArtifact if one is torn.
     """
     histories = [History.load(path.parent) for path in sorted(runs.glob(f"{pattern}/{FILE}"))]

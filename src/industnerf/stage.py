@@ -143,7 +143,7 @@ def run_timed(
 ) -> Cost:
     """What it takes to run `make(target)` in this process; it may return seconds to set aside.
 
-    `before` are the seconds of earlier attempts that it goes on from.
+    `earlier_seconds` are those of earlier attempts that it goes on from.
     """
     _reset_peak()
     start = time.perf_counter()
@@ -199,6 +199,6 @@ def _failure_error(
             "them: mend what is named, and give the same command again."
         )
     return PartsFailed(
-        f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the rest are "
-        f"stored. Failed:\n{listing}{advice}"
+        f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the "
+        f"rest are stored. Failed:\n{listing}{advice}"
     )

@@ -30,9 +30,7 @@ class Cost:
     seconds: float
     peak_mb: float
     device: str
-    extra_seconds: float = (
-        0.0  # further seconds, for what only the tables ask for: pictures of Table 2
-    )
+    extra_seconds: float = 0.0  # further ones, for what only tables ask for: pictures of Table 2
 
 
 KEY_PATTERN = re.compile(r"[0-9a-f]{32}")

@@ -14,11 +14,11 @@ from industnerf.doctor.environment import normalize_name, parse_pins
 CHECK_SCRIPT = """
 import sys
 from pathlib import Path
-from industnerf.doctor.environment import find
-from industnerf.doctor.project_paths import Places
-for finding in find(Places(Path.cwd(), Path.cwd(), Path.cwd())):
-    print(finding.what)
-    print(finding.mend)
+from industnerf.doctor.environment import check
+from industnerf.doctor.project_paths import ProjectPaths
+for finding in check(ProjectPaths(Path.cwd(), Path.cwd(), Path.cwd())):
+    print(finding.message)
+    print(finding.fix)
 """
 
 

@@ -45,15 +45,15 @@ def test_the_draft_of_a_killed_process_is_found_and_removed(
     bare_copy: WorkingCopy, dead_draft: Path
 ):
     age(dead_draft, 2 * HOUR)
-    (finding,) = bare_copy.check("leftovers")
+    (finding,) = bare_copy.check("stale_files")
     assert finding.message == "1 unfinished results of dead processes, 2.5 MB"
-    bare_copy.fix("leftovers")
+    bare_copy.fix("stale_files")
     assert not dead_draft.exists()
 
 
 def test_a_fresh_draft_may_be_that_of_another_machine(bare_copy: WorkingCopy, dead_draft: Path):
     age(dead_draft, 0.5 * HOUR)
-    assert bare_copy.check("leftovers") == []
+    assert bare_copy.check("stale_files") == []
 
 
 def test_a_process_that_lives_keeps_its_draft(bare_copy: WorkingCopy, dead_draft: Path):
@@ -61,7 +61,7 @@ def test_a_process_that_lives_keeps_its_draft(bare_copy: WorkingCopy, dead_draft
         dead_draft.with_name(f".draft-k-{socket.gethostname()}-{os.getpid()}")
     )
     age(own_draft, 2 * HOUR)
-    assert bare_copy.check("leftovers") == []
+    assert bare_copy.check("stale_files") == []
 
 
 @pytest.mark.parametrize(("seconds", "is_found"), [(2 * HOUR, False), (2 * MONTH, True)])
@@ -69,7 +69,7 @@ def test_what_another_machine_began_may_take_it_days(
     bare_copy: WorkingCopy, dead_draft: Path, seconds: float, is_found: bool
 ):
     age(dead_draft.rename(dead_draft.with_name(".draft-k-an-other-host-1")), seconds)
-    assert bool(bare_copy.check("leftovers")) == is_found
+    assert bool(bare_copy.check("stale_files")) == is_found
 
 
 @pytest.mark.parametrize(
@@ -91,9 +91,9 @@ def test_what_a_result_resumes_from_is_kept_while_it_may(
     resume_folder.mkdir(parents=True)
     (resume_folder / "state").write_text("half")
     age(resume_folder, seconds)
-    assert bool(bare_copy.check("leftovers")) == is_found
+    assert bool(bare_copy.check("stale_files")) == is_found
     if is_found:
-        bare_copy.fix("leftovers")
+        bare_copy.fix("stale_files")
         assert not resume_folder.exists()
         assert store.has("train", "k") == finished
 
@@ -107,11 +107,11 @@ def test_a_half_written_file_of_the_cache_is_found_and_removed(dvc_copy: Working
     folder = next(dvc_copy.folder.glob(".dvc/cache/files/md5/*"))
     partial_file = folder / ".Vh3kfdkHzvQ5.tmp"
     partial_file.write_bytes(bytes(1_000_000))
-    assert dvc_copy.check("leftovers") == []  # it may still be written
+    assert dvc_copy.check("stale_files") == []  # it may still be written
     age(dvc_copy.folder / ".dvc/cache", 2 * HOUR)  # whole ones may be as old
-    (finding,) = dvc_copy.check("leftovers")
+    (finding,) = dvc_copy.check("stale_files")
     assert finding.message == "1 half written files, 1.0 MB"
-    dvc_copy.fix("leftovers")
+    dvc_copy.fix("stale_files")
     assert not partial_file.exists()
     assert dvc_copy.check("cache") == []
 
@@ -129,4 +129,4 @@ def test_a_draft_that_becomes_a_result_meanwhile_is_no_fault(
         return findings
 
     monkeypatch.setattr(os, "scandir", and_then_it_is_renamed)
-    assert bare_copy.check("leftovers") == []
+    assert bare_copy.check("stale_files") == []

@@ -70,7 +70,7 @@ class Project:
         return process.returncode, output
 
     def stop_at(self, stage: str, signal_number: signal.Signals) -> tuple[int, str]:
-        """Start dvc repro, and send `how` to the whole group once `step` is at its first part."""
+        """Start dvc repro, and signal the whole group once `stage` is at its first part."""
         process = self.start("dvc", "repro")
         deadline = time.monotonic() + 120
         before = set(self.folder.glob(f"store/{stage}/*"))

@@ -8,14 +8,14 @@ import pytest
 import torch
 
 from industnerf.reconstruct import __main__ as command
-from industnerf.reconstruct import run_fingerprint, settings
+from industnerf.reconstruct import checkpoint, settings
 from tests.reconstruct import fake_pipeline, sample_images
 
 METHOD_MODULES = (
     "industnerf.methods.industnerf.pipeline",
     "industnerf.methods.industnerf_plus.pipeline",
 )
-RELOADED_MODULES = ("industnerf.reconstruct.run", "industnerf.reconstruct.callbacks")
+RELOADED_MODULES = ("industnerf.reconstruct.run",)
 PARAMS = """\
 seed: 3
 method:
@@ -50,7 +50,7 @@ def fake(monkeypatch):
     for name in METHOD_MODULES:
         monkeypatch.setitem(sys.modules, name, fake_pipeline)
     monkeypatch.setattr(settings, "Params", FakeParams)
-    monkeypatch.setattr(run_fingerprint, "code_digest", lambda module: "code")
+    monkeypatch.setattr(checkpoint, "code_digest", lambda module: "code")
     fake_pipeline.HOOKS.clear()
     fake_pipeline.LAST_CALL.clear()
     for name in RELOADED_MODULES:

@@ -7,12 +7,12 @@ import pytest
 
 from industnerf.errors import BadArtifact
 from industnerf.reconstruct.camera_models import (
+    Distortion,
     image_size,
     intrinsics,
     merge_camera_params,
     parse_distortion,
 )
-from industnerf.reconstruct.distortion import Distortion
 
 W, H = 640, 480
 

@@ -35,7 +35,9 @@ def test_the_cloud_is_in_the_cameras_frame_and_unit(workspace, fake):
     np.testing.assert_array_equal(read.colors[:, :3], cloud["colors"])
     center, radius = common_view_ball(sample_images.cameras())
     assert (np.abs(cloud["points"] - center) <= radius * (1 + 1e-6)).all()  # float32
-    assert [path.split("/")[-1] for path in cloud["photos"]] == [f"{i:03d}.png" for i in range(5)]
+    assert [path.split("/")[-1] for path in cloud["image_paths"]] == [
+        f"{i:03d}.png" for i in range(5)
+    ]
     assert workspace.files() == {"set", "params.yaml", "cloud.ply", "cloud.npz"}
 
 
@@ -260,9 +262,7 @@ def test_a_checkpoint_of_other_inputs_is_refused(workspace, fake, change, argume
 def test_a_checkpoint_of_another_kind_of_device_is_refused(workspace, fake, monkeypatch):
     """There roundings sort other points out than those whose numbers it holds."""
     leave_checkpoint(workspace, fake)
-    monkeypatch.setattr(
-        "industnerf.reconstruct.run_fingerprint.device", lambda: torch.device("meta")
-    )
+    monkeypatch.setattr("industnerf.reconstruct.checkpoint.device", lambda: torch.device("meta"))
     code, _, errors = workspace.run()
     assert (code, "another run: device differ" in errors) == (2, True)
 

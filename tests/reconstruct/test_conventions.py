@@ -9,8 +9,7 @@ import pytest
 from industnerf.artifacts.views import OPENGL
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras, look_at
-from industnerf.reconstruct.conventions import detect_convention_error
-from industnerf.reconstruct.region import region_of_interest
+from industnerf.reconstruct.region import detect_convention_error, region_of_interest
 from tests.reconstruct import sample_images
 
 CAMERAS = sample_images.cameras(12)

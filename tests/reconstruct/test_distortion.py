@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.distortion import Distortion, undistort
+from industnerf.reconstruct.camera_models import Distortion, undistort
 
 W, H = 160, 120
 K = np.array([[150.0, 0, 82.0], [0, 155.0, 58.0], [0, 0, 1]])
@@ -40,7 +40,7 @@ def pixel_rays(K: np.ndarray) -> np.ndarray:
 
 
 def invert_distortion(distorted: np.ndarray, distortion: Distortion) -> np.ndarray:
-    """The rays that are bent to `met`, by Newton's method with differences for a slope."""
+    """The rays that are bent to `distorted`, by Newton's method with differences for a slope."""
     rays, step = distorted.copy(), 1e-6
     for _ in range(20):
         residual = distortion.distort(rays) - distorted

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.float_precision import MAX_RELATIVE_SPACING, check_float32_precision
+from industnerf.reconstruct.region import MAX_RELATIVE_SPACING, check_float32_precision
 from tests.reconstruct import sample_images
 
 

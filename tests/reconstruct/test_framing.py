@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.geometry.cameras import Cameras
-from industnerf.reconstruct.framing import axis_spread, in_frame
+from industnerf.reconstruct.region import axis_spread, in_frame
 from tests.reconstruct import sample_images
 
 CAMERAS = sample_images.cameras()

@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.image_paths import (
+from industnerf.reconstruct.transforms import (
+    Frame,
     find_image,
     find_images,
     protected_paths,
     unlisted_images,
 )
-from industnerf.reconstruct.transforms import Frame
 
 
 def make_frame(name, number=0):

@@ -10,7 +10,7 @@ from PIL import Image
 from industnerf.artifacts.views import RgbdImage, Views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import project
-from industnerf.reconstruct.distortion import Distortion, undistort
+from industnerf.reconstruct.camera_models import Distortion, undistort
 from industnerf.reconstruct.load_images import load_images
 from tests.reconstruct import sample_images
 

@@ -92,7 +92,7 @@ def test_an_interrupted_run_goes_on(ball_images, tmp_path, monkeypatch, capsys, 
     assert reconstruct(ball_images, whole, method, monkeypatch) == 0
     with monkeypatch.context() as patch:
         # looked up here, for tests with a stand-in for the method load this module anew
-        callback_class = import_module("industnerf.reconstruct.callbacks").CliCallback
+        callback_class = import_module("industnerf.reconstruct.run").CliCallback
         original_step, losses = callback_class.on_step_end, []
 
         def stop_after_seven(self: Any, loss: float) -> None:

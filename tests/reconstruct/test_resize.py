@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from industnerf.reconstruct.resize import area_weights, resize_area
+from industnerf.reconstruct.images import area_weights, resize_area
 
 IMAGE = np.random.default_rng(0).integers(0, 256, (24, 36, 3), np.uint8)
 

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from industnerf.reconstruct.signal_handling import GracefulInterrupt
+from industnerf.reconstruct.display import GracefulInterrupt
 
 
 def ctrl_c():

@@ -75,7 +75,7 @@ def allocate_2_gb():
 
 
 def end_itself(signum, path):
-    """Send itself the signal `how`, as SLURM sends it to every process of a job."""
+    """Send itself `signum`, as SLURM sends it to every process of a job."""
     os.kill(os.getpid(), signum)
     path.write_text("alive")
 

@@ -30,7 +30,7 @@ def hang(mark):
 
 
 def write_own_gpu(own_file, other_file):
-    """Leave which GPU the job was given in `own`; wait until `other` is there."""
+    """Leave which GPU the job was given in `own_file`; wait until `other_file` is there."""
     own_file.with_suffix(".draft").write_text(os.environ["CUDA_VISIBLE_DEVICES"])
     own_file.with_suffix(".draft").rename(own_file)
     while not other_file.exists():

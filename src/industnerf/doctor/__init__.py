@@ -1,6 +1,6 @@
 """What is wrong with this working copy, and what mends it: `python -m industnerf.doctor`.
 
-A check is a module with one function, `find(places) -> list[Finding]`.  It reads and changes
+A check is a module with one function, `check(paths) -> list[Finding]`.  It reads and changes
 nothing.
 """
 
@@ -14,13 +14,11 @@ CHECKS = {
     "cache": "DVC's cache: does each file hold what its name promises",
     "lockfile": "dvc.lock: is it whole, and of this dvc.yaml",
     "locks": "locks that a dead, stopped or foreign process holds",
-    "leftovers": "what killed processes left behind in the store and the cache",
-    "stored": "results in the store: whole, read-only, with their costs",
-    "disk": "room for what params.yaml asks for",
+    "stale_files": "what killed processes left behind in the store and the cache",
+    "store": "results in the store: whole, read-only, with their costs",
     "database": "the MLflow database: readable, and of the installed version",
     "environment": "installed packages against constraints.txt",
     "variables": "INDUSTNERF_*: known, and of values that commands take",
-    "gpu": "whether the driver, torch and warp see one; wrong only if one is asked for",
 }
 
 

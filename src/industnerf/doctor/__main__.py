@@ -1,7 +1,7 @@
 """Say what is wrong with this working copy, and what mends it.  Changes nothing.
 
 python -m industnerf.doctor              every check
-python -m industnerf.doctor cache gpu    these
+python -m industnerf.doctor cache store  these
 
 Exit code 1 if something is wrong, else 0.
 """

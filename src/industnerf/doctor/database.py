@@ -24,8 +24,8 @@ WAIT_S = 0.5  # for another process: MLflow locks the database for milliseconds
 def check(paths: ProjectPaths) -> list[Finding]:
     """At most one finding; no database is none.
 
-    Raises OSError if there is no room for the copy that `_rolled_back` makes, and BadParams as
-    `versions` does.
+    Raises OSError if there is no room for the copy that `_check_rolled_back` makes, and
+    BadParams as `known_versions` does.
     """
     path = paths.database
     if not path.exists():
@@ -70,7 +70,7 @@ def _check_rolled_back(paths: ProjectPaths) -> list[Finding]:
 
 
 def _findings(paths: ProjectPaths, database: Path, mode: str = "ro") -> list[Finding]:
-    """What is wrong with the database, of which `read` is a copy or itself.
+    """What is wrong with the database; `database` is the file to read, a copy or itself.
 
     Raises sqlite3.Error if it cannot be read.
     """

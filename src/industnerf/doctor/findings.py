@@ -6,10 +6,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Finding:
-    """Something about `where`: `what` says how much, `mend` is a shell command for the root.
+    """What is found at `path`; `fix` is a shell command to be run in the root.
 
-    With a command something is wrong, and it mends that; without one it is worth knowing only,
-    unless it is `wrong` in a way that only its text can help with.
+    With a fix something is wrong.  Without one it is worth knowing only, unless `is_unfixable`:
+    then the message says what to do.
     """
 
     path: Path

@@ -78,7 +78,8 @@ def _rwlock_finding(path: Path, pid: int, command_name: str, remove: str) -> Fin
             path, f"names process {pid} ({command_name}), which is dead: DVC passes over it"
         )
     if not _is_dvc(pid):
-        message = f"names process {pid} as {command_name}, but that is now {command_line(pid)}: DVC waits in vain"
+        message = f"names process {pid} as {command_name}, but that is now {command_line(pid)}: "
+        message += "DVC waits in vain"
         if not remove:
             message += "; ask again when the DVC that is at work has ended"
         return Finding(path, message, remove, is_unfixable=True)

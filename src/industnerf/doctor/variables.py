@@ -31,7 +31,7 @@ KNOWN_VARIABLES = sorted(
 VALIDATORS: tuple[Callable[[], object], ...] = (
     runner_name,
     worker_count,
-    partial(check_device, here=False),  # whether it is there is what `gpu` asks
+    partial(check_device, here=False),  # whether it is there, every command asks
     allocation_from_environment,
     wait_settings_from_environment,
 )

@@ -15,7 +15,7 @@ SUFFIXES = (".ply", ".npz", ".xyz", ".obj", ".stl", ".off")
 
 
 def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
-    """The cloud of each part: the file `place`, of `part_id` or named after its part; or a folder.
+    """The cloud of each part: the file `path`, of `part_id` or named after its part; or a folder.
 
     Raises BadParams if there is no cloud, if two are of one part, or if a folder is to be of one.
     """
@@ -42,7 +42,7 @@ def visible_files(folder: Path) -> list[Path]:
 
 
 def select_catalogue(parts: PartsParams, part_ids: Iterable[str]) -> PartsParams:
-    """`parts` set to those `wanted`, of the baked set that has them; else raises BadParams."""
+    """`parts` set to `part_ids`, of the embedded set that has them; else raises BadParams."""
     missing: dict[str, list[str]] = {}
     for name, folder in CATALOGUE_FOLDERS.items():
         catalogue_ids = {entry.id for entry in read_catalogue(folder)}
@@ -52,8 +52,8 @@ def select_catalogue(parts: PartsParams, part_ids: Iterable[str]) -> PartsParams
     unknown = set.intersection(*map(set, missing.values()))
     if not unknown:
         raise BadParams(
-            f"the clouds are of parts of several sets ({', '.join(CATALOGUE_FOLDERS)}), which are scored "
-            "apart: give a folder for each"
+            f"the clouds are of parts of several sets ({', '.join(CATALOGUE_FOLDERS)}), which are "
+            "scored apart: give a folder for each"
         )
     closest = min(missing, key=lambda name: len(missing[name]))
     raise BadParams(

@@ -17,7 +17,7 @@ def input_warnings(
 ) -> list[str]:
     """What makes it likely that the unit or the frame is not the part's; both are in mm, float64.
 
-    `own`: the part is of a CAD file of the user's, whose unit may be the wrong one.
+    `is_user_cad`: the part is of a CAD file of the user's, whose unit may be the wrong one.
     """
     return [*_box_warnings(points, truth, is_user_cad), *_rounding_warnings(points, truth)]
 
@@ -80,8 +80,8 @@ def _rounding_warnings(points: np.ndarray, truth: np.ndarray) -> list[str]:
     if step <= MAX_ROUNDING * diagonal:
         return []
     return [
-        f"its coordinates reach {max_coordinate:.4g} mm, where float32, in which clouds are scored, has "
-        f"steps of {step:.2g} mm, {step / diagonal:.1g} of the diagonal: its points are "
+        f"its coordinates reach {max_coordinate:.4g} mm, where float32, in which clouds are "
+        f"scored, has steps of {step:.2g} mm, {step / diagonal:.1g} of the diagonal: its points are "
         "rounded to that; move cloud and part to the origin"
     ]
 

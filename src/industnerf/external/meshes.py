@@ -35,8 +35,8 @@ def read_mesh(
     num_unreferenced = len(vertices) - len(np.unique(faces))
     if 2 * num_unreferenced > len(vertices):
         warnings.append(
-            f"{num_unreferenced} of its {len(vertices)} vertices belong to no face: it is taken as a cloud "
-            f"of all its vertices, without its faces ({len(faces)})"
+            f"{num_unreferenced} of its {len(vertices)} vertices belong to no face: it is taken as "
+            f"a cloud of all its vertices, without its faces ({len(faces)})"
         )
         return vertices, warnings
     if num_unreferenced:
@@ -60,8 +60,8 @@ def _sample_faces(
     ):  # areas may overflow
         largest = corners.flat[np.abs(corners).argmax()]
         raise BadPart(
-            f"{num_too_large} of its {len(faces)} faces have a corner that is too large: a coordinate of "
-            f"{largest:.3g}, and float32 ends at {MAX_COORDINATE:.3g}"
+            f"{num_too_large} of its {len(faces)} faces have a corner that is too large: a "
+            f"coordinate of {largest:.3g}, and float32 ends at {MAX_COORDINATE:.3g}"
         )
     try:
         return sample_surface(vertices, faces, cap, rng)[0]

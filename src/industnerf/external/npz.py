@@ -16,7 +16,7 @@ WRITE_HINT = "`np.savez(file, points_mm=points)` writes one"
 
 
 def read_npz_points(file: Path) -> np.ndarray:
-    """The first array of NAMES that the npz `file` holds, of whatever shape.
+    """The first array of ARRAY_NAMES that the npz `file` holds, of whatever shape.
 
     Raises BadPart if it is no npz, has none of them, or one that is not of real numbers.
     """

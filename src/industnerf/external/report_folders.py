@@ -8,18 +8,13 @@ from pathlib import Path
 from industnerf.artifacts.files import read_json, write_json
 from industnerf.errors import BadArtifact, BadParams
 
-OUTPUT_FOLDERS = (
-    "solids",
-    "parts",
-    "truth",
-    "clouds",
-    "scores",
-)  # all that is ever written, beside ASKED
+# all that is ever written, beside REQUEST_FILE
+OUTPUT_FOLDERS = ("solids", "parts", "truth", "clouds", "scores")
 REQUEST_FILE = "request.json"  # of which clouds, and which part, the report is
 
 
 def report_folder(root: Path, clouds: Path, part: str, sources: Iterable[Path]) -> Path:
-    """The folder below `root` for the report of the clouds at `place`, of `part` if it is named.
+    """The folder below `root` for the report of `clouds`, of `part` if it is named.
 
     That of the same question, if it was asked before; else the first of `clouds`, `clouds-2`, ...
     that is not there.  It is made, and notes at once of what it is: of two questions that

@@ -118,8 +118,8 @@ def _paragraph(
             shared_families = [families[part] for part in shared_parts]
             change_interval = _interval(change.low, change.high, shared_families, "+.4f")
             lines.append(
-                f"  {method} {study_mean:.4f} on these: {change.mean:+.4f}{change_interval}, lower on "
-                f"{change.num_lower} of {change.parts}"
+                f"  {method} {study_mean:.4f} on these: {change.mean:+.4f}{change_interval}, "
+                f"lower on {change.num_lower} of {change.parts}"
             )
     return lines
 

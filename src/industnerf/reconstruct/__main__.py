@@ -35,7 +35,7 @@ def main() -> int:
 
 
 def _resume_hint(options: Options, start_time: float) -> str:
-    """What is kept, and how to go on; `began` is the time at which this run did."""
+    """What is kept, and how to go on; `start_time` is when this run began."""
     path = options.checkpoint
     if not path.exists() or (options.no_resume and path.stat().st_mtime < start_time):
         return "nothing of this run is kept"

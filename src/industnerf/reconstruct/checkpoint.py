@@ -9,13 +9,20 @@ import hashlib
 import io
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
+from jaxtyping import Float
 
 from industnerf.artifacts.files import atomic_write
+from industnerf.code_hash import code_digest
+from industnerf.device import device
 from industnerf.errors import BadArtifact
+from industnerf.reconstruct.load_images import ImageSet
+from industnerf.reconstruct.settings import ResolvedConfig
 
 MAGIC = b"industnerf checkpoint 1\n"
 Fingerprint = Mapping[str, str]  # a digest of each thing that a run depends on, by name
@@ -30,24 +37,26 @@ def save(path: Path, state: dict[str, Any], fingerprint: Fingerprint) -> None:
     torch.save(state, buffer)
     payload = buffer.getvalue()
     _load_weights_only(payload)
-    header = {"origin": dict(fingerprint), "state": hashlib.sha256(payload).hexdigest()}
+    header = {"fingerprint": dict(fingerprint), "state": hashlib.sha256(payload).hexdigest()}
     with atomic_write(path) as draft:
         draft.write_bytes(MAGIC + json.dumps(header).encode() + b"\n" + payload)
 
 
 def load(path: Path, fingerprint: Fingerprint) -> dict[str, Any]:
-    """The state in `path`; raises BadArtifact if it is torn, or of another run than `origin`.
+    """The state in `path`; raises BadArtifact if it is torn, or of another run than `fingerprint`.
 
     Nothing but plain data is unpickled, so a file from elsewhere can run no code.
     """
     header, payload = _read_header(path)
     if hashlib.sha256(payload).hexdigest() != header["state"]:
         raise BadArtifact(f"{path} is torn: its state is incomplete; --no-resume starts anew")
-    mismatched = [name for name in fingerprint if header["origin"].get(name) != fingerprint[name]]
+    mismatched = [
+        name for name in fingerprint if header["fingerprint"].get(name) != fingerprint[name]
+    ]
     if mismatched:
         raise BadArtifact(
-            f"{path} belongs to another run: {', '.join(mismatched)} differ; --no-resume drops it and "
-            "starts anew, --checkpoint names another file"
+            f"{path} belongs to another run: {', '.join(mismatched)} differ; --no-resume drops it "
+            "and starts anew, --checkpoint names another file"
         )
     return _load_weights_only(payload)
 
@@ -68,8 +77,42 @@ def _read_header(path: Path) -> tuple[dict[str, Any], bytes]:
     header_line, _, payload = rest.partition(b"\n")
     try:
         header = json.loads(header_line)
-        if magic + b"\n" == MAGIC and {"origin", "state"} <= header.keys():
+        if magic + b"\n" == MAGIC and {"fingerprint", "state"} <= header.keys():
             return header, payload
     except (ValueError, AttributeError):
         pass
     raise BadArtifact(f"{path} is torn, or no checkpoint; --no-resume starts anew")
+
+
+def method_module(method: str) -> str:
+    """The module of a method whose `run` reconstructs from posed images."""
+    return f"industnerf.methods.{method}.pipeline"
+
+
+def run_fingerprint(
+    image_set: ImageSet, center: Float[np.ndarray, "3"], radius: float, config: ResolvedConfig
+) -> dict[str, str]:
+    """A digest of each thing that a run depends on, by a name to say to a user."""
+    cameras = image_set.cameras
+    background = np.zeros(0) if image_set.background is None else image_set.background
+    return {
+        "images": _digest(image_set.rgb),
+        "background": _digest(background),
+        "cameras": _digest(cameras.K, cameras.c2w),
+        "region of interest": _digest(center, np.array(radius)),
+        "method": config.method,
+        "settings": hashlib.sha256(
+            json.dumps(asdict(config.settings), sort_keys=True).encode()
+        ).hexdigest(),
+        "seed": str(config.seed),
+        "code of the method": code_digest(method_module(config.method)),
+        "device": device().type,  # on another, roundings sort other points out
+    }
+
+
+def _digest(*arrays: np.ndarray) -> str:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(f"{array.dtype} {array.shape}\n".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()

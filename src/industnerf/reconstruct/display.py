@@ -1,7 +1,10 @@
-"""How far a run is: bars on a terminal, a line every few seconds elsewhere."""
+"""Progress: bars on a terminal, a line every few seconds elsewhere.  Ctrl-C that leaves time."""
 
+import os
+import signal
+import sys
 import time
-from types import TracebackType
+from types import FrameType, TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -72,3 +75,32 @@ class Display:
     def log(self, text: str) -> None:
         """A line above the bars."""
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+NOTICE = b"\ninterrupted: ends at the next checkpoint or when done; Ctrl-C again ends at once\n"
+
+
+class GracefulInterrupt:
+    """While entered, the first Ctrl-C only sets `requested`; the second raises."""
+
+    def __init__(self) -> None:
+        self.requested = False
+
+    def __enter__(self) -> "GracefulInterrupt":
+        self._previous_handler = signal.signal(signal.SIGINT, self._handle)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        signal.signal(signal.SIGINT, self._previous_handler)
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self.requested:
+            raise KeyboardInterrupt
+        self.requested = True
+        # not print: the signal may come in the middle of one
+        os.write(sys.__stderr__.fileno() if sys.__stderr__ else 2, NOTICE)

@@ -1,6 +1,6 @@
 """From the command line's options to files."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,15 +8,14 @@ import numpy as np
 from jaxtyping import Float
 from rich.console import Console
 
-from industnerf.artifacts.files import atomic_write
+from industnerf.artifacts.files import atomic_write, check_writable
 from industnerf.artifacts.ply import write_ply
+from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
-from industnerf.reconstruct.float_precision import check_float32_precision
 from industnerf.reconstruct.load_images import ImageSet, load_images
-from industnerf.reconstruct.outputs import check_not_inputs, check_outputs
-from industnerf.reconstruct.region import region_of_interest
+from industnerf.reconstruct.region import check_float32_precision, region_of_interest
 from industnerf.reconstruct.settings import resolve_config
 from industnerf.stage import run_timed
 
@@ -42,8 +41,9 @@ def _run(options: Options, display: Display) -> str:
     )
     check_float32_precision(center, radius)
     display.log(
-        f"{len(image_set.image_paths)} photographs of {image_set.cameras.width} x {image_set.cameras.height} px; "
-        f"region of interest: center {_format_point(center)}, radius {radius:.5g}"
+        f"{len(image_set.image_paths)} photographs of {image_set.cameras.width} x "
+        f"{image_set.cameras.height} px; region of interest: "
+        f"center {_format_point(center)}, radius {radius:.5g}"
     )
     from industnerf.reconstruct.run import (
         run_reconstruction,  # late: it takes torch, which wrong input does not
@@ -76,7 +76,7 @@ def _load_image_set(options: Options, display: Display) -> ImageSet:
 
 
 def write_cloud(options: Options, result: Any, image_paths: Sequence[Path]) -> None:
-    """Write the outcome as PLY and, if asked for, as NPZ with the files that `view` counts."""
+    """Write the result as PLY and, if asked for, as NPZ with the files that `view` counts."""
     with atomic_write(options.out) as draft:
         write_ply(
             draft,
@@ -94,14 +94,14 @@ def write_cloud(options: Options, result: Any, image_paths: Sequence[Path]) -> N
                 colors=result.colors,
                 confidence=result.confidence,
                 view=result.view,
-                photos=[str(image_path) for image_path in image_paths],
+                image_paths=[str(image_path) for image_path in image_paths],
             )
 
 
 def write_mesh(
     path: Path, result: Any, cameras: Cameras, center: Float[np.ndarray, "3"], radius: float
 ) -> str:
-    """Write the surface of the outcome as triangles; says what it is."""
+    """Write the surface of the result as triangles; returns a sentence on it."""
     from industnerf.reconstruct import mesh  # late: it takes trimesh
 
     triangle_mesh = mesh.extract_mesh(result, cameras, center, radius)
@@ -115,3 +115,50 @@ def write_mesh(
 
 def _format_point(point: Float[np.ndarray, "3"]) -> str:
     return " ".join(f"{x:.5g}" for x in point)
+
+
+def check_outputs(options: Options) -> None:
+    """Raise BadArtifact if a file is in the way, or cannot be written, before any work is done."""
+    outputs = _output_paths(options)
+    if len({path.resolve() for path in outputs.values()}) < len(outputs):
+        raise BadArtifact(f"{', '.join(outputs)} must be different files")
+    check_not_inputs(options, [options.cameras])
+    overwritten = [path for path in (options.out, options.npz, options.mesh) if path]
+    is_resuming = (
+        options.checkpoint.exists() and not options.no_resume
+    )  # then the preview is its own
+    if options.has_explicit_preview and options.preview_every and not is_resuming:
+        overwritten.append(options.preview)
+    for path in overwritten:
+        if path.exists() and not (options.force or path.is_dir()):
+            raise BadArtifact(f"{path} is there already; --force overwrites it")
+    for option, path in outputs.items():
+        check_writable(path, option)
+
+
+def check_not_inputs(options: Options, inputs: Iterable[Path]) -> None:
+    """Raise BadArtifact if an output is one of `inputs`: --force is no leave to destroy those."""
+    input_ids = {_file_id(path) for path in inputs}
+    for option, path in _output_paths(options).items():
+        if _file_id(path) in input_ids:
+            raise BadArtifact(
+                f"{option} {path}: is an input of this run, which not even --force overwrites; "
+                "name another file"
+            )
+
+
+def _output_paths(options: Options) -> dict[str, Path]:
+    """Every file that will be written, by the option that says where."""
+    outputs = {"--out": options.out, "--checkpoint": options.checkpoint}
+    outputs |= {"--preview": options.preview} if options.preview_every else {}
+    outputs |= {"--npz": options.npz} if options.npz else {}
+    return outputs | ({"--mesh": options.mesh} if options.mesh else {})
+
+
+def _file_id(path: Path) -> object:
+    """Equal for two names of one file, be it by a link or on a disk that ignores case."""
+    try:
+        stat = path.stat()
+    except OSError:
+        return path.resolve()
+    return stat.st_dev, stat.st_ino

@@ -1,6 +1,6 @@
 """The surface as triangles: where the method sees it from all of the cameras, joined and closed.
 
-Depths of the finished field are fused as those of the final cloud are where R11 is `fused`.
+Depths of the finished field are fused as those of the final cloud are where R11 is `tsdf_fusion`.
 """
 
 from pathlib import Path
@@ -16,14 +16,13 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras, reduced_size, unit_ball_projections
 from industnerf.geometry.isosurface import isosurface
 from industnerf.geometry.tsdf import fuse
-from industnerf.reconstruct.views import scale_intrinsics
+from industnerf.reconstruct.images import scale_intrinsics
 
 MAX_RENDER_SIZE = 256  # px, the longer side of what the cameras see: a pixel is about a cell
 GRID_RES = 192  # cells along each side of the cube round the region of interest
 TRUNCATION_CELLS = 3.0  # of signed distances, in cells
-MIN_ABS_DISTANCE_CELLS = (
-    0.01  # the same: nearer to a corner of the lattice, vertices are one in single precision
-)
+# nearer to a corner of the lattice, vertices are one in single precision
+MIN_ABS_DISTANCE_CELLS = 0.01
 
 
 def extract_mesh(
@@ -74,7 +73,7 @@ def signed_distances(
 
 
 def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:
-    """Write `mesh` as `form`, the ending of a file; PLY and OBJ have its colors, STL cannot."""
+    """Write `mesh` in the format of `suffix`; PLY and OBJ have its colors, STL cannot."""
     if suffix == ".ply":
         write_ply(
             path,

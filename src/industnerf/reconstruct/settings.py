@@ -69,7 +69,7 @@ def _apply_override(values: dict[str, Any], override: str, method: str) -> None:
 
 
 def _lookup(section: dict[str, Any], name: str, override: str, parents: Sequence[str]) -> Any:
-    """What `place`, the section `within`, has as `name`; raises BadParams if there is nothing."""
+    """The value of `name` in `section`; raises BadParams if there is none."""
     if name in section:
         return section[name]
     base_name = name.partition("[")[0]

@@ -30,7 +30,7 @@ GPU_FAILURE = re.compile(r"CUDA error|CUDA_ERROR|CUBLAS_STATUS|CUDNN_STATUS")
 
 @dataclass(frozen=True)
 class WorkError:
-    """What ended a piece of work before it was done; `lost` as in `Outcome`."""
+    """What ended a piece of work before it was done; `lost` as in `WorkResult`."""
 
     text: str
     lost: bool = False
@@ -54,7 +54,7 @@ class WorkResult:
 
     @staticmethod
     def from_error(index: int, error: WorkError | None) -> "WorkResult":
-        """How a piece of work ended that ended by itself, and by `fault` if there is one."""
+        """How a piece of work ended that ended by itself, and by `error` if there is one."""
         return (
             WorkResult(index, None) if error is None else WorkResult(index, error.text, error.lost)
         )
@@ -73,7 +73,7 @@ class Runner(Protocol):
 
 
 def run_work_item(work_item: WorkItem, memory_mb: int | None) -> WorkError | None:
-    """Do `work` with at most `memory_mb` of addresses; what ended it, or None."""
+    """Do `work_item` with at most `memory_mb` of addresses; what ended it, or None."""
     try:
         with _limit_memory(memory_mb):
             work_item()

@@ -22,10 +22,10 @@ JOB_SIGNALS = (signal.SIGTERM, signal.SIGUSR2)
 def split_into_chunks(
     indices: Sequence[int], parallel_jobs: int, min_size: int | None = None
 ) -> list[list[int]]:
-    """`pieces` dealt out to jobs of which `at_a_time` run together, as evenly as possible.
+    """`indices` dealt out to jobs of which `parallel_jobs` run together, as evenly as possible.
 
-    Each has at least `least` pieces if that is given, as long as there are so many; more than
-    ARRAY_MOST jobs there are never.
+    Each has at least `min_size` pieces if that is given, as long as there are so many; there are
+    never more than MAX_ARRAY_JOBS jobs.
     """
     max_jobs = min(
         MAX_ARRAY_JOBS,

@@ -20,8 +20,8 @@ QueryStates = Callable[[Iterable[str]], Mapping[str, JobState] | None]
 class JobMonitor:
     """Jobs and the numbers of the pieces of work that each of them is yet to do.
 
-    `orphans` are pieces that may be given to other jobs: theirs died at another piece, before it
-    came to them.  `hopeless` are jobs that were given up, though they did not end.
+    `unstarted` are pieces that may be given to other jobs: theirs died at another piece, before it
+    came to them.  `abandoned` are jobs that were given up, though they did not end.
     """
 
     jobs: dict[str, set[int]]
@@ -36,7 +36,7 @@ class JobMonitor:
     abandoned: list[str] = field(default_factory=list)
 
     def results(self) -> Iterator[WorkResult]:
-        """The outcome of every piece but the orphans, as soon as it is known.
+        """The outcome of every piece but the unstarted ones, as soon as it is known.
 
         Ends by itself: a job that works is ended by SLURM's time limit, and if none works and
         nothing is heard for `patience_s` the rest are given up.
@@ -73,7 +73,7 @@ class JobMonitor:
         return new_results
 
     def _fail_job(self, job: str, state: JobState) -> Iterator[WorkResult]:
-        """A job that ended at some of its pieces: they fail, and those after them are orphans."""
+        """A job that ended at some of its pieces: they fail, and those after them are unstarted."""
         remaining = self.jobs.pop(job)
         started = remaining & self.status.started()
         failed = started if started and state.name != CANCELLED else remaining

@@ -39,7 +39,7 @@ class ProcessRunner:
 
     The time in which this process is stopped (Ctrl-Z, SLURM's SUSPEND) counts as nobody's.
 
-    `shielded` signals do not reach them: SLURM sends to all processes of a job what is meant for
+    `blocked_signals` do not reach them: SLURM sends to all processes of a job what is meant for
     the first.
     """
 
@@ -88,7 +88,7 @@ class ProcessRunner:
 class _Limits:
     """What one piece of work may take, by the section of its stage in params.yaml.
 
-    It also may not be reached by the signals `shielded`.
+    It also may not be reached by the `blocked_signals`.
     """
 
     seconds: float
@@ -180,7 +180,7 @@ def _worker_loop(connection: Connection) -> None:
 
 
 def die_with_parent(signum: signal.Signals = signal.SIGTERM) -> None:
-    """Ask Linux to send this process the signal `how` when its parent dies; elsewhere do nothing.
+    """Ask Linux to send this process `signum` when its parent dies; elsewhere do nothing.
 
     `dvc` that is killed leaves its stage running, and the next `dvc repro` would start a second.
     """

@@ -54,13 +54,12 @@ def _find_truncation(entry: Path, files: list[tuple[Path, os.stat_result]]) -> s
 
 def _rerun_hint(paths: ProjectPaths, entry: Path) -> str:
     """What makes the result anew once it is gone: DVC would not, for its own outputs are whole."""
-    from industnerf.stage import (
-        stage_of_output,  # late: it brings NumPy, and most have nothing torn
-    )
+    from industnerf.stage import stage_of_output  # late: it takes NumPy
 
     store = f"INDUSTNERF_STORE={shlex.quote(str(paths.store))}"
     commands = [
-        f"`(cd {paths.shell_words(project.folder)} && {store} dvc repro -f -s {stage_of_output(index.parent)})`"
+        f"`(cd {paths.shell_words(project.folder)} && {store} dvc repro -f -s "
+        f"{stage_of_output(index.parent)})`"
         for project in paths.projects()
         for pattern in ("data/*/index.json", "data/*/*/index.json")
         for index in sorted(project.folder.glob(pattern))

@@ -55,7 +55,7 @@ CORRUPTIONS = {
 
 
 def test_a_result_as_the_store_makes_it_is_right(bare_copy: WorkingCopy, entry: Path):
-    assert bare_copy.check("stored") == []
+    assert bare_copy.check("store") == []
 
 
 @pytest.mark.parametrize(("corrupt", "message"), CORRUPTIONS.values(), ids=CORRUPTIONS)
@@ -63,9 +63,9 @@ def test_a_torn_result_is_removed_and_can_be_made_anew(
     bare_copy: WorkingCopy, entry: Path, corrupt: Callable[[Path], None], message: str
 ):
     corrupt(entry)
-    (finding,) = bare_copy.check("stored")
+    (finding,) = bare_copy.check("store")
     assert message in finding.message
-    bare_copy.fix("stored")
+    bare_copy.fix("store")
     store = Store(bare_copy.paths.store)
     store.put("views", KEY, write_result)
     assert store.cost("views", KEY) == Cost(2.0, 70.0, "cpu")
@@ -79,7 +79,7 @@ def test_the_stage_that_took_a_torn_result_is_named(dvc_copy: WorkingCopy):
     index.parent.mkdir(parents=True)
     index.write_text(json.dumps({"schema": 1, "step": "views", "keys": {"part": KEY}}))
     (entry / "cost.json").unlink()
-    (finding,) = dvc_copy.check("stored")
+    (finding,) = dvc_copy.check("store")
     store = dvc_copy.paths.store
     rerun = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct@hull)` makes it anew"
     assert finding.message.endswith(f"; once it is gone, {rerun}")
@@ -89,16 +89,16 @@ def test_the_stage_that_took_a_torn_result_is_named(dvc_copy: WorkingCopy):
 def test_what_is_not_the_stores_is_left_alone(bare_copy: WorkingCopy):
     """A store may be named that is none: no advice may cost its owner anything."""
     (bare_copy.paths.store / "src" / "industnerf").mkdir(parents=True)
-    assert bare_copy.check("stored") == []
+    assert bare_copy.check("store") == []
 
 
 def test_a_file_that_can_be_written_to_is_found_and_closed(bare_copy: WorkingCopy, entry: Path):
     image_path = entry / "out/rgb/000.png"
     before = image_path.read_bytes()
     image_path.chmod(0o644)
-    (finding,) = bare_copy.check("stored")
+    (finding,) = bare_copy.check("store")
     assert finding.message == "1 of 3 files can be written to, such as 000.png (-rw-r--r--)"
-    bare_copy.fix("stored")
+    bare_copy.fix("store")
     assert image_path.read_bytes() == before
     folders = entry / "out", entry / "out/rgb"
     assert all(path.stat().st_mode & 0o200 for path in folders)  # or it could not be removed
