@@ -126,11 +126,11 @@ def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
     assert "no silhouette &lt;seen&gt;" in section
 
 
-def test_sheet_and_viewer_say_which_of_several_answers_they_show(report_page):
+def test_sheet_and_viewer_say_which_of_several_predictions_they_show(report_page):
     for name in ("Contact sheet", "Truth and reconstruction"):
         section = report_page.split(f">{name}</h2>")[1].split("<h2")[0]
         assert re.search(
-            "[Oo]f several answers of a network (it is )?the first", " ".join(section.split())
+            "[Oo]f several predictions of a network (it is )?the first", " ".join(section.split())
         )
 
 

@@ -61,10 +61,10 @@ def test_it_holds_the_tables_the_machine_and_the_commit(published):
     assert "![contact_sheet.png](contact_sheet.png)" in readme
 
 
-def test_tables_made_anew_are_said_to_be(published):
-    assert "made anew" not in readme_text(published, PROVENANCE)
+def test_rebuilt_tables_are_said_to_be(published):
+    assert "rebuilt" not in readme_text(published, PROVENANCE)
     rebuilt = PROVENANCE | {"rebuilt": {"date": "2026-02-03", "commit": "abcdef0"}}
-    assert "made anew from its scores and costs on 2026-02-03, commit abcdef0" in readme_text(
+    assert "rebuilt from its scores and costs on 2026-02-03, commit abcdef0" in readme_text(
         published, rebuilt
     )
 
@@ -264,7 +264,10 @@ def test_costs_are_summed_by_step_and_spread_by_method(published):
 
 def test_a_net_stands_beside_what_it_must_beat(tmp_path):
     names = {"industnerf": 0.02, "r2n2": 0.08, "retrieval": 0.06}
-    head = "method,split,emd_even,ci_low,ci_high,parameters,steps,size,num_train_parts,paper_emd,emd_mm"
+    head = (
+        "method,split,emd_even,ci_low,ci_high,parameters,steps,size,num_train_parts,paper_emd,"
+        "emd_mm"
+    )
     lines = [
         f"{name},test,{emd},0.01,0.1,77,9,{'cpu' if name == 'r2n2' else ''},"
         f"{0 if name == 'industnerf' else 73},{'' if name == 'retrieval' else emd / 2},{100 * emd}"

@@ -18,7 +18,7 @@ from jaxtyping import Float, Float32, Int64, UInt8
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.part import Mesh, Part, load_mesh
 from industnerf.artifacts.truth import Truth
-from industnerf.report.figures.error_distances import (
+from industnerf.report.figures.contact_sheet import (
     cloud_to_surface_distances,
     truth_to_cloud_distances,
 )

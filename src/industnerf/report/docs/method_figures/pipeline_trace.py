@@ -21,7 +21,7 @@ from industnerf.methods.industnerf.scene import NerfScene, PosedImages
 from industnerf.methods.industnerf.trainer import Trainer
 from industnerf.methods.industnerf.view_confidence import compute_view_confidence
 from industnerf.methods.industnerf.view_split import source_target_split
-from industnerf.report.figures.error_distances import best_view
+from industnerf.report.figures.contact_sheet import best_view
 from industnerf.schema import IndustnerfSettings
 
 CONFIDENCE_VIEWS = 3  # views whose own confidences are kept
