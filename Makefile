@@ -3,7 +3,7 @@ PYTHON ?= python3
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 INSTALLED := .venv/.installed
 
-.PHONY: help demo test smoke repro ui lint readme results clean
+.PHONY: help demo test smoke repro ui lint docs results clean
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
@@ -28,24 +28,31 @@ ui: $(INSTALLED)  ## compare runs in the browser
 lint: $(INSTALLED)  ## style and import contracts
 	@ruff check . && ruff format --check . && lint-imports
 
-readme: demo  ## the demo to results/demo, its table and picture into the README
-	@python -m pipeline.readme
+docs: .venv/.docs-installed  ## the documentation, to site/index.html
+	@NO_MKDOCS_2_WARNING=1 mkdocs build --quiet && echo "wrote site/index.html"
 
-results: $(INSTALLED)  ## copy the finished study's numbers to results/study and the README
+results: $(INSTALLED)  ## the finished study's numbers to results/study, README and docs/
 	@python -m pipeline.publish
 
 clean:  ## remove the environment, the store and every result that is not committed
-	rm -rf .venv .store .slurm runs reports mlruns mlflow.db mlflow.db.lock .dvc/cache .dvc/tmp
+	rm -rf .venv .store .slurm runs reports site mlruns mlflow.db mlflow.db.lock .dvc/cache .dvc/tmp
 	rm -rf data/solids data/parts data/views data/split.json data/truth data/states data/clouds data/scores
 
 # uv does not read pip's configuration: hand its find-links on, so that both choose the same torch.
+define install
+if command -v uv >/dev/null; then \
+  links="$${UV_FIND_LINKS:-$${PIP_FIND_LINKS:-$$($(PYTHON) -m pip config get global.find-links 2>/dev/null)}}"; \
+  uv venv -q --allow-existing --python $(PYTHON) .venv && \
+  UV_FIND_LINKS="$$links" uv pip install -q --python .venv/bin/python -c constraints.txt -e '.[$(1)]'; \
+else \
+  echo "uv is not installed: setting up with pip, which takes some minutes (pip install uv: seconds)"; \
+  $(PYTHON) -m venv .venv && .venv/bin/python -m pip install -q -c constraints.txt -e '.[$(1)]'; \
+fi
+@touch $@
+endef
+
 $(INSTALLED): pyproject.toml constraints.txt
-	@if command -v uv >/dev/null; then \
-	  links="$${UV_FIND_LINKS:-$${PIP_FIND_LINKS:-$$($(PYTHON) -m pip config get global.find-links 2>/dev/null)}}"; \
-	  uv venv -q --allow-existing --python $(PYTHON) .venv && \
-	  UV_FIND_LINKS="$$links" uv pip install -q --python .venv/bin/python -c constraints.txt -e '.[test]'; \
-	else \
-	  echo "uv is not installed: setting up with pip, which takes some minutes (pip install uv: seconds)"; \
-	  $(PYTHON) -m venv .venv && .venv/bin/python -m pip install -q -c constraints.txt -e '.[test]'; \
-	fi
-	@touch $@
+	@$(call install,test)
+
+.venv/.docs-installed: $(INSTALLED)
+	@$(call install,docs)

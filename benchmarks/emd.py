@@ -1,4 +1,4 @@
-"""How long does one exact EMD take, by few pairs and their proof, against POT on all pairs?
+"""How long does one exact EMD take, by column generation, against POT on all pairs?
 
 OMP_NUM_THREADS=1 python benchmarks/emd.py [--squared] [points ...]     4096 and 8192 by default
 
@@ -127,25 +127,15 @@ def time_solver(solve: Solver, a: np.ndarray, b: np.ndarray) -> SolverRun:
 
 
 def run_in_subprocess(solve: Solver, pair: Pair) -> SolverRun:
-    """`timed` in a fresh process."""
+    """`time_solver` in a fresh process."""
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
         return pool.submit(time_solver, solve, pair.a, pair.b).result()
 
 
 def table(n: int, sparse_solver: Solver, dense_solver: Solver) -> Table:
-    columns = [
-        "clouds",
-        "EMD",
-        "/ floor",
-        "s",
-        "dense s",
-        "times",
-        "rel. difference",
-        "MB",
-        "dense",
-    ]
-    result = Table(*columns, title=f"{n} points")
+    columns = ["clouds", "EMD", "/ floor", "s", "dense s", "times", "rel. difference"]
+    result = Table(*columns, "MB", "dense MB", title=f"{n} points")
     floor = np.nan
     for pair in pairs(n):
         sparse, full = run_in_subprocess(sparse_solver, pair), run_in_subprocess(dense_solver, pair)

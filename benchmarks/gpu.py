@@ -31,14 +31,15 @@ from method import METHODS, Job, even_emd, load_images, print_row
 
 from industnerf.artifacts.split import load_split
 from industnerf.config import load_params
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays
 from industnerf.schema.readings import InterpolationReading
 
 RAY_COUNTS = 4096, 65536, 262144  # rays at a time
 READINGS: dict[str, InterpolationReading] = {
     "inverse square, searched": "inverse_square",
-    "tents, on a lattice": "tent",
+    "tents, on a lattice": "trilinear",
 }
 
 
@@ -66,10 +67,10 @@ def time_sample(
     device: str, density: str, reading: InterpolationReading, count: int
 ) -> tuple[float, float]:
     """Nanoseconds forward and backward, the median of TURNS after one that compiles."""
-    point_cloud = make_cloud(1.0, DENSITY[density], jittered=reading != "tent")
+    point_cloud = make_cloud(1.0, DENSITY[density], jittered=reading != "trilinear")
     points = PointGrid(point_cloud.positions.to(device), point_cloud.radius, NEIGHBORS, reading)
-    points.cells.is_grid_aligned = reading == "tent"
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
+    points.cells.is_grid_aligned = reading == "trilinear"
+    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
     batch = make_rays(count)
     samples = int(samples_in_box(batch)[1].sum())
     device_batch = Rays(*(x.to(device) for x in (batch.origins, batch.directions, batch.offsets)))

@@ -29,11 +29,12 @@ from rich.table import Table
 from scipy.spatial import cKDTree
 from torch import Tensor
 
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.compositing import opacities, terminated_density, transmittance
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.reference_renderer import render_reference
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays
 from industnerf.rendering.samples import Samples, sample_distances
+from industnerf.rendering.torch_renderer import render_reference
 from industnerf.rendering.weights import inverse_distance_weights
 from industnerf.schema.readings import InterpolationReading
 
@@ -111,7 +112,7 @@ def compiled_renderer(
         points.update_occupancy(is_occupied[points.order])
     if not skipping:
         points._distance_to_occupied.zero_()
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
+    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, SPACING, point_cloud.stop)
 
     def render(batch: Rays, sigma: Tensor, rgb: Tensor) -> Tensor:
         output = renderer.render(batch, sigma[points.order], rgb[points.order])
@@ -254,8 +255,8 @@ def compare_lattice() -> Table:
     for name, density in DENSITY.items():
         point_cloud, batch = make_cloud(1.0, density, jittered=False), make_rays(RAYS)
         renderers = {
-            "searched": compiled_renderer(point_cloud, reading="tent"),
-            "looked up": compiled_renderer(point_cloud, reading="tent", lattice=True),
+            "searched": compiled_renderer(point_cloud, reading="trilinear"),
+            "looked up": compiled_renderer(point_cloud, reading="trilinear", lattice=True),
         }
         times_by_renderer = median_times(
             {lookup: (render, point_cloud, batch) for lookup, render in renderers.items()}

@@ -21,6 +21,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from itertools import product
 from pathlib import Path
 from time import process_time
@@ -103,8 +104,7 @@ def resize_images(rgb: np.ndarray, cameras: Cameras, image_px: int) -> tuple[np.
 
 
 def reconstruct(job: Job) -> JobResult:
-    from industnerf.methods.industnerf.pipeline import run
-
+    run = import_module(f"industnerf.methods.{job.method}.pipeline").run
     images, clock = load_images(job), Clock()
     with profile_steps(clock):
         start = process_time()
@@ -157,19 +157,19 @@ def profile_steps(clock: Clock) -> Iterator[None]:
     from industnerf.methods.industnerf.ray_sampler import RaySampler
     from industnerf.methods.industnerf.source_features import SourceFeatures
     from industnerf.methods.industnerf.trainer import Trainer
-    from industnerf.rendering.render import Renderer
+    from industnerf.rendering.compiled_renderer import CompiledRenderer
 
     timed_methods = [
         ("place points", Trainer, "__init__"),
-        ("draw rays", RaySampler, "draw"),
-        ("encode views", SourceFeatures, "refresh"),
+        ("draw rays", RaySampler, "sample_pixels"),
+        ("encode views", SourceFeatures, "refresh_views"),
         ("field", Field, "forward"),
-        ("render", Renderer, "_forward"),
+        ("render", CompiledRenderer, "_forward"),
         ("backward, all but rendering", torch.Tensor, "backward"),
-        ("render, backward", Renderer, "_backward"),
+        ("render, backward", CompiledRenderer, "_backward"),
         ("Adam", torch.optim.Adam, "step"),
-        ("sweep", Trainer, "_sweep"),
-        ("testimony", Trainer, "testimony"),
+        ("prune", Trainer, "_prune_empty"),
+        ("confidence", Trainer, "view_confidence"),
     ]
     original_methods = [(owner, name, getattr(owner, name)) for _, owner, name in timed_methods]
     for (label, *_), (owner, name, function) in zip(timed_methods, original_methods, strict=True):
@@ -225,17 +225,17 @@ def with_steps_scaled(job: Job, factor: float) -> Job:
     settings = job.settings
     levels = [replace(x, steps=math.ceil(factor * x.steps)) for x in settings.levels]
     warm_up = replace(settings.warm_up, steps=round(factor * settings.warm_up.steps))
-    recolor = replace(
-        settings.color_refinement, steps=round(factor * settings.color_refinement.steps)
-    )
-    return replace(
-        job, settings=replace(settings, warm_up=warm_up, levels=levels, color_refinement=recolor)
-    )
+    settings = replace(settings, warm_up=warm_up, levels=levels)
+    if job.method == "industnerf_plus":
+        refinement = settings.color_refinement
+        refinement = replace(refinement, steps=round(factor * refinement.steps))
+        settings = replace(settings, color_refinement=refinement)
+    return replace(job, settings=settings)
 
 
 def cost_rows(parameter: str, job: Job, limit: int | None) -> Iterator[tuple[str, ...]]:
     """A row for each value of `what`."""
-    if parameter == "points" and job.settings.refine == "divided":
+    if parameter == "points" and job.settings.refine == "subdivide":
         return  # there the grid decides how many
     for value in VALUES[parameter][:limit]:
         result = run_in_subprocess(with_value(job, parameter, value))

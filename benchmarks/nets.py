@@ -1,15 +1,15 @@
-"""What does more training buy the nets?
+"""How much do the networks gain from more training?
 
 OMP_NUM_THREADS=1 python benchmarks/nets.py DATA [--methods ...] [--times 1 4 15] [--fold 0]
     [--experiment gpu]
 
 DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` and `split.json`
-are read.  Each net learns from the parts of the other folds, with so many times the steps of
-params.yaml, or of a preset, and is then asked about the parts of the fold.  Other than 1 time it
+are read.  Each network is trained on the parts of the other folds, with so many times the steps of
+params.yaml, or of a preset, and then reconstructs the parts of the fold.  Other than 1 time it
 does not end early, and validates at least twenty times.  `minutes` are those of one processor, on
 a GPU by the clock, reading and targets included.  EMD is P1-even, the mean over reported parts and
-over dev parts; retrieval and the mean shape stand beside it.  `kept`: the step whose weights were
-best on validation, of the last phase.  `memory` is torch's on the GPU.  Rows run one after the
+over dev parts; retrieval and the mean shape stand beside it.  `best step`: the step of the last phase
+whose weights were best on validation.  `memory` is torch's on the GPU.  Rows run one after the
 other, each in a process of its own.
 """
 
@@ -45,7 +45,7 @@ from industnerf.schema import Params
 NETS = ["r2n2", "atlasnet", "occupancy"]
 BASELINES = ["retrieval", "mean_shape"]
 COLUMNS = (
-    *("method", "numbers", "minutes", "steps", "settled", "kept", "validation, best", "last"),
+    *("method", "numbers", "minutes", "steps", "converged", "best step", "val loss, best", "last"),
     *("memory, GB", "EMD (test)", "EMD (dev)"),
 )
 
@@ -107,16 +107,14 @@ def with_steps_scaled(settings: Any, times: float) -> Any:
     """`settings` with so many times the steps."""
     if times == 1:
         return settings
-    steps = round(times * settings.training.steps)
-    validation_interval = min(settings.training.validate_every, max(1, steps // 20))
-    training = replace(
-        settings.training, max_steps=steps, patience=steps, val_interval=validation_interval
-    )
-    return replace(settings, training=training)
+    steps = round(times * settings.training.max_steps)
+    interval = min(settings.training.val_interval, max(1, steps // 20))
+    scaled = {"max_steps": steps, "patience": steps, "val_interval": interval}
+    return replace(settings, training=replace(settings.training, **scaled))
 
 
 def mean_emd(job: Job, state: ModelState, part: str) -> float:
-    """P1-even by params.yaml, the mean over all answers; a failure scores as one."""
+    """P1-even by params.yaml, the mean over all predictions; a failure scores as one."""
     folder, truth = job.data / "parts" / part, Truth.load(job.data / "truth" / part)
     evaluator, method = Evaluator(folder, truth, load_params().evaluate, 0), load_method(job.method)
     try:

@@ -1,11 +1,11 @@
-"""What does each further view tell 3D-R2N2?
+"""How much does 3D-R2N2 gain from each further view?
 
 OMP_NUM_THREADS=1 python benchmarks/r2n2_views.py DATA
 
 DATA is the folder `data` of a finished run, of which `parts`, `views`, `truth` and `split.json` are
-read.  The net learns as in params.yaml, once a fold, from one to five views at a time; it is then
-shown one to five of each part of the fold, the farthest apart.  EMD is P1-even, the mean over the
-reported parts; beside it the mean of what it is more than with one view, with an interval from a
+read.  The network is trained as in params.yaml, once a fold, on one to five views at a time, and then
+reconstructs from one to five of each part of the fold, the farthest apart.  EMD is P1-even, the mean over the
+reported parts; beside it the mean difference from one view, with an interval from a
 bootstrap over families.
 """
 
@@ -36,7 +36,7 @@ def emd_by_view_count(job: Job) -> dict[int, dict[str, float]]:
         if assignment.fold == job.fold and assignment.split == "test"
     ]
     jobs_by_count = {
-        count: replace(job, settings=replace(job.settings, views=count)) for count in VIEWS
+        count: replace(job, settings=replace(job.settings, max_views=count)) for count in VIEWS
     }
     return {
         count: {part: mean_emd(view_job, state, part) for part in parts}

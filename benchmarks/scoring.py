@@ -19,8 +19,7 @@ from solids import solids
 
 from industnerf.artifacts.part import Mesh
 from industnerf.config import load_params
-from industnerf.geometry.sampling import sample_surface
-from industnerf.geometry.shapes import ball_surface, box_surface
+from industnerf.geometry.sampling import ball_surface, box_surface, sample_surface
 from industnerf.geometry.surface_distance import distance_to_surface
 from industnerf.metrics.emd import emd
 from industnerf.metrics.nearest_distances import nearest_distances

@@ -1,1 +1,13 @@
-"""One short script a DVC stage, and the sweep.  Paths and names here; arithmetic in src/."""
+"""`stages/` has one script for each stage of dvc.yaml; beside it are the commands that users type.
+
+Paths and names are here, arithmetic is in src/.
+"""
+
+import sys
+
+from industnerf.renamed import COMMANDS
+
+if sys.argv[0] == "-m":  # which it is until Python has found the module to run
+    command = sys.orig_argv[sys.orig_argv.index("-m") + 1]
+    if command in COMMANDS:
+        sys.exit(f"error: python -m {command} is now python -m {COMMANDS[command]}")

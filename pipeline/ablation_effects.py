@@ -1,7 +1,7 @@
 """Publish a sweep of single changes: its table in a document, its points beside it.
 
-python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>    docs/reference/readings.md
-python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>    docs/reference/method.md
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>  docs/reference/readings.md
+python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>  docs/reference/method.md
 """
 
 import shutil

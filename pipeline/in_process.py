@@ -19,7 +19,7 @@ def run_pipeline(params: Params, folder: Path) -> None:
     stages = [
         config.load_stage(name, method)
         for name in config.load_stages()
-        for method in (params.methods if config.is_matrix(name) else [None])
+        for method in config.matrix_methods(name, params.methods)
     ]
     outs = {out for stage in stages for out in stage.outs}
     for stage in stages:

@@ -22,6 +22,7 @@ from industnerf.doctor import lockfile
 from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.io.cad_files import require_path
+from industnerf.renamed import check_overrides, flatten_preset
 from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
@@ -56,13 +57,18 @@ def main(preset: str) -> None:
 
 
 def read_preset(path: Path) -> dict[str, Any]:
-    """The values of a preset; raises BadParams if they would be a group's and change nothing."""
+    """The values of a preset.
+
+    Raises BadParams if they would be a group's and change nothing, or if one has another name now.
+    """
     if not any(map(HEADER_PATTERN.fullmatch, header_lines(path.read_text(encoding="utf-8")))):
         raise BadParams(
             f"{path} does not begin with the line '# @package _global_': its values would change "
             "nothing"
         )
-    return read_yaml(path)
+    values = read_yaml(path)
+    check_overrides(flatten_preset(values))
+    return values
 
 
 def header_lines(text: str) -> list[str]:

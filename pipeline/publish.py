@@ -1,66 +1,59 @@
-"""Bring the finished study's numbers under version control: `make results`.
+"""Bring finished results under version control, and README and documents up to date with them.
 
-results/study    tables, scores, costs, small pictures, machine and commit
-README.md        what stands between its marks `study`
-docs/            the same of baselines.md, scaling.md and readings.md
+python -m pipeline.publish         `make results`: the study, to results/study
+python -m pipeline.publish demo    a finished preset: runs/demo to results/demo, and so of any other
 
-python -m pipeline.publish readme    the documents alone: after params.yaml has changed, they say so
-python -m pipeline.publish organic   the same of a finished preset: runs/organic to results/organic
+`python -m industnerf.report.docs` writes README and documents alone.
 
-The order, with the spread over seeds: `pipeline.seed_variance` and its sweeps, `make repro`, whose report
-shows it, and this.  After a spread that came later, `pipeline.rebuild_tables` and then `pipeline.publish
-readme`.  `pipeline.seed_variance` without a sweep takes its mm from results/study: it comes after this.
+Order, with the variance over seeds: `pipeline.seed_variance` and its sweeps, `make repro`, whose
+report shows it, then this.  After a variance that came later, `pipeline.rebuild_tables`.
+`pipeline.seed_variance` without a sweep takes its mm from results/study: it comes after this.
 """
 
 import json
 import subprocess
 from pathlib import Path
 
-from industnerf.artifacts.files import write_text
+from PIL import Image
+
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import PARAMS, load_params
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
-from industnerf.report.docs.leakage import leakage_block, read_leakage_sweep
-from industnerf.report.docs.markdown_blocks import replace_block
-from industnerf.report.docs.protocol_readings import protocol_block
-from industnerf.report.docs.readme_tables import study_block
-from industnerf.report.docs.study_tables import cluster_block, costs_block, nets_block
+from industnerf.report.docs.documents import DEMO, LEAKAGE, STUDY, write_documents
+from industnerf.report.docs.learned_methods import read_leakage_sweep
 from industnerf.report.publish.provenance import build_provenance
 from industnerf.report.publish.study_folder import publish_study
 from industnerf.report.sweeps.preset_table import PRESETS, multirun_presets, publishing_module
 from industnerf.schema import Params
 
-OUT, README = Path("results/study"), Path("README.md")
-GRID = Path("results/grid")  # which docs/reference/readings.md shows beside the study
 SEEDS = Path("results/seeds")  # whose mm are those of the study
-LEAKAGE = Path(
-    "docs/reference/sweeps/leakage"
-)  # a sweep that docs/reference/baselines.md shows too
+DEMO_PICTURE, DEMO_PICTURE_PX = Path("docs/demo.png"), 2200  # px of its longer side
 
 
 def main(target: str = "study") -> None:
-    if target not in ("study", "readme"):
-        publish_run(
-            Path("runs") / target, Path("results") / target, f"python -m pipeline.preset {target}"
-        )
-        return
     if target == "study":
         require_embedded_parts(load_params())
         if LEAKAGE.exists():
             read_leakage_sweep(LEAKAGE)  # raises before anything is copied
-        publish_run(Path(), OUT, "make repro")
-    documents = document_blocks(OUT, PARAMS)
-    for document, blocks in documents.items():
-        text = document.read_text(encoding="utf-8")
-        for name, content in blocks.items():
-            text = replace_block(text, name, content)
-        write_text(document, text)
-    if target == "readme":
-        print(f"wrote {', '.join(map(str, documents))}")
-        return
-    next_step = "; then python -m pipeline.seed_variance" if SEEDS.exists() else ""
-    print(f"{OUT}, {README} and docs: commit them together with dvc.lock{next_step}")
+        publish_run(Path(), STUDY, "make repro")
+    else:
+        run_dir = Path("runs") / target
+        publish_run(run_dir, Path("results") / target, f"python -m pipeline.preset {target}")
+        if target == DEMO.name:
+            save_demo_picture(run_dir / "reports/contact_sheet.png")
+    written = write_documents(Path())
+    print(f"wrote {', '.join(map(str, written))}")
+    if target == "study":
+        next_step = "; then python -m pipeline.seed_variance" if SEEDS.exists() else ""
+        print(f"commit them together with {STUDY} and dvc.lock{next_step}")
+
+
+def save_demo_picture(contact_sheet: Path) -> None:
+    """The picture of the README, from the demo's contact sheet."""
+    with Image.open(contact_sheet) as sheet:
+        sheet.thumbnail((DEMO_PICTURE_PX, DEMO_PICTURE_PX))
+        sheet.save(DEMO_PICTURE, optimize=True)
 
 
 def require_embedded_parts(params: Params) -> None:
@@ -70,28 +63,16 @@ def require_embedded_parts(params: Params) -> None:
         or Path(params.parts.path).resolve() != EMBEDDED_FOLDER.resolve()
     ):
         raise BadParams(
-            f"parts.path is {params.parts.path}, and {OUT} is the study of the embedded ones: "
+            f"parts.path is {params.parts.path}, and {STUDY} is the study of the embedded ones: "
             "give others a preset in conf/experiment/, `python -m pipeline.preset NAME`"
         )
 
 
-def document_blocks(study: Path, params: Path) -> dict[Path, dict[str, str]]:
-    """What documents show of the published study, by document and the name of its marks."""
-    leakage = {"leakage": leakage_block(LEAKAGE, study)} if LEAKAGE.exists() else {}
-    reading_blocks = {"measuring": protocol_block(study, GRID)} if GRID.exists() else {}
-    return {
-        README: {"study": study_block(study, params)},
-        Path("docs/reference/baselines.md"): {"nets": nets_block(study), **leakage},
-        Path("docs/reference/scaling.md"): {
-            "costs": costs_block(study),
-            "cluster": cluster_block(study),
-        },
-        **({Path("docs/reference/readings.md"): reading_blocks} if reading_blocks else {}),
-    }
-
-
 def publish_run(project: Path, out: Path, command: str) -> None:
-    """Publish the report of `project`, which `command` ran, in the folder `out`."""
+    """Publish the report of `project`, which `command` ran, in the folder `out`.
+
+    Raises BadArtifact if a stage is not up to date or a file is missing.
+    """
     check_finished(project, command)
     params = load_params(project / PARAMS)
     metadata = {"preset": params.preset, "interval": params.report.confidence_level}
@@ -101,7 +82,7 @@ def publish_run(project: Path, out: Path, command: str) -> None:
 def check_finished(project: Path, command: str, allowed_stale: str = "") -> None:
     """Raises BadArtifact if a stage is not up to date: its numbers are not those of this tree.
 
-    The stage `but` may be.  `command` is what brings all of them up to date.
+    The stage `allowed_stale` may be.  `command` is what brings all of them up to date.
     """
     if not (project / PARAMS).exists():
         raise BadArtifact(f"{project} holds no run{_missing_run_hint(project)}")

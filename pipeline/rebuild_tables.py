@@ -19,8 +19,7 @@ from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.parts.catalogue.entries import read_catalogue
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import read_catalogue, to_part
 from industnerf.report.build import table_texts
 from industnerf.report.publish.provenance import commit_stamp, read_provenance
 from industnerf.report.publish.published_results import read_published_results

@@ -16,8 +16,7 @@ from typing import Any
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.cli import run_command
 from industnerf.errors import BadArtifact
-from industnerf.parts.catalogue.entries import read_catalogue
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import read_catalogue, to_part
 from industnerf.report.publish.provenance import read_provenance
 from industnerf.report.statistics.seed_variance import (
     SeedVariance,

@@ -7,7 +7,7 @@ python -m pipeline.sweep experiment=demo seed=1
 import shutil
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,9 @@ from omegaconf import DictConfig, OmegaConf
 
 from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
-from industnerf.config import PARAMS, build
+from industnerf.config import PARAMS, build, read_yaml
 from industnerf.errors import BadArtifact, BadParams, SuiteError
+from industnerf.renamed import check_overrides, flatten_preset
 from industnerf.report.publish.provenance import commit_stamp
 from industnerf.report.sweeps.preset_table import TABLES
 from industnerf.report.sweeps.sweep_report import write_sweep_report
@@ -77,6 +78,17 @@ def clear_previous_sweep(folder: Path) -> None:
         (folder / name).unlink(missing_ok=True)
 
 
+def check_names(arguments: Sequence[str]) -> None:
+    """Raise BadParams if a key, a file or a preset of the command line has another name now."""
+    overrides = [argument.lstrip("+~").partition("=")[::2] for argument in arguments]
+    check_overrides(overrides)
+    for name in (
+        name for key, value in overrides if key == "experiment" for name in value.split(",")
+    ):
+        if (path := CONF_DIR / "experiment" / f"{name}.yaml").exists():
+            check_overrides(flatten_preset(read_yaml(path)))
+
+
 def check_choices(choices: Mapping[str, str | None]) -> None:
     """Raise BadParams if a group's choice has no file: Hydra skips what is optional and missing."""
     for group in GROUPS:
@@ -98,7 +110,7 @@ def main(config: DictConfig) -> None:
             traceback.print_exc()
         print(f"error at {overrides}: {error}", file=sys.stderr)
         if hydra_config.mode == RunMode.RUN:
-            sys.exit(1)  # a sweep goes on with its other points, and ends with SweepEnd
+            sys.exit(1)  # a sweep goes on with its other points, and ends with SweepCallback
 
 
 def _run_point(folder: Path, values: Any, overrides: str) -> None:
@@ -110,4 +122,4 @@ def _run_point(folder: Path, values: Any, overrides: str) -> None:
 
 
 if __name__ == "__main__":
-    exit_with_message(main)
+    exit_with_message(lambda: (check_names(sys.argv[1:]), main()))

@@ -1,4 +1,4 @@
-"""Bring a finished sweep into docs/reference/sweeps/, and its row into the table of docs/reference/sweeps.md.
+"""Bring a finished sweep into docs/reference/sweeps/, and its row into sweeps.md beside it.
 
 python -m pipeline.sweep_docs runs/sweeps/2026-01-31_12-00-00 "2 cores, no GPU, nothing else running"
 python -m pipeline.sweep_docs        only writes the table anew

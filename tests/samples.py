@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from industnerf.artifacts.appearance import UNSPECIFIED
-from industnerf.artifacts.part import Part
+from industnerf.artifacts.part import UNSPECIFIED, Part
 
 
 def unit_part(part_id: str = "p1", family: str = "gears", **fields: Any) -> Part:

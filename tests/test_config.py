@@ -73,7 +73,7 @@ def test_params_yaml_is_a_whole_set_of_values(values):
         (
             "method.nerf.density_bias",
             1e9,
-            "method.nerf.density_bias is 1000000000.0, must be below ceiling",
+            "method.nerf.density_bias is 1000000000.0, must be below max_raw_density",
         ),
         ("method.hull.cell_px", 0, "method.hull.cell_px is 0.0, must be in (0, 8] px"),
         ("method.mlp", {}, "method.mlp is unknown"),

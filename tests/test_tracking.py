@@ -33,9 +33,9 @@ tracking._log_methods = rightly
 LOG_POINT = """
 import sys
 from pathlib import Path
-from industnerf.tracking import backfill, label, log_report
+from industnerf.tracking import backfill, log_report, save_tags
 report = Path(sys.argv[1])
-label(report, point="views.count=6 parts.path='my parts'")
+save_tags(report, point="views.count=6 parts.path='my parts'")
 log_report(report, {"views": {"count": 6}})
 backfill(report.parent)
 """

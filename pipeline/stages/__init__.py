@@ -1,1 +1,1 @@
-"""stages."""
+"""The stages of dvc.yaml, a script each."""

@@ -16,14 +16,15 @@ def main(
     cfg: StageParams, name: str, parts: str, views: str, split: str, states: str, out: str
 ) -> None:
     method, settings = load_method(name), getattr(cfg.method, name)
-    assignments, untrained = load_split(Path(split)), read_failures(Path(states))
-    failed, tasks = read_failures(Path(views)), []
+    learns = method.scope == Scope.DATASET
+    untrained = read_failures(Path(states) / name) if learns else {}
+    assignments, failed, tasks = load_split(Path(split)), read_failures(Path(views)), []
     for part_id in read_index(Path(views)):
         part_dir = Path(parts) / part_id
         views_dir = Path(views) / part_id
         fold = assignments[part_id].net_name
-        state = Path(states) / fold if method.scope == Scope.DATASET else None
-        if state is not None and fold in untrained:
+        state = Path(states) / name / fold if learns else None
+        if fold in untrained:
             failed[part_id] = f"its net, {fold}, was not trained: {untrained[fold]}"
             continue
         num_views = cfg.reconstruct.views

@@ -1,4 +1,4 @@
-"""Let a method learn from other parts, once a fold.  DVC stage `train`."""
+"""Train a method that learns from other parts, once per fold.  DVC stage `train`."""
 
 from functools import partial
 from pathlib import Path
@@ -7,7 +7,7 @@ from industnerf.artifacts.split import load_split, train_parts
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.methods import load_method
-from industnerf.methods.base import Example, Scope
+from industnerf.methods.base import Example
 from industnerf.methods.run_method import fit_method, training_files
 from industnerf.stage import Task, read_index, run_stage
 
@@ -17,7 +17,7 @@ def main(cfg: StageParams, name: str, parts: str, views: str, split: str, out: s
     assignments, views_index = load_split(Path(split)), read_index(Path(views))
     folds = {assignments[part_id].net_name for part_id in views_index}
     tasks = []
-    for fold in sorted(folds) if method.scope == Scope.DATASET else []:
+    for fold in sorted(folds) if name in cfg.methods else []:
         examples = [
             Example(part_id, Path(parts) / part_id, Path(views) / part_id, method.inputs)
             for part_id in train_parts(assignments, fold)

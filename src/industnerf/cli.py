@@ -35,7 +35,7 @@ def _check_arguments(main: Callable[..., None], name: str, arguments: list[str])
     except TypeError:
         expected = " ".join(parameter.upper() for parameter in list(signature.parameters)[1:])
         raise BadParams(
-            f"python -m pipeline.{name} takes {expected}, {len(arguments)} arguments were given; "
+            f"python -m pipeline.stages.{name} takes {expected}, {len(arguments)} arguments were given; "
             f"`dvc repro {name}` gives it the right ones"
         ) from None
 

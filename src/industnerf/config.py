@@ -6,7 +6,7 @@ those, so it reruns exactly when something it reads changes.
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -14,6 +14,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
+from industnerf import renamed
 from industnerf.errors import BadParams, BadValue, UndeclaredParameter
 from industnerf.schema import Params
 
@@ -74,6 +75,15 @@ def load_stages(path: Path = PIPELINE) -> dict[str, dict[str, Any]]:
 def is_matrix(name: str, path: Path = PIPELINE) -> bool:
     """Whether the stage runs once per method."""
     return "matrix" in load_stages(path)[name]
+
+
+def matrix_methods(name: str, methods: list[str], path: Path = PIPELINE) -> Sequence[str | None]:
+    """The methods that the stage runs for, [None] if for none of them alone.
+
+    `methods` stands for `${methods}`.
+    """
+    items = load_stages(path)[name].get("matrix", {"method": [None]})["method"]
+    return methods if items == "${methods}" else items
 
 
 def load_stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
@@ -140,6 +150,8 @@ def _check_type(expected_type: Any, value: Any, source: str, key: str) -> Any:
     if dataclasses.is_dataclass(expected_type):
         return _build_section(expected_type, value, source, key)
     if origin is Literal:
+        if value not in arguments and (new := renamed.new_value(key, value)):
+            raise BadParams(f"{source}: {key}: {value} is now {new}")
         return _expect(value in arguments, value, source, key, f"one of {', '.join(arguments)}")
     if origin is Annotated:
         typed = _check_type(arguments[0], value, source, key)
@@ -165,6 +177,9 @@ def _build_section(section_type: Any, value: Any, source: str, key: str) -> Any:
     field_types = typing.get_type_hints(section_type, include_extras=True)
     unknown, missing = sorted(set(value) - set(field_types)), sorted(set(field_types) - set(value))
     prefix = f"{key}." if key else ""
+    for field in unknown:
+        if new := renamed.new_key(prefix + field):
+            raise BadParams(f"{source}: {prefix}{field} is now {new}")
     if unknown:
         raise BadParams(
             f"{source}: {prefix}{unknown[0]} is unknown; {name} has {', '.join(field_types)}"

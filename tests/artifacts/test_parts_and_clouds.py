@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.part import (
+    UNSPECIFIED,
+    Appearance,
     Mesh,
     load_mesh,
     load_part,

@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh
 from industnerf.artifacts.solids import Solid, Solids, solid_names
 from industnerf.errors import BadArtifact
 

@@ -7,8 +7,7 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh
 from industnerf.artifacts.views import RgbdImage
 from industnerf.capture.image_formation import (
     candidate_pixels,

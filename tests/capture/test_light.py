@@ -21,7 +21,7 @@ def test_steady_lamps_are_those_of_params_yaml(shipped):
 def rotation_deg(lights: Lights, fixed: Lights) -> float:
     """The angle of the rotation that takes the lamps from where they are fixed.
 
-    It is the best rotation by Kabsch; `turned` lamps leave no rest.
+    It is the best rotation by Kabsch; lamps that are merely rotated leave no rest.
     """
     u, _, vt = np.linalg.svd(lights.directions.T.astype(float) @ fixed.directions.astype(float))
     rotation = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt

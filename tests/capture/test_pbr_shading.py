@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh
 from industnerf.capture.light import Lights
 from industnerf.capture.materials import Materials
 from industnerf.capture.pbr_shading import (

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import Mesh, save_part
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh, save_part
 from industnerf.artifacts.views import load_true_cameras, load_views
-from industnerf.capture.render import render_part
+from industnerf.capture.render import backgrounds, render_part
+from industnerf.capture.rng import random_streams
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.geometry.cameras import pixel_centers, unproject
 from industnerf.schema import CalibrationParams, JitterParams, SensorParams, ViewsParams
@@ -246,3 +246,21 @@ def test_a_flat_open_sheet_can_be_photographed(as_part, tmp_path, settings):
     sheet = Mesh.with_one_appearance(square, np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     render_part(as_part(sheet), tmp_path / "views", settings, 0)
     assert load_views(tmp_path / "views").mask(np.arange(6)).any(axis=(1, 2)).all()
+
+
+@pytest.mark.parametrize(("name", "level"), [("white", 255), ("gray", 128), ("black", 0)])
+def test_a_named_background_is_the_same_in_all_views(settings, name, level):
+    levels = backgrounds(replace(settings, background=name), random_streams(0, "part", settings))
+    np.testing.assert_array_equal(levels, np.full((6, 3), level / 255))
+
+
+def test_random_backgrounds_differ_and_are_whole_levels(shipped):
+    settings = replace(shipped, background="random", count=392)
+    levels = 255 * backgrounds(settings, random_streams(0, "part", settings))
+    np.testing.assert_allclose(levels, np.rint(levels), rtol=0, atol=1e-9)
+    assert len(np.unique(levels, axis=0)) == 400
+    # 1200 levels, uniform: their mean is 127.5 to 73.9 / sqrt(1200) = 2.1; five times that is
+    # chance once in 1e6
+    assert levels.mean() == pytest.approx(127.5, abs=10.7)
+    other = 255 * backgrounds(settings, random_streams(1, "part", settings))
+    assert not np.array_equal(levels, other)

@@ -20,7 +20,9 @@ def disc_over_floor() -> Mesh:
     return Mesh.with_one_appearance(vertices, faces.astype(np.int32))
 
 
-def visibility_at(mesh: Mesh, at: np.ndarray, light_half_angle_deg: float, samples: int, light_dir=UP):
+def visibility_at(
+    mesh: Mesh, at: np.ndarray, light_half_angle_deg: float, samples: int, light_dir=UP
+):
     """What points of the floor see of a lamp, looked at along a line that misses the disc."""
     surface = Surface(mesh, 30.0)
     shadows = Shadows(surface, light_half_angle_deg, samples)

@@ -143,7 +143,7 @@ class Interrupted(Exception):
 
 
 def train_noisy(scratch, stop=None):
-    """Train a `Cell` with everything drawn anew at every step, or until so many losses."""
+    """Train a `NoisyNet` with everything drawn anew at every step, or until so many losses."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         net = NoisyNet()

@@ -15,7 +15,7 @@ FOV_DEG, DISTANCE = 30.0, 4.1  # distance of the cameras, in radii of what they 
 def cameras_at(
     directions: np.ndarray, resolution: int, radius: float, center: tuple[float, ...] = (0, 0, 0)
 ) -> Cameras:
-    """Cameras in the directions `towards` that frame the ball of radius `reach` mm."""
+    """Cameras in `directions` that frame the ball of `radius` mm."""
     camera_centers = np.array(center) + DISTANCE * radius * directions
     K = np.tile(pinhole(FOV_DEG, resolution), (len(camera_centers), 1, 1))
     return Cameras(K, look_at(camera_centers, np.array(center, float)), resolution, resolution)
@@ -24,7 +24,7 @@ def cameras_at(
 def cameras_around(
     count: int, resolution: int, radius: float, center: tuple[float, ...] = (0, 0, 0)
 ) -> Cameras:
-    """The same, spread evenly."""
+    """`count` cameras, spread evenly."""
     return cameras_at(fibonacci_sphere(count), resolution, radius, center)
 
 

@@ -40,7 +40,14 @@ SETTINGS = CarveSettings(
     min_silhouette_coverage=0.95,
     points=20_000,
 )
-STRICT = replace(SETTINGS, color_threshold=0.0, outlier_fraction=0.0, voxel_footprint=0.3, min_view_cosine=-0.9, max_sweeps=200)
+STRICT = replace(
+    SETTINGS,
+    color_threshold=0.0,
+    outlier_fraction=0.0,
+    voxel_footprint=0.3,
+    min_view_cosine=-0.9,
+    max_sweeps=200,
+)
 CUP = cup(18.0, 13.0, 24.0, 6.0)  # its floor is at -6, its rim at 12
 
 
@@ -164,7 +171,7 @@ def test_photographs_that_contradict_all_of_the_solid_are_not_believed():
     result = carve_reconstruction(CUP, glitter, STRICT)
     np.testing.assert_array_equal(result.points_mm, points_of(CUP, gray))
     assert result.warnings[0].endswith(
-        "so the answer is the visual hull; does the part shine, did a "
+        "so the result is the visual hull; does the part shine, did a "
         "light move, are cameras inexact?"
     )
     with pytest.raises(ReconstructionFailed, match=r"of \d+ cells 0 are left"):

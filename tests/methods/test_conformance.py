@@ -102,7 +102,7 @@ def merged(*files: str) -> Params:
 def run_method(
     fitted_state: Callable[[str], ModelState | None], params: Params
 ) -> Callable[..., np.ndarray]:
-    """`cloud(name, given, seed)`: what the method makes of `given`, checked."""
+    """`run_method(name, inputs, seed)`: the points that the method reconstructs, checked."""
 
     def run_method(name: str, inputs: MethodInputs, seed: int = 1) -> np.ndarray:
         settings, method = quick_settings(name, params), load_method(name)

@@ -10,7 +10,7 @@ import trimesh
 from industnerf.artifacts.part import Mesh
 from industnerf.capture.render import render_part
 from industnerf.geometry.bounding_cube import BoundingCube
-from industnerf.learning.image_resize import resize_images
+from industnerf.learning.views import resize_images
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, MethodInputs, load_inputs
 from industnerf.methods.retrieval import distances, features

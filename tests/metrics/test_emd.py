@@ -54,7 +54,7 @@ def half_box(seed: int, n: int) -> np.ndarray:
 
 
 def assert_certified(result: CertifiedEmd, truth: float, min_gap: float = 0.0) -> None:
-    """`found` is not less than the truth, not 1e-9 or `least` more, and its interval holds it.
+    """`result` is the truth or at most 1e-9 or `min_gap` more, and its interval holds it.
 
     1e-13 for the truth's own rounding, a sum of up to some thousand lengths.
     """

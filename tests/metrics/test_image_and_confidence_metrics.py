@@ -12,7 +12,7 @@ from industnerf.artifacts.views import RgbdImage as Photograph
 from industnerf.artifacts.views import Views, save_views
 from industnerf.errors import MetricError
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
-from industnerf.geometry.shapes import ball_surface
+from industnerf.geometry.sampling import ball_surface
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.metrics.image_and_confidence_metrics import (
     MAX_CANDIDATE_DISTANCE,
@@ -135,7 +135,7 @@ def test_files_are_the_renderings_and_the_held_out_photographs(views, images, tm
 def save_shell_candidates(cloud: Path, decay: float) -> None:
     """Candidates at even distances outside the ball, to 0.1 diagonals.
 
-    Confidence falls with the distance as `sure` says, but beyond 0.05 it all turns round.
+    Confidence falls exponentially at the rate `decay`, but beyond 0.05 it all turns round.
     """
     rng = np.random.default_rng(0)
     distances = np.linspace(0, 0.1, 4000)

@@ -12,8 +12,7 @@ from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.scores import load_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.errors import MetricError
-from industnerf.geometry.sampling import sample_surface
-from industnerf.geometry.shapes import ball_surface, box_surface
+from industnerf.geometry.sampling import ball_surface, box_surface, sample_surface
 from industnerf.metrics.protocol import score_failure, score_part
 from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
 from industnerf.metrics.truth import measure_truth

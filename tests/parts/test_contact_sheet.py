@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
+from industnerf.artifacts.part import UNSPECIFIED, Appearance
 from industnerf.parts.contact_sheet import (
     CAPTION_LINES,
     CROSS_COLOR,

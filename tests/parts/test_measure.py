@@ -36,11 +36,11 @@ def test_the_inside_of_a_cup_is_seen_but_not_by_silhouettes():
 def test_cameras_stand_two_diagonals_from_the_middle_of_the_box(monkeypatch):
     calls = []
 
-    def seen_from(scene, points, cameras, tolerance_mm):
+    def visible_from(scene, points, cameras, tolerance_mm):
         calls.append(cameras)
         return np.arange(len(points)) % 4 == 0
 
-    monkeypatch.setattr("industnerf.parts.measure.seen_from", seen_from)
+    monkeypatch.setattr("industnerf.parts.measure.visible_from", visible_from)
     assert visible_share(transform_mesh(box(2, 3, 6), offset=(10, 20, 30))) == 0.25
     (cameras,) = calls
     np.testing.assert_allclose(np.linalg.norm(cameras - [10, 20, 30], axis=1), 2 * 7, rtol=1e-12)

@@ -26,7 +26,7 @@ SOLID = (np.linalg.norm(AT, axis=0) < 0.8) & (np.linalg.norm(AT - 0.5, axis=0) >
 def settings_with(**changed: float) -> SpaceCarvingSettings:
     start = load_params().method.industnerf_plus.sdf.init
     known = {name: getattr(start, name) for name in SpaceCarvingSettings.__dataclass_fields__}
-    return SpaceCarvingSettings(**(known | {"facing": 0.2} | changed))
+    return SpaceCarvingSettings(**(known | {"min_view_cosine": 0.2} | changed))
 
 
 def color_gaps(settings: SpaceCarvingSettings) -> tuple[np.ndarray, np.ndarray]:
@@ -77,7 +77,7 @@ def is_occluded(x: np.ndarray, towards: np.ndarray) -> bool:
 @pytest.mark.parametrize("outliers", [0.0, 0.2, 0.4])
 def test_the_gap_is_that_of_plain_loops(outliers):
     """A ray that grazes a cell may be rounded to either side: at most one cell in a hundred."""
-    settings = settings_with(outliers=outliers)
+    settings = settings_with(outlier_fraction=outliers)
     cells, result = color_gaps(settings)
     slow = np.array([slow_color_gap(int(cell), settings) for cell in cells])
     assert len(cells) > 300
@@ -85,7 +85,7 @@ def test_the_gap_is_that_of_plain_loops(outliers):
 
 
 def test_fewer_views_than_asked_for_say_nothing():
-    assert (color_gaps(settings_with(views=25))[1] == np.float32(kernels.UNKNOWN)).all()
+    assert (color_gaps(settings_with(min_views=25))[1] == np.float32(kernels.UNKNOWN)).all()
 
 
 @pytest.mark.skipif(
@@ -98,7 +98,9 @@ def test_a_gpu_measures_and_takes_off_the_same(monkeypatch):
     for device in ("cpu", "cuda"):
         monkeypatch.setenv("INDUSTNERF_DEVICE", device)
         assert warp_device() == device
-        left = SpaceCarver(SOLID, RGB, RIG, settings_with(threshold=0.3, footprint=0.1)).carve(4)
+        left = SpaceCarver(
+            SOLID, RGB, RIG, settings_with(color_threshold=0.3, voxel_footprint=0.1)
+        ).carve(4)
         result[device] = (
             depth_in_hull(silhouette_distances(MASKS), RIG, 32),
             color_gaps(settings_with())[1],
@@ -116,6 +118,9 @@ def test_a_gpu_measures_and_takes_off_the_same(monkeypatch):
 def test_what_contradicts_itself_more_than_the_threshold_goes(threshold):
     """Noise differs by nearly everything from one view to the next."""
     sweeper = SpaceCarver(
-        SOLID, RGB, RIG, settings_with(threshold=threshold, footprint=0.1, outliers=0.0)
+        SOLID,
+        RGB,
+        RIG,
+        settings_with(color_threshold=threshold, voxel_footprint=0.1, outlier_fraction=0.0),
     )
     assert sweeper.carve(4).sum() < 0.7 * SOLID.sum()

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from industnerf.config import is_matrix, load_stage, load_stages, read_yaml
+from industnerf.config import load_stage, load_stages, matrix_methods, read_yaml
 
 
 def lock_mismatches(folder: Path, name: str = "dvc") -> list[str]:
@@ -38,7 +38,7 @@ def lock_mismatches(folder: Path, name: str = "dvc") -> list[str]:
 def _declared(path: Path, methods: list[str]) -> Iterator[tuple[str, Any]]:
     """Every stage of dvc.yaml, one of a matrix for each method, by its name in dvc.lock."""
     for name in load_stages(path):
-        for method in methods if is_matrix(name, path) else [None]:
+        for method in matrix_methods(name, methods, path):
             yield f"{name}@{method}" if method else name, load_stage(name, method, path)
 
 

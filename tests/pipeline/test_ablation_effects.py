@@ -17,14 +17,14 @@ from industnerf.schema import Params
 from pipeline import ablation_effects
 
 ROOT = Path(__file__).parents[2]
-CHANGES = sorted(path.stem for path in (ROOT / "conf/without").glob("*.yaml"))
+CHANGES = sorted(path.stem for path in (ROOT / "conf/ablation").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_is_left_out_is_allowed_and_changes_something(name, monkeypatch):
     monkeypatch.setenv("INDUSTNERF_ROOT", str(ROOT))
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-        composed = OmegaConf.to_container(compose("config", [f"without={name}"]))
+        composed = OmegaConf.to_container(compose("config", [f"ablation={name}"]))
     params = build(Params, composed, "here")
     params_today = load_params(ROOT / "params.yaml")
     default_settings = flatten(asdict(params_today.method.industnerf_plus), split_lists=True)

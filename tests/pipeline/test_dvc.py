@@ -12,7 +12,8 @@ import pytest
 import yaml
 
 from industnerf import code_hash, config
-from industnerf.methods import MODULES
+from industnerf.methods import MODULES, load_method
+from industnerf.methods.base import Scope
 from industnerf.report.study import failures_of
 from industnerf.schema import MethodSettings
 
@@ -23,18 +24,20 @@ CORE_MODULES = {
         "cli",
         "config",
         "stage",
-        "attempts",
+        "resume_time",
         "store",
-        "code",
+        "code_hash",
         "device",
         "environment",
+        "renamed",
         "runner",
         "progress",
-        "tracked",
+        "mlflow_artifacts",
         "tracking",
     )
 }
 STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
+TRAIN_STAGES = {f"train@{name}" for name in STAGES["train"]["matrix"]["method"]}
 RESULT_FILES = (
     "index",
     "failures",
@@ -45,7 +48,7 @@ RESULT_FILES = (
 def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
     deps = config.load_stage(name, "hull", root / "dvc.yaml").deps
     dep_paths = [root / dep for dep in deps]
-    needed = code_hash.import_closure(f"pipeline.{name}") - CORE_MODULES
+    needed = code_hash.import_closure(f"pipeline.stages.{name}") - CORE_MODULES
     needed = {module for module in needed if not module.startswith("industnerf.runner.")}
     if name in ("train", "reconstruct"):
         needed |= (
@@ -62,9 +65,9 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
 @pytest.mark.parametrize("name", STAGES)
 def test_what_a_stage_reads_of_those_before_it_is_among_its_deps(name, root):
     stage = config.load_stage(name, "hull", root / "dvc.yaml")
-    _, *names = inspect.signature(import_module(f"pipeline.{name}").main).parameters
+    _, *names = inspect.signature(import_module(f"pipeline.stages.{name}").main).parameters
     arguments = dict(zip(names, stage.command.split()[3:], strict=True))
-    source = (root / "pipeline" / f"{name}.py").read_text()
+    source = (root / "pipeline/stages" / f"{name}.py").read_text()
     for kind, folder in re.findall(r"read_(index|failures)\(Path\((\w+)\)\)", source):
         is_own_output = arguments[folder] in stage.outs
         assert is_own_output or f"{arguments[folder]}/{kind}.json" in stage.deps
@@ -74,6 +77,11 @@ def test_the_report_depends_on_the_failures_that_it_lists(root):
     deps = config.load_stage("report", "hull", root / "dvc.yaml").deps
     for folder in re.findall(r"read_failures\(folders\.(\w+)\)", inspect.getsource(failures_of)):
         assert f"data/{folder}/failures.json" in deps
+
+
+def test_train_runs_over_the_methods_that_learn_from_other_parts():
+    learning = {name for name in MODULES if load_method(name).scope == Scope.DATASET}
+    assert set(STAGES["train"]["matrix"]["method"]) == learning
 
 
 def test_every_method_has_settings_and_a_module():
@@ -134,8 +142,10 @@ def outdated_stages(here):
         ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
         ("split.hold_out", "part", {"split", "report"}),
-        ("train.time_limit_s", 5.0, {"train@hull", "train@oracle"}),
-        ("method.hull.cell_px", 1.0, {"train@hull", "reconstruct@hull"}),
+        ("methods", ["oracle", "hull"], {*TRAIN_STAGES, "report"}),
+        ("train.time_limit_s", 5.0, TRAIN_STAGES),
+        ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
+        ("method.retrieval.points", 5, {"train@retrieval"}),
         ("method.box.points", 5, set()),
         ("reconstruct.time_limit_s", 5.0, {"reconstruct@hull", "reconstruct@oracle"}),
         ("evaluate.fscore_threshold", 0.02, {"truth", "evaluate@hull", "evaluate@oracle"}),

@@ -14,7 +14,7 @@ def test_a_path_with_spaces_is_one_argument(root, tmp_path, monkeypatch):
     arguments = {}
     for name in config.load_stages(root / "dvc.yaml"):
         stub = SimpleNamespace(main=lambda _, *paths, name=name: arguments.setdefault(name, paths))
-        monkeypatch.setitem(sys.modules, f"pipeline.{name}", stub)
+        monkeypatch.setitem(sys.modules, f"pipeline.stages.{name}", stub)
     monkeypatch.chdir(root)
     in_process.run_pipeline(params, tmp_path)
     assert arguments["solids"] == ("/data/my own parts", str(tmp_path / "data/solids"))

@@ -16,7 +16,7 @@ from tests.pipeline.conftest import SMALL, Project
 
 NETS = ("atlasnet", "occupancy", "r2n2")
 STEPS = 12  # the net of a fold learns from one part, in so few steps next to nothing
-TRAINING_OVERRIDES = {"steps": STEPS, "batch": 2, "validate_every": 4}
+TRAINING_OVERRIDES = {"max_steps": STEPS, "batch_size": 2, "val_interval": 4}
 OVERRIDES = [
     f"method.{net}.training.{key}={value}"
     for net in NETS

@@ -161,7 +161,7 @@ def reading_settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, st
     with initialize_config_dir(str(CONF), version_base="1.3"):
         values = OmegaConf.to_container(compose("config", [f"reading={name}"]))
     params = build(Params, values)
-    (method_name,) = params.methods if name == "encoder-shared" else ["industnerf"]
+    (method_name,) = params.methods if name == "encoder-pretrained" else ["industnerf"]
     return asdict(getattr(params.method, method_name).readings)
 
 
@@ -169,7 +169,7 @@ def test_what_learns_from_other_parts_differs_in_its_encoder_alone():
     method = load_params(CONF.parent / "params.yaml").method
     own_settings, shared_settings = asdict(method.industnerf), asdict(method.industnerf_shared)
     assert shared_settings == own_settings | {
-        "readings": own_settings["readings"] | {"encoder": "shared"}
+        "readings": own_settings["readings"] | {"encoder": "pretrained"}
     }
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 import yaml
+from industnerf.report.docs.readme_tables import study_block
 
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.report.docs.markdown_blocks import read_block
-from industnerf.report.docs.readme_tables import study_block
 from pipeline import publish
 from tests.pipeline.conftest import Project
 from tests.pipeline.lock_check import lock_mismatches

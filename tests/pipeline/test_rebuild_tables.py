@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import to_part
 from industnerf.report.publish.study_folder import readme_text
 from pipeline import rebuild_tables
 from pipeline.rebuild_tables import rebuilt_tables

@@ -65,7 +65,7 @@ def test_an_unknown_key_ends_at_once(project):
     assert "Traceback" not in output
 
 
-@pytest.mark.parametrize("choice", ["reading=frame-wrold", "without=photohull"])
+@pytest.mark.parametrize("choice", ["reading=frame-wrold", "ablation=photohull"])
 def test_a_choice_that_has_no_file_is_refused(project, choice):
     """Hydra would go on without it, and the point bear a name that it does not deserve."""
     code, output = run_sweep(project, choice, "methods=[ball]")

@@ -130,7 +130,7 @@ def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):
     main()
     assert (
         "\nOther sweeps, and where their results stand: `ablation` in [method.md](method.md), "
-        "`seeds` in [results/seeds](../results/seeds/seeds.md), `seeds_nets` not yet run.\n\n"
+        "`seeds` in [protocol.md](protocol.md), `seeds_nets` not yet run.\n\n"
         "    python -m pipeline.sweep --multirun preset=ablation n=1,4\n"
         "    python -m pipeline.sweep --multirun preset=seeds n=1,4\n"
         "    python -m pipeline.sweep --multirun preset=seeds_nets n=1,4\n"

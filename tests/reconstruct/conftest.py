@@ -11,7 +11,10 @@ from industnerf.reconstruct import __main__ as command
 from industnerf.reconstruct import run_fingerprint, settings
 from tests.reconstruct import fake_pipeline, sample_images
 
-METHOD_MODULE = "industnerf.methods.industnerf.pipeline"
+METHOD_MODULES = (
+    "industnerf.methods.industnerf.pipeline",
+    "industnerf.methods.industnerf_plus.pipeline",
+)
 RELOADED_MODULES = ("industnerf.reconstruct.run", "industnerf.reconstruct.callbacks")
 PARAMS = """\
 seed: 3
@@ -44,14 +47,15 @@ class FakeParams:
 def fake(monkeypatch):
     """The stand-in, for as long as the test runs; our modules that import it go with it."""
     torch.set_num_threads(1)
-    monkeypatch.setitem(sys.modules, METHOD_MODULE, fake_pipeline)
+    for name in METHOD_MODULES:
+        monkeypatch.setitem(sys.modules, name, fake_pipeline)
     monkeypatch.setattr(settings, "Params", FakeParams)
     monkeypatch.setattr(run_fingerprint, "code_digest", lambda module: "code")
     fake_pipeline.HOOKS.clear()
     fake_pipeline.LAST_CALL.clear()
     for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
-    yield fake_run
+    yield fake_pipeline
     for name in RELOADED_MODULES:
         sys.modules.pop(name, None)
 

@@ -1,6 +1,6 @@
 """Stands in for the method: as many points as steps, each from the seed and its number.
 
-`AT` maps a step to something that happens before it; `SEEN` holds what the last call was given.
+`HOOKS` maps a step to what happens before it; `LAST_CALL` holds the arguments of the last call.
 """
 
 from collections.abc import Callable
@@ -28,6 +28,8 @@ class PosedImages:
 
 
 class Callback:
+    def on_warning(self, message: str) -> None: ...
+
     def on_level_start(self, level: str, steps: int) -> None: ...
 
     def on_step_end(self, loss: torch.Tensor) -> None: ...
@@ -52,7 +54,7 @@ class ReconstructionResult:
     confidence: Float32[np.ndarray, "n"]
     view: Int16[np.ndarray, "n"]
     steps: int
-    parameters: int
+    num_parameters: int
     background: Float[np.ndarray, "n 3"]
 
     def render_views(self, cameras: Cameras, background: Float[np.ndarray, "n 3"]) -> Renderings:
@@ -71,7 +73,7 @@ def run(
     resume: dict | None = None,
 ) -> ReconstructionResult:
     callback = callback or Callback()
-    LAST_CALL.update(posed=posed_images, settings=settings, seed=seed, resume=resume)
+    LAST_CALL.update(posed_images=posed_images, settings=settings, seed=seed, resume=resume)
     points = resume["points"] if resume else torch.zeros((0, 3))
     callback.on_level_start("coarse", settings.steps)
     for step in range(len(points), settings.steps):

@@ -29,7 +29,7 @@ def test_a_state_survives_its_file(path):
 def test_a_torn_file_is_refused_and_still_ours(path, share):
     data = path.read_bytes()
     path.write_bytes(data[: int(share * len(data))])
-    with pytest.raises(BadArtifact, match=r"c is torn.* --fresh starts anew"):
+    with pytest.raises(BadArtifact, match=r"c is torn.* --no-resume starts anew"):
         load(path, FINGERPRINT)
     assert is_checkpoint(path)
 
@@ -49,7 +49,7 @@ def test_a_changed_byte_is_seen(path):
 
 
 def test_another_runs_checkpoint_is_refused_with_what_differs(path):
-    with pytest.raises(BadArtifact, match="another run: settings differ; --fresh"):
+    with pytest.raises(BadArtifact, match="another run: settings differ; --no-resume"):
         load(path, FINGERPRINT | {"settings": "c"})
     with pytest.raises(BadArtifact, match="another run: images, seed differ"):
         load(path, {"images": "z", "settings": "b", "seed": "0"})

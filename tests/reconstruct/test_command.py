@@ -12,7 +12,7 @@ import torch
 import trimesh
 from PIL import Image
 
-from industnerf.artifacts import atomic_write
+from industnerf.artifacts import files
 from industnerf.geometry.cameras import common_view_ball
 from industnerf.seeds import seed_for
 from tests.reconstruct import sample_images
@@ -53,20 +53,23 @@ def test_the_ply_says_what_it_holds(workspace):
 @pytest.mark.parametrize("word", ["white", "White", "WHITE", "#FFFFFF"])
 def test_a_color_is_one_however_it_is_written(workspace, fake, word):
     workspace.run("--background", word)
-    np.testing.assert_array_equal(fake.SEEN["posed"].background, np.ones((5, 3)))
+    np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].background, np.ones((5, 3)))
 
 
 def test_the_method_gets_what_the_user_gave(workspace, fake):
     workspace.run("--set", "method.industnerf.rate=2e-3", "seed=9", "--background", "#0000ff")
-    posed_images = fake.SEEN["posed"]
+    posed_images = fake.LAST_CALL["posed_images"]
     np.testing.assert_array_equal(posed_images.rgb, sample_images.images())
     np.testing.assert_array_equal(posed_images.background, [[0, 0, 1]] * 5)
-    assert (fake.SEEN["settings"].rate, fake.SEEN["settings"].steps) == (2e-3, 6)
-    assert fake.SEEN["seed"] == seed_for(9, "reconstruct", "industnerf")
+    assert (fake.LAST_CALL["settings"].rate, fake.LAST_CALL["settings"].steps) == (2e-3, 6)
+    assert fake.LAST_CALL["seed"] == seed_for(9, "reconstruct", "industnerf")
     workspace.run("--force", "--method", "industnerf_plus", "--center", 9, -4, 3, "--radius", 0.5)
-    assert fake.SEEN["settings"].steps == 2
-    assert fake.SEEN["posed"].background is None
-    assert (fake.SEEN["posed"].center.tolist(), fake.SEEN["posed"].radius) == ([9, -4, 3], 0.5)
+    assert fake.LAST_CALL["settings"].steps == 2
+    assert fake.LAST_CALL["posed_images"].background is None
+    assert (
+        fake.LAST_CALL["posed_images"].center.tolist(),
+        fake.LAST_CALL["posed_images"].radius,
+    ) == ([9, -4, 3], 0.5)
 
 
 @pytest.mark.parametrize("y", ["-4", "-4.", "-4e0", "-.4E+1"])
@@ -74,14 +77,14 @@ def test_a_center_may_be_negative_however_it_is_written(workspace, fake, y):
     """The command itself says -2.3e-05."""
     code, *_ = workspace.run("--center", 9, y, 3, "--radius", 0.5)
     assert code == 0
-    assert fake.SEEN["posed"].center.tolist() == [9, -4, 3]
+    assert fake.LAST_CALL["posed_images"].center.tolist() == [9, -4, 3]
 
 
 def test_images_may_lie_elsewhere(workspace, fake):
     (workspace.folder / "set/rgb").rename(workspace.folder / "photos")
     code, *_ = workspace.run("--images", workspace.folder / "photos")
     assert code == 0
-    np.testing.assert_array_equal(fake.SEEN["posed"].rgb, sample_images.images())
+    np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
 
 
 @pytest.mark.parametrize(
@@ -100,7 +103,7 @@ def test_a_folder_that_was_named_is_not_passed_over(workspace, fake, name, compl
     (workspace.folder / "others/7.png").touch()
     code, _, errors = workspace.run("--images", workspace.folder / name)
     assert (code, f"--images {workspace.folder / name}: {complaint}" in errors) == (2, True)
-    assert fake.SEEN == {}
+    assert fake.LAST_CALL == {}
 
 
 def test_photographs_from_beside_the_cameras_are_counted(workspace, fake):
@@ -118,11 +121,11 @@ def test_photographs_from_beside_the_cameras_are_counted(workspace, fake):
     )
     assert f"the first as {workspace.folder / 'set/rgb/003.png'}" in output
     assert "no frame names" not in output
-    assert fake.SEEN["posed"].rgb[:, 0, 0, 0].tolist()[:3] == [0, 1, 2]
+    assert fake.LAST_CALL["posed_images"].rgb[:, 0, 0, 0].tolist()[:3] == [0, 1, 2]
 
 
 def test_settings_are_shown_on_request(workspace):
-    _, text, _ = workspace.run("--show", "--set", "method.industnerf.reading=printed")
+    _, text, _ = workspace.run("--print-config", "--set", "method.industnerf.reading=printed")
     for line in (
         'method.industnerf.reading = "printed"',
         "method.industnerf.steps = 6",
@@ -133,55 +136,55 @@ def test_settings_are_shown_on_request(workspace):
 
 def test_an_interrupted_run_goes_on_to_the_same_bytes(workspace, fake):
     workspace.run("--out", workspace.folder / "whole.ply")
-    fake.AT[3] = ctrl_c
+    fake.HOOKS[3] = ctrl_c
     code, text, errors = workspace.run()
     assert code == 130
     assert f"the same command goes on from {workspace.checkpoint}" in errors
     assert not workspace.out.exists()
-    fake.AT.clear()
+    fake.HOOKS.clear()
     code, text, _ = workspace.run()
     assert code == 0
     assert f"going on from {workspace.checkpoint}" in text
-    assert len(fake.SEEN["resume"]["points"]) == 4  # the step that was under way was finished
+    assert len(fake.LAST_CALL["resume"]["points"]) == 4  # the step that was under way was finished
     assert workspace.out.read_bytes() == (workspace.folder / "whole.ply").read_bytes()
     assert not workspace.checkpoint.exists()
 
 
 def test_a_second_ctrl_c_ends_at_once_and_keeps_the_last_checkpoint(workspace, fake):
-    fake.AT[3] = lambda: (ctrl_c(), ctrl_c())
+    fake.HOOKS[3] = lambda: (ctrl_c(), ctrl_c())
     code, *_ = workspace.run("--checkpoint-every", ALMOST_ZERO)
     assert (code, workspace.checkpoint.exists()) == (130, True)
-    fake.AT.clear()
+    fake.HOOKS.clear()
     workspace.run()
-    assert len(fake.SEEN["resume"]["points"]) == 3
+    assert len(fake.LAST_CALL["resume"]["points"]) == 3
 
 
 def test_an_interrupted_fresh_start_goes_on_without_fresh(workspace, fake):
     """With it, the same command would drop what was just kept."""
-    fake.AT[3] = ctrl_c
-    code, _, errors = workspace.run("--fresh")
+    fake.HOOKS[3] = ctrl_c
+    code, _, errors = workspace.run("--no-resume")
     assert code == 130
-    assert f"the same command without --fresh goes on from {workspace.checkpoint}" in errors
-    fake.AT.clear()
+    assert f"the same command without --no-resume goes on from {workspace.checkpoint}" in errors
+    fake.HOOKS.clear()
     workspace.run()
-    assert len(fake.SEEN["resume"]["points"]) == 4
+    assert len(fake.LAST_CALL["resume"]["points"]) == 4
 
 
 def test_an_early_ctrl_c_keeps_nothing_and_says_so(workspace, fake):
-    fake.AT[0] = lambda: (ctrl_c(), ctrl_c())
+    fake.HOOKS[0] = lambda: (ctrl_c(), ctrl_c())
     code, _, errors = workspace.run()
     assert (code, errors) == (130, "interrupted; nothing of this run is kept\n")
     assert workspace.files() == {"set", "params.yaml"}
 
 
 def test_what_an_earlier_run_kept_is_not_taken_for_this_ones(workspace, fake):
-    """With --fresh it is dropped, and belongs to another run."""
-    fake.AT[3] = ctrl_c
+    """With --no-resume it is dropped, and belongs to another run."""
+    fake.HOOKS[3] = ctrl_c
     assert workspace.run()[0] == 130
     os.utime(workspace.checkpoint, (0, 0))
-    fake.AT.clear()
-    fake.AT[0] = lambda: (ctrl_c(), ctrl_c())
-    code, _, errors = workspace.run("--fresh")
+    fake.HOOKS.clear()
+    fake.HOOKS[0] = lambda: (ctrl_c(), ctrl_c())
+    code, _, errors = workspace.run("--no-resume")
     assert (code, errors) == (130, "interrupted; nothing of this run is kept\n")
 
 
@@ -191,21 +194,21 @@ def crash():
 
 def leave_checkpoint(workspace, fake, *arguments):
     """Leaves a checkpoint behind."""
-    fake.AT[3] = crash
+    fake.HOOKS[3] = crash
     with pytest.raises(RuntimeError, match="power"):
         workspace.run("--checkpoint-every", ALMOST_ZERO, *arguments)
-    fake.AT.clear()
+    fake.HOOKS.clear()
     assert workspace.checkpoint.exists()
 
 
 def test_checkpoints_outlive_a_crash(workspace, fake):
     leave_checkpoint(workspace, fake)
     assert workspace.run()[0] == 0
-    assert len(fake.SEEN["resume"]["points"]) == 3
+    assert len(fake.LAST_CALL["resume"]["points"]) == 3
 
 
 def test_nought_seconds_mean_never(workspace, fake):
-    fake.AT[3] = crash
+    fake.HOOKS[3] = crash
     with pytest.raises(RuntimeError, match="power"):
         workspace.run("--checkpoint-every", 0, "--preview-every", 0)
     assert workspace.files() == {"set", "params.yaml"}
@@ -214,9 +217,9 @@ def test_nought_seconds_mean_never(workspace, fake):
 def test_a_fresh_start_forgets_at_once(workspace, fake):
     """Else a crash before its first checkpoint would let the dropped run go on."""
     leave_checkpoint(workspace, fake)
-    fake.AT[0] = crash
+    fake.HOOKS[0] = crash
     with pytest.raises(RuntimeError, match="power"):
-        workspace.run("--fresh")
+        workspace.run("--no-resume")
     assert not workspace.checkpoint.exists()
 
 
@@ -248,9 +251,9 @@ def test_a_checkpoint_of_other_inputs_is_refused(workspace, fake, change, argume
     code, _, errors = workspace.run(*arguments)
     assert code == 2
     assert differs in errors
-    assert "--fresh" in errors
-    assert workspace.run("--fresh", *arguments)[0] == 0
-    assert fake.SEEN["resume"] is None
+    assert "--no-resume" in errors
+    assert workspace.run("--no-resume", *arguments)[0] == 0
+    assert fake.LAST_CALL["resume"] is None
     assert not workspace.checkpoint.exists()
 
 
@@ -269,14 +272,14 @@ def test_a_torn_checkpoint_is_refused(workspace, fake):
     workspace.checkpoint.write_bytes(workspace.checkpoint.read_bytes()[:-9])
     code, _, errors = workspace.run()
     assert (code, "is torn" in errors) == (2, True)
-    assert workspace.run("--fresh")[0] == 0
+    assert workspace.run("--no-resume")[0] == 0
 
 
 def test_a_file_that_is_no_checkpoint_is_never_replaced(workspace):
     photo = workspace.folder / "mine.png"
     Image.fromarray(sample_images.images()[0]).save(photo)
     before = photo.read_bytes()
-    for extra in ((), ("--fresh",)):
+    for extra in ((), ("--no-resume",)):
         code, _, errors = workspace.run("--checkpoint", photo, *extra)
         assert (code, "is there and is no checkpoint" in errors) == (2, True)
     assert photo.read_bytes() == before
@@ -296,7 +299,7 @@ def test_what_is_there_stays_unless_forced(workspace, fake, name):
     code, _, errors = workspace.run(*arguments)
     assert (code, f"{name} is there already; --force" in errors) == (2, True)
     assert (workspace.folder / name).read_text() == "dear"
-    assert fake.SEEN == {}
+    assert fake.LAST_CALL == {}
     assert workspace.run("--force", *arguments)[0] == 0
     assert not (workspace.folder / name).read_bytes().startswith(b"dear")
 
@@ -312,7 +315,7 @@ def test_a_fresh_start_has_no_preview_of_its_own(workspace, fake):
     leave_checkpoint(workspace, fake, "--preview-every", 0)
     (workspace.folder / "mine.png").write_text("dear")
     arguments = (
-        "--fresh",
+        "--no-resume",
         "--preview",
         workspace.folder / "mine.png",
         "--preview-every",
@@ -331,7 +334,7 @@ def test_a_folder_is_refused_before_any_work(workspace, fake, option):
     for extra in ((), ("--force",)):
         code, _, errors = workspace.run(option, workspace.folder / "mine.ply", *extra)
         assert (code, "mine.ply: is a folder" in errors) == (2, True)
-    assert fake.SEEN == {}
+    assert fake.LAST_CALL == {}
 
 
 @pytest.mark.parametrize("option", ["--out", "--checkpoint", "--preview", "--mesh"])
@@ -343,7 +346,7 @@ def test_an_input_is_never_overwritten(workspace, fake, option, kind):
         json.loads(workspace.transforms.read_text())
         | {"train_filenames": [f"rgb/{i:03d}.png" for i in range(4)]},
     )
-    files = {
+    targets = {
         "shared": workspace.folder / "set/rgb/000.png",
         "held out": workspace.folder / "set/rgb/004.png",
         "cameras": workspace.transforms,
@@ -351,12 +354,12 @@ def test_an_input_is_never_overwritten(workspace, fake, option, kind):
         "a link": workspace.folder / "set/rgb/000.png",
     }
     name = workspace.folder / "mine.ply"
-    (name.hardlink_to if kind == "a link" else name.symlink_to)(files[kind])
-    before = files[kind].read_bytes()
+    (name.hardlink_to if kind == "a link" else name.symlink_to)(targets[kind])
+    before = targets[kind].read_bytes()
     code, _, errors = workspace.run(option, name, "--force")
     assert (code, f"{option} {name}: is an input of this run" in errors) == (2, True)
-    assert files[kind].read_bytes() == before
-    assert fake.SEEN == {}
+    assert targets[kind].read_bytes() == before
+    assert fake.LAST_CALL == {}
 
 
 def test_one_file_cannot_be_two(workspace):
@@ -380,9 +383,9 @@ def test_a_run_goes_on_without_what_cannot_be_written(workspace, fake, monkeypat
         raise OSError(28, "No space left on device")
 
     def fill_disk():
-        monkeypatch.setattr(atomic_write.os, "fsync", raise_disk_full)
+        monkeypatch.setattr(files.os, "fsync", raise_disk_full)
 
-    fake.AT.update({2: fill_disk, 5: monkeypatch.undo})
+    fake.HOOKS.update({2: fill_disk, 5: monkeypatch.undo})
     arguments = ("--checkpoint-every", ALMOST_ZERO, "--preview-every", ALMOST_ZERO)
     code, text, _ = workspace.run(*arguments)
     assert code == 0
@@ -460,7 +463,7 @@ def test_a_photograph_without_a_camera_is_said_to_be_left_out(workspace, fake):
     code, text, errors = workspace.run()
     assert (code, errors) == (0, "")
     assert "images that no frame names, left out: 1 (005.jpg)\n" in text
-    np.testing.assert_array_equal(fake.SEEN["posed"].rgb, sample_images.images())
+    np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
 
 
 def test_a_camera_without_a_photograph_is_an_error(workspace):

@@ -23,7 +23,7 @@ PINCUSHION = Distortion(k1=0.15, p1=-1e-3)
     ],
 )
 def test_a_ray_is_bent_as_opencv_says(lens, ray, distorted):
-    np.testing.assert_allclose(lens.bend(np.array(ray)), distorted, rtol=1e-14)
+    np.testing.assert_allclose(lens.distort(np.array(ray)), distorted, rtol=1e-14)
 
 
 def wall_colors(rays: np.ndarray) -> np.ndarray:
@@ -76,7 +76,7 @@ def test_no_pixel_is_missing_and_none_more_than_needed_is_lost(lens):
     assert pinhole_K[:2, 2].tolist() == K[:2, 2].tolist()
     column, row = np.meshgrid(np.linspace(0, W, 201), np.linspace(0, H, 201))
     rays = (np.stack([column, row], axis=-1) - K[:2, 2]) / pinhole_K[[0, 1], [0, 1]]
-    px = K[:2, 2] + K[[0, 1], [0, 1]] * lens.bend(rays)
+    px = K[:2, 2] + K[[0, 1], [0, 1]] * lens.distort(rays)
     overflow_px = np.maximum(-px, px - [W, H]).max()
     assert -0.1 < overflow_px < 0.01  # px; sides are asked at 65 points
 

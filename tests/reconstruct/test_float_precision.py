@@ -36,4 +36,4 @@ def test_the_command_refuses_cameras_far_away(workspace, fake):
     sample_images.write_json_file(workspace.transforms, transforms)
     code, _, errors = workspace.run()
     assert (code, "move the origin of the frame near the part" in errors) == (2, True)
-    assert fake.SEEN == {}
+    assert fake.LAST_CALL == {}

@@ -65,9 +65,9 @@ def test_what_the_suite_writes_it_reads(tmp_path):
     np.testing.assert_array_equal(image_set.rgb, pixels[:3])
     np.testing.assert_allclose(image_set.cameras.K, CAMERAS.K[:3], rtol=1e-14)
     assert image_set.warnings == (
-        "3 of 5 frames are used, as `train_filenames` says; --all takes every one",
+        "3 of 5 frames are used, as `train_filenames` says; --all-frames takes every one",
     )
-    assert len(load(tmp_path, every=True).rgb) == 5
+    assert len(load(tmp_path, all_frames=True).rgb) == 5
 
 
 def test_reduced_images_keep_their_rays(folder):
@@ -224,5 +224,5 @@ def test_photographs_of_a_lens_that_bends_lines_are_straightened(folder):
 
 def test_each_photograph_ticks(folder):
     ticks = []
-    load(folder, tick=lambda *now: ticks.append(now))
+    load(folder, on_image_loaded=lambda *now: ticks.append(now))
     assert ticks == [(i, 5) for i in range(1, 6)]

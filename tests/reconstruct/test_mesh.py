@@ -40,7 +40,7 @@ def ray_cast_depths(solid: Solid, cameras: Cameras) -> np.ndarray:
 def fake_result(solid: Solid | None, points: np.ndarray, colors: np.ndarray) -> SimpleNamespace:
     """As `run` has it; pictures of `solid`, or of nothing."""
 
-    def pictures(cameras: Cameras, background: np.ndarray) -> Renderings:
+    def render_views(cameras: Cameras, background: np.ndarray) -> Renderings:
         assert max(cameras.width, cameras.height) == mesh.MAX_RENDER_SIZE
         assert len(background) == len(cameras)
         shape = (len(cameras), cameras.height, cameras.width)
@@ -51,7 +51,7 @@ def fake_result(solid: Solid | None, points: np.ndarray, colors: np.ndarray) -> 
     return SimpleNamespace(
         points=points.astype(np.float32),
         colors=colors,
-        pictures=pictures,
+        render_views=render_views,
         background=np.ones((VIEWS, 3)),
     )
 

@@ -21,16 +21,16 @@ SETTINGS = {
     "industnerf_plus": (
         "grid_res=20",
         'levels=[{"steps": 100, "image_px": 48, "points": 2000}]',
-        "rays=512",
-        "spacing=0.05",
-        "recolor.steps=20",
+        "rays_per_step=512",
+        "surface_spacing=0.05",
+        "color_refinement.steps=20",
     ),
     "industnerf": (
         "grid_res=12",
         'levels=[{"steps": 20, "image_px": 32, "points": 2000}]',
-        "rays=256",
-        "readings.cloud=confident",
-        "least_confidence=0.01",
+        "rays_per_step=256",
+        "readings.extraction=confident_points",
+        "min_confidence=0.01",
     ),
 }
 
@@ -92,15 +92,15 @@ def test_an_interrupted_run_goes_on(ball_images, tmp_path, monkeypatch, capsys, 
     assert reconstruct(ball_images, whole, method, monkeypatch) == 0
     with monkeypatch.context() as patch:
         # looked up here, for tests with a stand-in for the method load this module anew
-        callback_class = import_module("industnerf.reconstruct.callbacks").Watching
-        original_step, losses = callback_class.step, []
+        callback_class = import_module("industnerf.reconstruct.callbacks").CliCallback
+        original_step, losses = callback_class.on_step_end, []
 
         def stop_after_seven(self: Any, loss: float) -> None:
             original_step(self, loss)
             losses.append(loss)
-            self._stop.asked = len(losses) >= 7
+            self._interrupt.requested = len(losses) >= 7
 
-        patch.setattr(callback_class, "step", stop_after_seven)
+        patch.setattr(callback_class, "on_step_end", stop_after_seven)
         assert reconstruct(ball_images, out, method, monkeypatch) == 130
     assert not out.exists()
     assert reconstruct(ball_images, out, method, monkeypatch) == 0

@@ -17,7 +17,7 @@ def transforms():
 def load(tmp_path, transforms, **options):
     return read_frames(
         sample_images.write_json_file(tmp_path / "t.json", transforms),
-        **({"every": False} | options),
+        **({"all_frames": False} | options),
     )
 
 
@@ -36,7 +36,7 @@ def test_only_training_frames_unless_all_are_asked_for(tmp_path, transforms):
     used_frames, listed_frames = load(tmp_path, transforms)
     assert [frame.index for frame in used_frames] == [1, 3]
     assert [frame.index for frame in listed_frames] == [0, 1, 2, 3, 4]
-    assert load(tmp_path, transforms, every=True) == (listed_frames, listed_frames)
+    assert load(tmp_path, transforms, all_frames=True) == (listed_frames, listed_frames)
 
 
 @pytest.mark.parametrize(

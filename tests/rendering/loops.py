@@ -39,7 +39,7 @@ def march_rays(scene: RenderScene) -> Iterator[Sample]:
             alpha = 1 - math.exp(-_density(value, settings.get("beta", 0.0)) * settings["step"])
             yield Sample(ray, t, neighbors, transmittance, alpha)
             transmittance *= 1 - alpha
-            if transmittance < settings["stop"]:
+            if transmittance < settings["early_stop_transmittance"]:
                 break
 
 
@@ -64,7 +64,7 @@ def _density(value: float, beta: float) -> float:
 
 def _neighbor_weights(tree: cKDTree, x: np.ndarray, settings: dict) -> dict[int, float]:
     radius, floor = settings["radius"], 1e-3 * settings["radius"]
-    if settings["weights"] == "tent":
+    if settings["weights"] == "trilinear":
         candidates = zip(*tree.query(x, range(1, settings["k"] + 1), p=math.inf), strict=True)
         inside = [int(j) for d, j in candidates if d < radius]
         return {j: math.prod(1 - abs(a) / radius for a in tree.data[j] - x) for j in inside}
@@ -74,13 +74,13 @@ def _neighbor_weights(tree: cKDTree, x: np.ndarray, settings: dict) -> dict[int,
     weigh = {
         "inverse": lambda d: 1 / max(d, floor),
         "inverse_square": lambda d: 1 / max(d, floor) ** 2,
-        "tapered": lambda d: ((radius - d) / (radius * max(d, floor))) ** 2,
+        "modified_shepard": lambda d: ((radius - d) / (radius * max(d, floor))) ** 2,
     }[settings["weights"]]
     return {int(j): weigh(d) for d, j in candidates if d < radius}
 
 
 def render_loops(scene: RenderScene) -> CompositeOutput:
-    """What `render_twin` returns."""
+    """What `render_reference` returns."""
     rays = len(scene.origins)
     pixel = torch.zeros(rays, 3).double()
     depth = torch.zeros(rays).double()
@@ -101,7 +101,7 @@ def render_loops(scene: RenderScene) -> CompositeOutput:
 def confidence_loops(
     scene: RenderScene, steps: list[Sample], transmittance: str, opacity: str, samples: str
 ) -> torch.Tensor:
-    """What `confidence_twin` returns, from all steps of `march`."""
+    """What `confidence_reference` returns, from all steps of `march`."""
     result = torch.zeros_like(scene.sigma)
     for step in steps:
         visibility = step.transmittance * (1 - step.alpha if transmittance == "own" else 1)

@@ -35,12 +35,12 @@ class RenderScene:
 
     @property
     def render_inputs(self) -> tuple[Tensor, ...]:
-        """Of `render_twin`, in its order."""
+        """Of `render_reference`, in its order."""
         return *self.rays, self.points, self.sigma, self.rgb, self.background
 
     @property
     def confidence_inputs(self) -> tuple[Tensor, ...]:
-        """Of `confidence_twin`, in its order."""
+        """Of `confidence_reference`, in its order."""
         return *self.rays, self.points, self.sigma, self.agreement
 
     def to(self, dtype: torch.dtype) -> "RenderScene":
@@ -77,7 +77,14 @@ def random_scene(seed: int, points: int, rays: int = 40, **settings: Any) -> Ren
         torch.rand(points, 3, generator=rng),
         torch.rand(rays, 3, generator=rng),
         torch.rand(rays, generator=rng),
-        {"step": 0.0625, "radius": 0.25, "k": 8, "weights": "inverse", "stop": 1e-3} | settings,
+        {
+            "step": 0.0625,
+            "radius": 0.25,
+            "k": 8,
+            "weights": "inverse",
+            "early_stop_transmittance": 1e-3,
+        }
+        | settings,
     )
     return scene.to(torch.float64)
 
@@ -92,7 +99,7 @@ def grid_scene(seed: int, spacing: float = 0.25, **settings: Any) -> RenderScene
     axes = [torch.arange(lo, hi, spacing) for lo, hi in ends]
     points = torch.cartesian_prod(*axes)
     points = points[torch.arange(len(points)) % 7 > 0]
-    settings |= {"radius": spacing, "weights": "tent"}
+    settings |= {"radius": spacing, "weights": "trilinear"}
     return replace(random_scene(seed, len(points), **settings), points=points.double())
 
 
@@ -111,12 +118,16 @@ def _rays(count: int, rng: torch.Generator) -> tuple[Tensor, Tensor]:
 SCENES = {
     "gappy": random_scene(1, 60),
     "crowded": random_scene(12, 1500, k=4),  # some twelve points within the radius
-    "opaque": random_scene(3, 400, density=60.0, stop=0.01),  # most rays end early
-    "thin": random_scene(4, 400, density=0.05, stop=0.0),
+    "opaque": random_scene(
+        3, 400, density=60.0, early_stop_transmittance=0.01
+    ),  # most rays end early
+    "thin": random_scene(4, 400, density=0.05, early_stop_transmittance=0.0),
     "single": random_scene(5, 1),
-    "squared": random_scene(6, 400, weights="inverse_square"),
-    "tapered": random_scene(7, 400, weights="tapered"),
-    "tent": random_scene(8, 400, weights="tent"),
-    "lattice": grid_scene(10, 0.125),
-    "distance": random_scene(9, 400, weights="tent", density=0.3, beta=0.05, stop=0.01),
+    "inverse_square": random_scene(6, 400, weights="inverse_square"),
+    "modified_shepard": random_scene(7, 400, weights="modified_shepard"),
+    "trilinear": random_scene(8, 400, weights="trilinear"),
+    "grid": grid_scene(10, 0.125),
+    "sdf": random_scene(
+        9, 400, weights="trilinear", density=0.3, beta=0.05, early_stop_transmittance=0.01
+    ),
 }

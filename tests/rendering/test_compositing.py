@@ -92,30 +92,30 @@ def test_pixels_are_mixtures(seed):
 def test_a_ray_ends_at_the_sample_that_leaves_too_little():
     sigma = densities(0.5, 0.5, 0.0, 0.5)  # leaves 1/2, 1/4, 1/4, 1/8
     last = {0.0: 4, 0.1: 4, 0.2: 4, 0.3: 2, 0.6: 1}
-    for stop, kept in last.items():
-        result = terminated_density(sigma, STEP, stop)
+    for early_stop, kept in last.items():
+        result = terminated_density(sigma, STEP, early_stop)
         torch.testing.assert_close(result[:, :kept], sigma[:, :kept], rtol=0, atol=0)
         assert result[:, kept:].abs().sum() == 0
 
 
 @given(SEEDS, st.floats(0, 0.3))
-def test_ending_early_costs_at_most_what_was_left(seed, stop):
+def test_ending_early_costs_at_most_what_was_left(seed, early_stop):
     sigma, rgb, t, background = random_rays(seed)
     full = composite(sigma, rgb, t, background, STEP)
-    early = composite(terminated_density(sigma, STEP, stop), rgb, t, background, STEP)
-    # What is dropped and what replaces it both weigh less than `stop`; colors are in [0, 1].
-    assert (early.rgb - full.rgb).abs().max() <= stop + 1e-14
-    assert (early.opacity - full.opacity).abs().max() <= stop + 1e-14
+    early = composite(terminated_density(sigma, STEP, early_stop), rgb, t, background, STEP)
+    # What is dropped and what replaces it both weigh less than `early_stop`; colors are in [0, 1].
+    assert (early.rgb - full.rgb).abs().max() <= early_stop + 1e-14
+    assert (early.opacity - full.opacity).abs().max() <= early_stop + 1e-14
 
 
-@pytest.mark.parametrize("stop", [0.0, 0.2])
-def test_gradients(stop):
+@pytest.mark.parametrize("early_stop", [0.0, 0.2])
+def test_gradients(early_stop):
     sigma, rgb, t, background = (x.requires_grad_() for x in random_rays(3, rays=3, samples=6))
 
     def seen(*inputs):
-        end = terminated_density(inputs[0], STEP, stop)
+        end = terminated_density(inputs[0], STEP, early_stop)
         return tuple(vars(composite(end, *inputs[1:], STEP)).values())
 
-    # Transmittances stay clear of `stop` by more than gradcheck's nudge of 1e-6.
-    assert (transmittance(sigma, STEP) - stop).abs().min() > 1e-4
+    # Transmittances stay clear of `early_stop` by more than gradcheck's nudge of 1e-6.
+    assert (transmittance(sigma, STEP) - early_stop).abs().min() > 1e-4
     torch.autograd.gradcheck(seen, (sigma, rgb, t, background))

@@ -8,7 +8,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from tests.rendering.compiled import compiled_renderer, to_renderer_order, to_scene_order
+from tests.rendering.scene_renderers import scene_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 GPU = "cuda"
@@ -20,7 +20,7 @@ needs_gpu = pytest.mark.skipif(
 
 def rendered_outputs(scene: RenderScene, device: str) -> dict[str, Tensor]:
     """All that the renderer says of a scene: what is seen, its gradients, and confidence."""
-    renderer, rays = compiled_renderer(scene, device)
+    renderer, rays = scene_renderer(scene, device)
     values, rgb = (
         to_renderer_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb)
     )
@@ -36,9 +36,9 @@ def rendered_outputs(scene: RenderScene, device: str) -> dict[str, Tensor]:
     )
     of_rays = {
         "color": output.color,
-        "through": output.transmittance,
+        "transmittance": output.transmittance,
         "depth": depth,
-        "median": median,
+        "median_depth": median,
     }
     of_points = {"values": values.grad, "rgb": rgb.grad, "confidence": confidence}
     return {name: x.detach().double().cpu() for name, x in of_rays.items()} | {

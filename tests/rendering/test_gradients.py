@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from tests.finite_differences import directional_derivative
-from tests.rendering.compiled import compiled_renderer, to_renderer_order
+from tests.rendering.scene_renderers import scene_renderer, to_renderer_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 Loss = Callable[[Tensor], Tensor]
@@ -19,7 +19,7 @@ def make_loss(scene: RenderScene, leaf: int) -> tuple[Loss, Tensor, float]:
 
     The depth is counted where most of the light is stopped: elsewhere, 1 - T may come near 0.
     """
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     options = [to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)]
     shares = torch.randn(len(rays), 5, generator=torch.Generator().manual_seed(1)).double()
     firm = renderer.render(rays, *options).transmittance < 0.5
@@ -42,7 +42,7 @@ def test_gradients_are_slopes(name, leaf, h, within):
     and 3e-4 in its slope, and five-point differences leave as much.  Colors: the loss is linear in
     them, so h may be large.  No ray ends early, for there pixels jump.
     """
-    loss, values, unit = make_loss(SCENES[name].with_settings(stop=0.0), leaf)
+    loss, values, unit = make_loss(SCENES[name].with_settings(early_stop_transmittance=0.0), leaf)
     values = values.requires_grad_()
     (gradient,) = torch.autograd.grad(loss(values), values)
     generator, values = torch.Generator().manual_seed(2), values.detach()

@@ -12,11 +12,12 @@ import pytest
 import torch
 
 from industnerf.errors import ReconstructionFailed
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.reference_renderer import confidence_reference, render_reference
-from industnerf.rendering.render import Rays, Renderer, RenderOutput
+from industnerf.rendering.render import Rays, RenderOutput
 from industnerf.rendering.sdf_density import density
-from tests.rendering.compiled import compiled_renderer, to_renderer_order, to_scene_order
+from industnerf.rendering.torch_renderer import confidence_reference, render_reference
+from tests.rendering.scene_renderers import scene_renderer, to_renderer_order, to_scene_order
 from tests.rendering.scenes import SCENES, RenderScene
 
 DEFAULT = {"transmittance": "shared", "opacity": "with", "samples": "max"}
@@ -28,11 +29,11 @@ def scene(request: pytest.FixtureRequest) -> RenderScene:
 
 
 def test_pixels_are_the_twins(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     )
-    reference = render_reference(*scene.inputs, **scene.settings)
+    reference = render_reference(*scene.render_inputs, **scene.settings)
     pixels = rendered.composite_over(scene.background.float())
     torch.testing.assert_close(pixels.double(), reference.rgb, rtol=1e-4, atol=1e-5)
     torch.testing.assert_close(
@@ -47,14 +48,14 @@ def test_pixels_are_the_twins(scene):
 def test_a_neighbor_that_weighs_nothing_is_none():
     """Rays graze a ball of the radius about one point: a tapered weight of 0 is not divided by."""
     radius, n = 0.03, 5000
-    points = PointGrid(torch.zeros(1, 3), radius, 4, "tapered")
+    points = PointGrid(torch.zeros(1, 3), radius, 4, "modified_shepard")
     rotation = torch.linspace(0, 2 * math.pi, n, dtype=torch.float64)
     edge = torch.stack(
         [torch.full_like(rotation, -2.0), radius * rotation.cos(), radius * rotation.sin()], 1
     )
     rays = Rays(edge.float(), torch.tensor([[1.0, 0.0, 0.0]]).expand(n, 3), torch.full((n,), 0.5))
     sigma = torch.ones(1, requires_grad=True)
-    rendered = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 2.0, 1e-3).render(
+    rendered = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, 2.0, 1e-3).render(
         rays, sigma, torch.ones(1, 3)
     )
     rendered.transmittance.sum().backward()
@@ -64,7 +65,7 @@ def test_a_neighbor_that_weighs_nothing_is_none():
 
 
 def test_gradients_are_the_twins(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma, rgb = (to_renderer_order(renderer, x).requires_grad_() for x in (scene.sigma, scene.rgb))
     back_color = scene.background.float().requires_grad_()
     pull = torch.linspace(-1, 1, 3 * len(rays)).reshape(-1, 3)
@@ -77,8 +78,8 @@ def test_gradients_are_the_twins(scene):
         + depths
     ).backward()
 
-    leaves = [x.clone().requires_grad_() for x in scene.inputs[6:9]]
-    reference = render_reference(*scene.inputs[:6], *leaves, **scene.settings)
+    leaves = [x.clone().requires_grad_() for x in scene.render_inputs[6:9]]
+    reference = render_reference(*scene.render_inputs[:6], *leaves, **scene.settings)
     pull = pull.double()
     depths = (reference.depth * pull[:, 1])[solid].sum()
     ((reference.rgb * pull).sum() + (1 - reference.opacity) @ pull[:, 0] + depths).backward()
@@ -99,17 +100,17 @@ def test_gradients_are_the_twins(scene):
 @pytest.mark.parametrize("opacity", ["without", "with"])
 def test_confidence_is_the_twins(scene, transmittance, opacity, samples):
     readings = {"transmittance": transmittance, "opacity": opacity, "samples": samples}
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma = to_renderer_order(renderer, scene.sigma)
     renderer.render(rays, sigma, to_renderer_order(renderer, scene.rgb))
     ours = torch.zeros_like(sigma)
     renderer.accumulate_confidence(sigma, scene.agreement.float(), ours, **readings)
-    reference = confidence_reference(*scene.witnesses, **readings, **scene.settings)
+    reference = confidence_reference(*scene.confidence_inputs, **readings, **scene.settings)
     torch.testing.assert_close(to_scene_order(renderer, ours), reference, rtol=1e-3, atol=1e-5)
 
 
 def test_skipping_empty_points_changes_nothing(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     sigma, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     before = renderer.render(rays, sigma, rgb)
     renderer.points.update_occupancy(density(sigma, renderer.beta) > 0)
@@ -120,7 +121,7 @@ def test_skipping_empty_points_changes_nothing(scene):
 
 
 def test_nothing_filled_leaves_the_background(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     renderer.points.update_occupancy(torch.zeros(len(renderer.points), dtype=torch.bool))
     rendered = renderer.render(
         rays, to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
@@ -133,7 +134,9 @@ def test_half_of_the_light_is_left_at_the_median():
     """A slab of density 2 from x = 0: T = exp(-2 x) is 1/2 at x = ln 2 / 2."""
     grid = torch.linspace(0.01, 0.99, 50)
     points = torch.stack(torch.meshgrid(grid, grid, grid, indexing="ij"), -1).reshape(-1, 3)
-    renderer = Renderer(PointGrid(points, 0.03, 8, "inverse"), (0.0,) * 3, (1.0,) * 3, 0.01, 0.0)
+    renderer = CompiledRenderer(
+        PointGrid(points, 0.03, 8, "inverse"), (0.0,) * 3, (1.0,) * 3, 0.01, 0.0
+    )
     rays = Rays(
         torch.tensor([[-1.0, 0.5, 0.5]]), torch.tensor([[1.0, 0.0, 0.0]]), torch.tensor([0.5])
     )
@@ -144,8 +147,8 @@ def test_half_of_the_light_is_left_at_the_median():
 @pytest.mark.parametrize("harder", [0.1, 0.6, 3.0])
 def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
     """Bit for bit; neither the pixel nor the way back hears of it, though they end before it."""
-    scene = SCENES["distance"].with_settings(stop=0.3)
-    renderer, rays = compiled_renderer(scene)
+    scene = SCENES["sdf"].with_settings(early_stop_transmittance=0.3)
+    renderer, rays = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
 
     def look(beta: float, median_beta: float) -> tuple[RenderOutput, torch.Tensor]:
@@ -160,7 +163,7 @@ def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
     (once, slope), (own, own_slope), (second, _) = (
         look(*betas) for betas in ((smooth, other), (smooth, smooth), (other, other))
     )
-    for name in ("color", "through", "depth"):
+    for name in ("color", "transmittance", "depth"):
         assert torch.equal(getattr(once, name), getattr(own, name))
     assert torch.equal(slope, own_slope)
     expected = torch.where(second.median_depth > 0, second.median_depth, own.median_depth)
@@ -170,8 +173,8 @@ def test_a_median_of_another_softness_is_that_of_a_second_look(harder):
 
 def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(scene):
     """The memory of what the first rays met is used again, and nothing in it counts."""
-    renderer, rays = compiled_renderer(scene)
-    fresh, _ = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
+    fresh, _ = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
     few = Rays(rays.origins[::3], rays.directions[::3], rays.offsets[::3])
     renderer.render(rays, values, rgb)
@@ -187,7 +190,7 @@ def test_looking_along_fewer_rays_after_more_is_as_if_it_were_the_first_look(sce
 
 
 def test_the_way_back_is_refused_after_another_look(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values = to_renderer_order(renderer, scene.sigma).requires_grad_()
     rgb = to_renderer_order(renderer, scene.rgb)
     rendered = renderer.render(rays, values, rgb)
@@ -198,7 +201,7 @@ def test_the_way_back_is_refused_after_another_look(scene):
 
 def test_rays_on_another_device_are_refused(scene):
     """A kernel would take their addresses for its own."""
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values, rgb = (to_renderer_order(renderer, x) for x in (scene.sigma, scene.rgb))
     elsewhere = Rays(*(x.to("meta") for x in (rays.origins, rays.directions, rays.offsets)))
     with pytest.raises(RuntimeError, match="not all on one device"):
@@ -208,22 +211,22 @@ def test_rays_on_another_device_are_refused(scene):
 
 
 def test_confidence_is_of_the_rays_last_looked_along(scene):
-    renderer, rays = compiled_renderer(scene)
+    renderer, rays = scene_renderer(scene)
     values = to_renderer_order(renderer, scene.sigma)
     renderer.render(rays, values, to_renderer_order(renderer, scene.rgb))
     confidence = torch.zeros_like(values)
-    with pytest.raises(RuntimeError, match=f"agreement of 1 rays, looked along {len(rays)}"):
+    with pytest.raises(RuntimeError, match=f"agreement of 1 rays, {len(rays)} were rendered"):
         renderer.accumulate_confidence(values, torch.ones(1), confidence, **DEFAULT)
 
 
 def test_what_is_found_on_a_lattice_is_what_a_search_finds():
     """But for roundings, on which no neighbor hangs here: `test_scenes`."""
-    scene = SCENES["lattice"]
-    renderer, rays = compiled_renderer(scene)
+    scene = SCENES["grid"]
+    renderer, rays = scene_renderer(scene)
     values, rgb = to_renderer_order(renderer, scene.sigma), to_renderer_order(renderer, scene.rgb)
-    assert renderer.points.cells.lattice
+    assert renderer.points.cells.is_grid_aligned
     quick = renderer.render(rays, values, rgb)
-    renderer.points.cells.lattice = False
+    renderer.points.cells.is_grid_aligned = False
     slow = renderer.render(rays, values, rgb)
     for name, value in vars(slow).items():
         torch.testing.assert_close(getattr(quick, name), value, rtol=1e-5, atol=1e-5)
@@ -233,8 +236,10 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
     """All tents end there: no weight is left to be divided by."""
     axis = torch.arange(-1.0, 1.5, 0.5)
     points = torch.cartesian_prod(axis, axis, axis)
-    renderer = Renderer(PointGrid(points, 0.5, 8, "tent"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0)
-    assert renderer.points.cells.lattice
+    renderer = CompiledRenderer(
+        PointGrid(points, 0.5, 8, "trilinear"), (-3.0,) * 3, (3.0,) * 3, 0.1, 0.0
+    )
+    assert renderer.points.cells.is_grid_aligned
     camera_center, ahead = torch.tensor([[-4.0, 0.0, 0.25]]), torch.tensor([[1.0, 0.0, 0.0]])
     values, rgb = torch.ones(len(points)), torch.ones(len(points), 3)
     for height, is_hit in ((-1.5, False), (-1.25, True)):
@@ -255,24 +260,24 @@ def test_a_ray_just_a_spacing_away_from_a_lattice_meets_nothing():
     ],
 )
 def test_what_is_no_lattice_is_searched(change, settings):
-    scene = SCENES["lattice"].with_settings(**settings)
+    scene = SCENES["grid"].with_settings(**settings)
     points = scene.points.clone()
     if change == "a point is off its place":
         points[5, 1] += 1e-3
     if change == "there is another":
         points = torch.cat([points, points[5:6]])
-    renderer, _ = compiled_renderer(replace(scene, points=points))
-    assert not renderer.points.cells.lattice
+    renderer, _ = scene_renderer(replace(scene, points=points))
+    assert not renderer.points.cells.is_grid_aligned
 
 
 def test_more_neighbors_than_can_be_numbered_are_refused():
     points = PointGrid(torch.zeros(1, 3), 1.0, 64, "inverse")
-    renderer = Renderer(points, (-1.0,) * 3, (1.0,) * 3, 1e-3, 0.01)
-    with pytest.raises(ReconstructionFailed, match="lower `rays` or `neighbors`"):
+    renderer = CompiledRenderer(points, (-1.0,) * 3, (1.0,) * 3, 1e-3, 0.01)
+    with pytest.raises(ReconstructionFailed, match="lower `rays_per_step` or `neighbors`"):
         renderer._neighbor_buffer(10_000)
 
 
 def test_more_cells_than_fit_into_memory_are_refused():
     corners = torch.tensor([[-1.0, -1, -1], [1, 1, 1]])
-    with pytest.raises(ReconstructionFailed, match="raise `radius`"):
+    with pytest.raises(ReconstructionFailed, match="raise `neighbor_radius`"):
         PointGrid(corners, 1e-3, 8, "inverse")

@@ -5,14 +5,16 @@ from dataclasses import replace
 import pytest
 import torch
 
-from industnerf.rendering.reference_renderer import render_reference
 from industnerf.rendering.samples import radiance_points
+from industnerf.rendering.torch_renderer import render_reference
 from tests.rendering.scenes import SCENES, RenderScene
 
 
 def samples_of(scene: RenderScene):
     settings = {
-        name: value for name, value in scene.settings.items() if name not in ("stop", "beta")
+        name: value
+        for name, value in scene.settings.items()
+        if name not in ("early_stop_transmittance", "beta")
     }
     return radiance_points(*scene.rays, scene.points, **settings)
 
@@ -44,7 +46,7 @@ def test_the_scenes_hold_what_their_names_promise():
     inside = {name: samples_of(scene).t > 0 for name, scene in SCENES.items()}
     assert (neighbors["gappy"][inside["gappy"]] == 0).double().mean() > 0.2
     assert (neighbors["crowded"][inside["crowded"]] == 4).double().mean() > 0.8
-    assert neighbors["squared"].max() == 8
+    assert neighbors["inverse_square"].max() == 8
     assert (neighbors["single"] > 0).any()
     opaque, thin = (SCENES[name] for name in ("opaque", "thin"))
     assert (

@@ -5,10 +5,11 @@ import math
 import pytest
 import torch
 
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Rays, Renderer
+from industnerf.rendering.render import Rays
 from industnerf.rendering.sdf_density import CUTOFF_BETAS, SIGMOID_CUTOFF, density, sdf_to_density
-from tests.rendering.lattices import f64
+from tests.rendering.point_grids import f64
 
 
 def test_it_falls_from_1_over_beta_to_nothing():
@@ -42,8 +43,8 @@ def test_a_plane_is_seen_where_its_distance_is_0(spacings):
     """
     h = 0.025
     axis = torch.arange(-0.5, 0.5 + h / 2, h)
-    points = PointGrid(torch.cartesian_prod(axis, axis, axis), 1.0001 * h, 8, "tent")
-    renderer = Renderer(points, (-0.6,) * 3, (0.6,) * 3, 0.1 * h, 0.0)
+    points = PointGrid(torch.cartesian_prod(axis, axis, axis), 1.0001 * h, 8, "trilinear")
+    renderer = CompiledRenderer(points, (-0.6,) * 3, (0.6,) * 3, 0.1 * h, 0.0)
     renderer.beta = spacings * h
     normal = torch.nn.functional.normalize(torch.tensor([1.0, 0.2, -0.1]), dim=0)
     values = points.positions @ normal - 0.013

@@ -11,7 +11,7 @@ from industnerf.rendering.weights import (
     weighted_mean,
 )
 
-READINGS = ["inverse", "inverse_square", "tapered"]
+READINGS = ["inverse", "inverse_square", "modified_shepard"]
 RADIUS = 2.0
 REACHED = 3  # neighbors in `padded`
 
@@ -35,7 +35,7 @@ def padded(seed: int) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
     [
         ("inverse", [1 / 0.5, 1 / 1.0, 1 / 1.6]),
         ("inverse_square", [1 / 0.25, 1 / 1.0, 1 / 2.56]),
-        ("tapered", [(1.5 / (2 * 0.5)) ** 2, (1 / (2 * 1)) ** 2, (0.4 / (2 * 1.6)) ** 2]),
+        ("modified_shepard", [(1.5 / (2 * 0.5)) ** 2, (1 / (2 * 1)) ** 2, (0.4 / (2 * 1.6)) ** 2]),
     ],
 )
 def test_each_reading_is_its_formula(reading, truth):
@@ -55,7 +55,10 @@ def test_from_the_radius_on_nothing_weighs(reading):
     [
         ("inverse", 1 / (FLOOR * RADIUS)),
         ("inverse_square", 1 / (FLOOR * RADIUS) ** 2),
-        ("tapered", 1 / (FLOOR * RADIUS) ** 2),  # the numerator is that of the true distance
+        (
+            "modified_shepard",
+            1 / (FLOOR * RADIUS) ** 2,
+        ),  # the numerator is that of the true distance
     ],
 )
 def test_a_point_on_the_sample_weighs_as_one_at_the_floor(reading, at_zero):
@@ -66,7 +69,7 @@ def test_a_point_on_the_sample_weighs_as_one_at_the_floor(reading, at_zero):
 def test_only_the_tapered_weight_fades_out():
     edge = f64(RADIUS - 1e-6)
     # (1e-6 / (2 * 2))^2 against 1/2 and 1/4
-    assert inverse_distance_weights(edge, RADIUS, "tapered") < 1e-12
+    assert inverse_distance_weights(edge, RADIUS, "modified_shepard") < 1e-12
     assert inverse_distance_weights(edge, RADIUS, "inverse") > 0.49
     assert inverse_distance_weights(edge, RADIUS, "inverse_square") > 0.24
 
@@ -85,8 +88,8 @@ def test_an_unknown_reading_is_refused():
 
 
 def test_a_tent_is_refused_where_only_distances_are_known():
-    with pytest.raises(ValueError, match="`tent_weights` takes the axes"):
-        inverse_distance_weights(f64(1.0), RADIUS, "tent")
+    with pytest.raises(ValueError, match="`trilinear_weights` takes the offsets"):
+        inverse_distance_weights(f64(1.0), RADIUS, "trilinear")
 
 
 def test_a_tent_is_a_product_over_the_axes_and_ends_on_a_cube():

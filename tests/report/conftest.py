@@ -1,5 +1,7 @@
 """A small study, and its page."""
 
+from pathlib import Path
+
 import pytest
 from PIL import Image
 
@@ -10,6 +12,7 @@ from industnerf.report.results import Results
 from industnerf.report.study import Study
 from industnerf.schema import ReportParams
 from tests.report import ball_study
+from tests.report.report_samples import publish_report
 
 SETTINGS = ReportParams(bootstrap_resamples=50, confidence_level=0.9, contact_sheet_parts=4)
 
@@ -31,3 +34,9 @@ def report_page(study) -> str:
     scenes = [pack_scene(study, part) for part in study.parts.values()]
     exhibits = PageMedia(gray, scenes, renderings, b"", {"near-ball": [("photograph", gray)]})
     return render_page(Results.from_study(study, SETTINGS), exhibits, provenance="on a day")
+
+
+@pytest.fixture
+def published(tmp_path) -> Path:
+    """The published results of `small_study`."""
+    return publish_report(tmp_path)

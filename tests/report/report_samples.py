@@ -9,6 +9,7 @@ import numpy as np
 
 from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.build import write_tables
+from industnerf.report.publish.study_folder import RUN_FILES, publish_study
 from industnerf.report.results import Results
 from industnerf.report.statistics.comparisons import TESTED_METHODS
 from industnerf.report.statistics.significance import holm_correction, sign_flip_p
@@ -17,6 +18,17 @@ from tests.report.publish.test_downsample_images import png
 from tests.samples import unit_part
 from tests.studies import SETTINGS, make_study
 
+PARAMS_YAML = "seed: 0\nviews: {count: 40, fov_deg: 30.0, sky: {x: {p: 1}}}\n"  # params.yaml
+PROVENANCE = {
+    "schema": 1,
+    "command": "make repro",
+    "date": "2026-01-02",
+    "commit": "0123456789abcdef",
+    "clean": True,
+    "changed": [],
+    "preset": "study",
+    "interval": 0.9,
+}
 NAMES, FAMILIES = "abcdefg", "ffghijk"
 
 
@@ -50,6 +62,15 @@ def write_report(folder: Path) -> Path:
     )
     (folder / "contact_sheet.png").write_bytes(png(np.zeros((30, 40, 3), np.uint8)))
     return folder
+
+
+def publish_report(project: Path) -> Path:
+    """`write_report` as `publish_study` leaves it; returns the folder of the results."""
+    report, out = write_report(project / "reports"), project / "results" / "study"
+    for name, _ in RUN_FILES.values():
+        (project / name).write_text(PARAMS_YAML)
+    publish_study(report, out, PROVENANCE, project)
+    return out
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadParams, BadPart
 from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
 from industnerf.runner.base import run_work_item

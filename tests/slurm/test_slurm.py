@@ -119,8 +119,8 @@ def test_a_job_that_dies_is_cancelled_or_has_a_failing_piece_costs_no_other(
     monkeypatch.setenv("INDUSTNERF_SLURM_CHUNK", "2")
     hanging = [partial(work_items.hang, slurm_folder / name) for name in "ab"]
     writing = [partial(work_items.write, slurm_folder / name) for name in "cdef"]
-    work_items = [work_items.kill_own_job, *hanging, work_items.refuse, *writing]
-    running = in_background(lambda: list(runner_from_environment().map(work_items, 60.0)))
+    pieces = [work_items.kill_own_job, *hanging, work_items.refuse, *writing]
+    running = in_background(lambda: list(runner_from_environment().map(pieces, 60.0)))
     cluster.run("scancel", "--signal=KILL", killed := wait_for_text(slurm_folder / "a"))
     cluster.run("scancel", cancelled := wait_for_text(slurm_folder / "b"))
     results = {result.index: result for result in running.result(60)}

@@ -1,4 +1,4 @@
-"""Every point of a method's cloud before it was filtered: whether its confidence means anything."""
+"""Every point of a method's cloud before it was filtered, by which its confidence is evaluated."""
 
 from dataclasses import dataclass
 from pathlib import Path

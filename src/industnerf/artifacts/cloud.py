@@ -16,13 +16,13 @@ EXTRA_CLOUDS, WARNINGS = "extra_clouds.npz", "warnings.json"
 
 @dataclass(frozen=True)
 class Cloud:
-    """Points on the part's surface, and what the method says of each."""
+    """Points on the part's surface, with color, confidence and source view."""
 
     part_id: str
     points_mm: Float32[np.ndarray, "n 3"]
     colors: UInt8[np.ndarray, "n 3"]
     confidence: Float32[np.ndarray, "n"]  # in [0, 1]; 1 = certainly surface
-    view: Int16[np.ndarray, "n"]  # the training view that says most of the point; -1 unknown
+    view: Int16[np.ndarray, "n"]  # the training view that weighs most in the point; -1 unknown
     num_parameters: int  # trained numbers, 0 where nothing is trained
     steps: int  # optimization steps taken for this part
 
@@ -49,22 +49,21 @@ class Cloud:
 
     @staticmethod
     def load_training_stats(folder: Path) -> tuple[int, int]:
-        """`parameters` and `steps` of the cloud in `folder`, without reading its points."""
-        parameters, steps = read_npz(
-            folder / "cloud.npz", ("num_parameters", "steps"), "reconstruct"
-        )
-        return int(parameters), int(steps)
+        """`num_parameters` and `steps` of the cloud in `folder`, without reading its points."""
+        names = ("num_parameters", "steps")
+        num_parameters, steps = read_npz(folder / "cloud.npz", names, "reconstruct")
+        return int(num_parameters), int(steps)
 
 
 def save_extra_clouds(folder: Path, clouds: Sequence[Float[np.ndarray, "_ 3"]]) -> None:
-    """Write further answers (mm) beside the cloud in `folder`; one may be empty."""
+    """Write further predictions (mm) beside the cloud in `folder`; one may be empty."""
     ends = np.cumsum([len(points) for points in clouds])
     points = np.concatenate(clouds).astype(np.float32)
     np.savez_compressed(folder / EXTRA_CLOUDS, points_mm=points, ends=ends)
 
 
 def load_extra_clouds(folder: Path) -> list[Float32[np.ndarray, "_ 3"]]:
-    """What `save_others` wrote, none if there are none; raises BadArtifact if the file is torn."""
+    """What `save_extra_clouds` wrote, maybe nothing; raises BadArtifact if the file is torn."""
     if not (folder / EXTRA_CLOUDS).exists():
         return []
     points, ends = read_npz(folder / EXTRA_CLOUDS, ("points_mm", "ends"), "reconstruct")
@@ -72,12 +71,12 @@ def load_extra_clouds(folder: Path) -> list[Float32[np.ndarray, "_ 3"]]:
 
 
 def save_warnings(folder: Path, warnings: Sequence[str]) -> None:
-    """Write beside the cloud in `folder` what its method had to say of what it was given."""
+    """Write the method's warnings about its inputs beside the cloud in `folder`."""
     write_json(folder / WARNINGS, {"schema": 1, "warnings": warnings})
 
 
 def load_warnings(folder: Path) -> list[str]:
-    """What `save_remarks` wrote, none if there is none; raises BadArtifact if the file is torn."""
+    """What `save_warnings` wrote, maybe nothing; raises BadArtifact if the file is torn."""
     path = folder / WARNINGS
     return read_json(path, 1, "reconstruct")["warnings"] if path.exists() else []
 

@@ -1,4 +1,4 @@
-"""A part: one solid or assembly, its mesh in mm and what is known about it."""
+"""A part: one solid or assembly, its mesh in mm, its appearances and its metadata."""
 
 import csv
 import io
@@ -8,11 +8,29 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int32, UInt8
 
-from industnerf.artifacts.appearance import Appearance, appearance_from_json
 from industnerf.artifacts.files import corrupt_error, read_json, read_npz, write_json, write_text
 from industnerf.artifacts.ply import write_ply
 
 SCHEMA = 2
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """A material as a camera sees it: its color and how it shines."""
+
+    name: str
+    albedo: tuple[float, float, float] | None  # linear, in [0, 1]; None: views.albedo decides
+    metallic: float  # 0 matte or painted, 1 bare metal; matte shading ignores it
+    roughness: float  # 0 mirror, 1 dull; matte shading ignores it
+
+
+UNSPECIFIED = Appearance("unstated", None, 0.0, 1.0)
+
+
+def appearance_from_json(row: dict) -> Appearance:
+    """The appearance that JSON holds as `row`."""
+    albedo = row["albedo"]
+    return Appearance(**(row | {"albedo": None if albedo is None else tuple(albedo)}))
 
 
 @dataclass(frozen=True)
@@ -30,11 +48,11 @@ class Part:
     bodies: int
     faces: int
     euler_number: int  # V - E + F; of a closed surface 2 (bodies - through holes)
-    visible_share: float  # of the area, from a dense sphere of eyes
-    hull_hidden_share: float  # of the area, what no silhouette shows (geometry/tangents.py)
+    visible_share: float  # of the area, from a dense sphere of cameras
+    hull_hidden_share: float  # of the area, what no silhouette shows (geometry/visual_hull.py)
     strata: tuple[str, ...]  # see industnerf.parts.strata
-    finishes: tuple[Appearance, ...]  # what `Mesh.finish` counts; at least one
-    defects: tuple[str, ...]  # found and mended, or found and left
+    finishes: tuple[Appearance, ...]  # that `Mesh.finish` indexes; at least one
+    defects: tuple[str, ...]  # found and repaired, or found and left
 
     @property
     def diagonal_mm(self) -> float:
@@ -54,7 +72,7 @@ class Mesh:
     def with_one_appearance(
         vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]
     ) -> "Mesh":
-        """A mesh of one finish."""
+        """A mesh whose faces all have the appearance 0."""
         return Mesh(vertices, faces, np.zeros(len(faces), np.uint8))
 
     @property

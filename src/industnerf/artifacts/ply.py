@@ -22,7 +22,7 @@ def write_ply(
     Colors are written as they are: linear ones of our own parts, sRGB of other photographs.
     Lengths are in `unit`, which the header says: the suite's own files are in mm.
     `confidence` has two columns, `confidence` and, for MeshLab, `quality`; `view` is the training
-    view that says most of a point; `face_colors` need `faces`.
+    view that weighs most in a point; `face_colors` need `faces`.
     """
     columns: list[tuple[str, str, np.ndarray]] = [
         (name, "f4", points[:, axis]) for axis, name in enumerate("xyz")

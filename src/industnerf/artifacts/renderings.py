@@ -1,4 +1,4 @@
-"""What a method sees from the held-out cameras, beside its cloud.
+"""A method's renderings from the held-out cameras, beside its cloud.
 
     <cloud>/renderings/renderings.json
     <cloud>/renderings/rgb|depth|opacity/000.png ...   in the order of the held-out cameras

@@ -21,7 +21,7 @@ class Score:
     value: float
     floor: float  # the same metric between two independent samples of the truth
     unit: str  # diagonal (of the true bounding box), or share
-    status: str  # ok, or failed: then the value is that of a null
+    status: str  # ok, or failed: then the value is that of a trivial baseline
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and math.isfinite(self.floor)):

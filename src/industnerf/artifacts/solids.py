@@ -1,6 +1,6 @@
-"""What one CAD file of the user's holds: its solids in mm, as read and not yet cleaned.
+"""The solids of one CAD file of the user's in mm, as read and not yet repaired.
 
-<file id>/solids.json    file, format, unit, names, finishes, remarks
+<file id>/solids.json    file, format, unit, names, finishes, warnings
 <file id>/solids.npz     the meshes
 """
 
@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance, appearance_from_json
 from industnerf.artifacts.files import read_json, read_npz, write_json
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh, appearance_from_json
 from industnerf.errors import BadArtifact
 
 SCHEMA = 2
@@ -32,7 +31,7 @@ class Solids:
     file: str  # its name
     format: str  # for people, by content: "binary STL", "STEP"
     unit: str  # of the file: "mm, stated", "inch, stated", "mm, assumed" (parts.units)
-    finishes: tuple[Appearance, ...]  # what the `finish` of every mesh counts; at least one
+    finishes: tuple[Appearance, ...]  # that the `finish` of every mesh indexes; at least one
     warnings: tuple[str, ...]  # what the reader could not keep, or had to assume
     solids: tuple[Solid, ...]  # at least one, each with at least one face
 
@@ -90,7 +89,7 @@ def solid_names(folder: Path) -> tuple[str, ...]:
 def _checked_mesh(
     what: str, vertices: np.ndarray, faces: np.ndarray, face_appearance: np.ndarray, metadata: dict
 ) -> Mesh:
-    """Raises BadArtifact unless every face has three vertices and a finish that are there."""
+    """Raises BadArtifact unless every face has three vertices and an appearance that exist."""
     if (
         vertices.shape[1:] != (3,)
         or faces.shape[1:] != (3,)

@@ -1,4 +1,4 @@
-"""Which parts are tuned on, which are reported, and which net is asked about which part."""
+"""Which parts are tuned on, which are reported, and which network reconstructs which part."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,16 +13,16 @@ class SplitAssignment:
     """Where one part stands."""
 
     split: str  # "dev": tuned on, in no headline mean; "test": reported
-    fold: int | None  # the part is reconstructed by a net that saw no part of this fold; None: any
+    fold: int | None  # the part is reconstructed by a network trained without this fold; None: any
 
     @property
     def net_name(self) -> str:
-        """The name of the net that is asked about the part."""
+        """The name of the network that reconstructs the part."""
         return "all" if self.fold is None else f"fold-{self.fold}"
 
 
 def train_parts(assignments: dict[str, SplitAssignment], net_name: str) -> list[str]:
-    """The parts, by id, that the net `net` learns from."""
+    """The ids of the parts that the network `net_name` is trained on."""
     return sorted(
         part
         for part, assignment in assignments.items()
@@ -31,14 +31,14 @@ def train_parts(assignments: dict[str, SplitAssignment], net_name: str) -> list[
 
 
 def save_split(path: Path, assignments: dict[str, SplitAssignment]) -> None:
-    """Write the place of every part id."""
+    """Write the assignment of every part id."""
     write_json(
-        path, {"schema": SCHEMA, "parts": {part: vars(p) for part, p in assignments.items()}}
+        path, {"schema": SCHEMA, "parts": {part: vars(one) for part, one in assignments.items()}}
     )
 
 
 def load_split(path: Path) -> dict[str, SplitAssignment]:
-    """Read the place of every part id; raises BadArtifact if the file is missing or torn."""
+    """Read the assignment of every part id; raises BadArtifact if the file is missing or torn."""
     return {
         part: SplitAssignment(**assignment)
         for part, assignment in read_json(path, SCHEMA, "split")["parts"].items()

@@ -1,4 +1,4 @@
-"""What a method has learned from other parts: a net's weights, or whatever it keeps of them."""
+"""What a method has learned from other parts: a network's weights, or whatever it keeps of them."""
 
 from dataclasses import dataclass
 from pathlib import Path

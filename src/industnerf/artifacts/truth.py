@@ -1,4 +1,4 @@
-"""What every method is scored against: samples of the true surface, and the floors."""
+"""The ground truth that methods are scored against: samples of the surface, and the floors."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -8,9 +8,8 @@
 Depth is z in mm, stored as a multiple of `depth_scale_mm` in 16 bits; 0 is background.
 
 With `views.calibration` the photographs are those of the true cameras, while cameras.json and
-transforms.json hold what a faulty calibration would say of the training views; held-out cameras
-are always exact.  The truth stands in a file of its own, which no method is given, to look at
-afterwards.
+transforms.json hold what a faulty calibration records of the training views; held-out cameras
+are always exact.  The true cameras stand in a file of their own, which no method is given.
 """
 
 from collections.abc import Iterable
@@ -56,7 +55,7 @@ class Views:
         return np.flatnonzero(~self.held_out)
 
     def rgb(self, indices: np.ndarray) -> UInt8[np.ndarray, "n h w 3"]:
-        """Color images of the views `which`."""
+        """Color images of the views `indices`."""
         return self._read("rgb", indices)
 
     def mask(self, indices: np.ndarray) -> Bool[np.ndarray, "n h w"]:
@@ -91,7 +90,7 @@ def load_views(folder: Path) -> Views:
 def load_true_cameras(folder: Path) -> Cameras:
     """The cameras that took the photographs, which differ from `Views.cameras` if these are wrong.
 
-    To judge by, and never for a method.  Raises BadArtifact as `load_views` does.
+    For evaluation, never for a method.  Raises BadArtifact as `load_views` does.
     """
     if not (folder / TRUE_CAMERAS).exists():
         return load_views(folder).cameras
@@ -111,9 +110,9 @@ def _cameras(content: dict, rows: list[dict]) -> Cameras:
 def save_views(
     views: Views, images: Iterable[RgbdImage], true_cameras: Cameras | None = None
 ) -> None:
-    """Write the cameras, and every frame as soon as it comes, into `views.folder`.
+    """Write the cameras, and every image as soon as it comes, into `views.folder`.
 
-    `truth` are the cameras that took the frames, where `views.cameras` are wrong.
+    `true_cameras` took the images, where `views.cameras` are wrong.
     """
     for kind in ("rgb", "mask", "depth"):
         (views.folder / kind).mkdir(parents=True)

@@ -1,1 +1,1 @@
-"""Photographs of a part: where the cameras stand, how the part is lit, what each pixel shows."""
+"""Photographs of a part: camera poses, lighting, shading, sensor."""

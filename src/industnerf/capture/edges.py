@@ -1,6 +1,6 @@
 """Anti-aliasing where it shows: which pixels lie on an edge, and their mean over the pixel.
 
-`light` is what a shader says, in one channel or three; BACKGROUND stands where there is none.
+Radiance has one channel or three, as the shading returns it; BACKGROUND stands where no part is.
 Image coordinates (u, v) are in px, as everywhere.
 """
 
@@ -9,11 +9,10 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Bool, Float32, Int
 
-BACKGROUND = np.float32(-1)  # darker than anything, so that a silhouette is an edge in light
-EDGE_THRESHOLD = 0.03  # difference in light, 8 gray levels of a white part, that makes an edge
-SUPERSAMPLE_THRESHOLD = (
-    0.2  # spread in light within a pixel for which its corners and center are too few
-)
+BACKGROUND = np.float32(-1)  # darker than anything, so that a silhouette is an edge in radiance
+EDGE_THRESHOLD = 0.03  # difference in radiance, 8 gray levels of a white part, that makes an edge
+# spread in radiance within a pixel for which its corners and center are too few samples
+SUPERSAMPLE_THRESHOLD = 0.2
 DEPTH_JUMP_PX = 4  # jump in depth, in sides of a pixel, that makes an edge
 
 Radiance = Float32[np.ndarray, "channels n"]
@@ -25,7 +24,7 @@ def edge_mask(
 ) -> Bool[np.ndarray, "h w"]:
     """Pixels that differ from a neighbor above, below, left or right; depth 0 is background.
 
-    They differ in light, across a silhouette, a crease or a change of color, or they jump in
+    They differ in radiance, across a silhouette, a crease or a change of color, or they jump in
     depth.  Over the image of a plane 1/z is affine, however steep the plane, so its second
     difference shows jumps only.
     """
@@ -47,11 +46,11 @@ def pixel_means(
     radiance_at: RadianceAt,
     num_samples: int,
 ) -> tuple[Float32[np.ndarray, "channels side side"], Float32[np.ndarray, "side side"]]:
-    """Mean over each pixel of the part's light, and of its cover.
+    """Mean over each pixel of the part's radiance, and of its coverage.
 
-    `light` holds the pixel centers, `edge` the flat indices of the pixels on an edge.  Of those
-    the corners are looked at too: four pixels share each.  Where corners and center differ
-    little they give the mean, and where they differ much `samples` further points do.
+    `radiance` is that of the pixel centers, `edge_ids` are the flat indices of the pixels on an
+    edge.  Of those the corners are sampled too: four pixels share each.  Where corners and center
+    differ little they give the mean, and where they differ much `num_samples` further points do.
     """
     side = radiance.shape[-1]
     v, u = np.divmod(edge_ids, side)
@@ -75,7 +74,7 @@ def pixel_means(
 def corner_radiance(
     u: Int[np.ndarray, "n"], v: Int[np.ndarray, "n"], side: int, radiance_at: RadianceAt
 ) -> Float32[np.ndarray, "channels n 4"]:
-    """Light at the corners of the pixels (u, v), each corner looked at once."""
+    """Radiance at the corners of the pixels (u, v), each corner sampled once."""
     corners = ((side + 1) * v + u)[:, None] + [0, 1, side + 1, side + 2]
     needed = np.zeros((side + 1) ** 2, bool)
     needed[corners] = True

@@ -1,4 +1,4 @@
-"""One photograph: what each pixel's center shows, then the means of the pixels on an edge."""
+"""One photograph: the radiance at each pixel's center, then the means of the pixels on an edge."""
 
 from collections.abc import Iterator
 
@@ -61,7 +61,7 @@ def render_image(
 def scatter(
     radiance: Float32[np.ndarray, "channels hits"], indices: Int[np.ndarray, "hits"], rays: int
 ) -> Float32[np.ndarray, "channels {rays}"]:
-    """`light` of the rays `at`, among all `rays`; BACKGROUND at the others."""
+    """`radiance` of the rays `indices`, among all `rays`; BACKGROUND at the others."""
     everywhere = np.full((len(radiance), rays), BACKGROUND)
     for plane, values in zip(everywhere, radiance, strict=True):
         plane[indices] = values
@@ -71,15 +71,14 @@ def scatter(
 def candidate_pixels(
     points: Float[np.ndarray, "n 2"], side: int
 ) -> Bool[np.ndarray, "{side} {side}"]:
-    """Pixels whose center lies in the polygon of 2 * AXES sides around the projected `points`.
+    """Pixels whose center lies in a polygon of 2 * NUM_DIRECTIONS sides around projected `points`.
 
     A mesh lies in the convex hull of its vertices, and what lies before the camera is projected
     into the hull of the projected vertices.  The polygon contains that hull: a ray through a
     pixel outside it cannot meet the mesh.
     """
-    angle = (np.arange(NUM_DIRECTIONS) + 0.5) * (
-        np.pi / NUM_DIRECTIONS
-    )  # none is vertical: all bound u
+    # none is vertical: all bound u
+    angle = (np.arange(NUM_DIRECTIONS) + 0.5) * (np.pi / NUM_DIRECTIONS)
     across, down = np.cos(angle), np.sin(angle)
     projections = points @ np.stack([across, down])
     bounds = np.stack([projections.min(axis=0) - MARGIN_PX, projections.max(axis=0) + MARGIN_PX])
@@ -108,7 +107,7 @@ def composite(
 ) -> Iterator[Float32[np.ndarray, "h w"]]:
     """Linear radiance over the background, color by color, white being 255.
 
-    `light` counts covered area only.
+    `radiance` counts covered area only.
     """
     uncovered = 1 - coverage
     for color, albedo in enumerate(tint):

@@ -1,4 +1,4 @@
-"""Lamps: ambient light and distant lamps, fixed to the part unless they sway."""
+"""Ambient light and distant lamps, fixed to the part unless `views.light` jitters them."""
 
 from dataclasses import dataclass
 
@@ -37,8 +37,9 @@ class Lights:
 def view_lights(light: LightParams, streams: RandomStreams) -> Lights:
     """The lamps of one view.
 
-    All of them are turned as one about a random axis, by an angle uniform within `sway_deg`,
-    and each is brighter or darker by a share uniform within `flicker`.
+    All of them are rotated as one about a random axis, by an angle uniform within
+    `rotation_jitter_deg`, and each is brighter or darker by a share uniform within
+    `intensity_jitter`.
     """
     lights = Lights.from_params(light)
     if not (light.rotation_jitter_deg or light.intensity_jitter):

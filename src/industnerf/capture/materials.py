@@ -1,4 +1,4 @@
-"""What every face is made of, as a shader reads it."""
+"""The material of every face, as the shading reads it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,17 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadArtifact
 
 
 @dataclass(frozen=True)
 class Materials:
-    """The finishes that a mesh uses, and which of them each face has."""
+    """The appearances that a mesh uses, and which of them each face has."""
 
     face_material: UInt8[np.ndarray, "faces"]
-    albedo: tuple[tuple[float, ...], ...]  # linear, one triple a finish in use
+    albedo: tuple[tuple[float, ...], ...]  # linear, one triple an appearance in use
     metallic: Float32[np.ndarray, "used"]
     roughness: Float32[np.ndarray, "used"]
 
@@ -24,9 +23,9 @@ class Materials:
     def from_mesh(
         mesh: Mesh, appearances: Sequence[Appearance], default_albedo: Sequence[float]
     ) -> "Materials":
-        """Those of `mesh`; a finish that states no albedo has `unstated`.
+        """Those of `mesh`; an appearance that states no albedo has `default_albedo`.
 
-        Raises BadArtifact if a face has a finish that is not among `finishes`.
+        Raises BadArtifact if a face has an appearance that is not among `appearances`.
         """
         used, face_material = np.unique(mesh.finish, return_inverse=True)
         if used[-1] >= len(appearances):

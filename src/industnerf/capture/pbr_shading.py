@@ -1,4 +1,4 @@
-"""Shading like a photograph's: metal shines, shadows are soft, and both depend on the view.
+"""Physically based shading: metal shines, shadows are soft, and both depend on the view.
 
 Light is reflected twice over: by the surface like a mirror's (Cook-Torrance with the GGX
 distribution, Walter et al. 2007, and Schlick's Fresnel term) and, unless it is metal, from below
@@ -6,8 +6,8 @@ it in all directions.  Radiance is counted in the units of matte shading: a lamp
 makes a white matte face that it stands upright on send 1.
 
 A metal shows its surroundings, and before three discs in an even sky it would be black with white
-spots.  So a lamp is a disc before a bright wall: for mirrors, a `GLOW` of its light comes from all
-the half of the sky around it, most from the middle.
+spots.  So a lamp is a disc before a bright wall: for mirrors, a share GLOW_SHARE of its light comes
+from all the half of the sky around it, most from the middle.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ from industnerf.schema import PhotorealisticParams
 DIELECTRIC_F0 = np.float32(0.04)  # what paint and plastic mirror straight on: index 1.5
 MIN_ALPHA = np.float32(1e-3)  # least width of a highlight: a perfect mirror has no finite one
 GLOW_SHARE = np.float32(0.5)
-MIN_COSINE = np.float32(1e-3)  # least cosine: a smooth normal may turn away from the eye
+MIN_COSINE = np.float32(1e-3)  # least cosine: a smooth normal may turn away from the camera
 
 Scalar = Float32[np.ndarray, "n"]
 Color = Float32[np.ndarray, "3 n"]
@@ -45,7 +45,7 @@ class PbrShading(Shading):
         self._diffuse = (1 - materials.metallic) * albedo
         self._roughness = materials.roughness
 
-    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels spots"]:
+    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels hits"]:
         material = self._face_material.take(hits.face)
         f0, diffuse = self._f0[:, material], self._diffuse[:, material]
         roughness = self._roughness.take(material)
@@ -55,9 +55,8 @@ class PbrShading(Shading):
         view_dir /= length(view_dir)
         n_dot_v = np.maximum(dot(normal, view_dir), MIN_COSINE)
         view_reflectance = sky_reflectance(f0, roughness, n_dot_v)
-        diffuse_out = diffuse * (
-            1 - view_reflectance
-        )  # what is not mirrored on its way out, nor on its way in
+        # what is not mirrored on its way out, nor, below, on its way in
+        diffuse_out = diffuse * (1 - view_reflectance)
         radiance = self._lights.ambient * (diffuse_out + view_reflectance)
         mirror_dir = 2 * dot(normal, view_dir) * normal - view_dir
         alpha = np.minimum(np.maximum(roughness**2, MIN_ALPHA) + self._lamp_alpha, 1)
@@ -67,16 +66,11 @@ class PbrShading(Shading):
             visibility = self._shadows.light_visibility(ray_origins, normal, light_dir)
             n_dot_l = np.maximum(light_dir @ normal, MIN_COSINE)
             specular = ggx_specular(light_dir, view_dir, normal, f0, alpha)
-            radiance += (
-                intensity
-                * visibility.mean_cosine
-                * diffuse_out
-                * (1 - sky_reflectance(f0, roughness, n_dot_l))
-            )
+            diffuse_in = 1 - sky_reflectance(f0, roughness, n_dot_l)
+            radiance += intensity * visibility.mean_cosine * diffuse_out * diffuse_in
             glow = np.maximum(light_dir @ mirror_dir, 0) * view_reflectance
-            radiance += (
-                intensity * visibility.visible_share * (specular + GLOW_SHARE * (glow - specular))
-            )
+            mirrored = specular + GLOW_SHARE * (glow - specular)
+            radiance += intensity * visibility.visible_share * mirrored
         return radiance
 
 
@@ -85,7 +79,7 @@ def ggx_specular(
 ) -> Color:
     """What a lamp of intensity 1 is mirrored as: pi D F G / (4 n.v), all vectors of unit length.
 
-    D is the GGX distribution of slopes of the given `width`, which a lamp's own width adds to;
+    D is the GGX distribution of slopes of the width `alpha`, which a lamp's own width adds to;
     G is Smith's shadowing and masking, correlated in height.
     """
     half_vector = light_dir[:, None] + view_dir
@@ -103,7 +97,7 @@ def ggx_specular(
 
 
 def fresnel(f0: Color, cosine: Scalar) -> Color:
-    """The share that is mirrored at this angle, `mirrored` being that straight on -- Schlick."""
+    """The share that is mirrored at this angle, `f0` being that straight on -- Schlick."""
     return f0 + (1 - f0) * (1 - cosine) ** 5
 
 

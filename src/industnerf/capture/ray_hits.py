@@ -1,4 +1,4 @@
-"""The surface of a part: what a ray meets, and which way it faces there."""
+"""Ray intersections with the surface of a part, and the normals there."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ from industnerf.geometry.raycast import RaycastingScene
 
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Where the rays from one eye that hit the part meet it."""
+    """Where the rays from one camera that hit the part meet it."""
 
     ray: Int[np.ndarray, "hits"]  # which rays
     t: Float32[np.ndarray, "hits"]  # in lengths of their directions
     face: Int32[np.ndarray, "hits"]
     uv: Float32[np.ndarray, "hits 2"]  # barycentric weights of the face's 2nd and 3rd corner
-    normal: Float32[np.ndarray, "3 hits"]  # for shading, towards the eye; at most 1 long
+    normal: Float32[np.ndarray, "3 hits"]  # for shading, towards the camera; at most 1 long
     is_backface: Bool[np.ndarray, "hits"]  # the face is seen from its back
     camera_center: Float[np.ndarray, "3"]
 
@@ -40,7 +40,7 @@ class Surface:
     def intersect(
         self, camera_center: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
     ) -> SurfacePoints:
-        """What the rays from `eye` meet."""
+        """The first intersections of the rays from `camera_center`."""
         hits = self.scene.cast(camera_center[None], directions)
         ray = np.flatnonzero(hits.face >= 0)
         face, uv = hits.face.take(ray), hits.uv.take(ray, axis=0)
@@ -52,10 +52,10 @@ class Surface:
         return SurfacePoints(ray, hits.t.take(ray), face, uv, normal, is_backface, camera_center)
 
     def offset_along_normal(self, hits: SurfacePoints) -> Float[np.ndarray, "hits 3"]:
-        """The spots (mm) on the round surface that the facets stand for, never below these.
+        """The points (mm) on the round surface that the facets stand for, never below these.
 
         A ray from a facet of a round surface towards a low lamp would meet the next facet.  So
-        each spot goes to the mean of its feet on the planes across the corners' normals, where
+        each point goes to the mean of its feet on the planes across the corners' normals, where
         these lie above -- Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II (2021).
         """
         corners = self._corners.take(hits.face, axis=0)

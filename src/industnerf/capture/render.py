@@ -1,4 +1,4 @@
-"""Photograph a part: the work of the stage `views`.
+"""Render the views of a part: the work of the stage `views`.
 
 Color is linear radiance, straight to 8 bits: no sRGB curve is applied, so a pixel's value is
 proportional to the light that it receives, and mixing over an edge is mixing of light.
@@ -6,13 +6,19 @@ proportional to the light that it receives, and mixing over an edge is mixing of
 
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+
 from industnerf.artifacts.part import Mesh, load_mesh, load_part
 from industnerf.artifacts.png import MAX_DEPTH_VALUE
 from industnerf.artifacts.views import Views, save_views
-from industnerf.capture.background import backgrounds
-from industnerf.capture.calibration_error import is_exact, perturbed_cameras
+from industnerf.capture.camera_perturbation import (
+    is_exact,
+    jitter_cameras,
+    max_camera_distance,
+    perturbed_cameras,
+)
 from industnerf.capture.image_formation import render_image
-from industnerf.capture.jitter import jitter_cameras, max_camera_distance
 from industnerf.capture.light import view_lights
 from industnerf.capture.materials import Materials
 from industnerf.capture.pbr_shading import PbrShading
@@ -23,6 +29,8 @@ from industnerf.capture.shading import LambertianShading, Shading
 from industnerf.geometry.cameras import Cameras
 from industnerf.geometry.visibility import area_samples, visible_in
 from industnerf.schema import ViewsParams
+
+BACKGROUND_LEVELS = {"white": 255, "gray": 128, "black": 0}
 
 
 def render_part(source: Path, target: Path, settings: ViewsParams, seed: int) -> None:
@@ -78,3 +86,16 @@ def visible_share(surface: Surface, mesh: Mesh, cameras: Cameras) -> float:
     """Share of the area that at least one of `cameras` sees, inside its frame."""
     points, tolerance_mm = area_samples(mesh.vertices, mesh.faces)
     return float(visible_in(surface.scene, points, cameras, tolerance_mm).mean())
+
+
+def backgrounds(
+    settings: ViewsParams, view_streams: list[RandomStreams]
+) -> Float[np.ndarray, "n 3"]:
+    """The background of each view, in [0, 1].
+
+    All are multiples of 1/255, so that a picture without noise shows them exactly.
+    """
+    if settings.background == "random":
+        colors = [streams.generator("background").integers(0, 256, 3) for streams in view_streams]
+        return np.array(colors) / 255
+    return np.full((len(view_streams), 3), BACKGROUND_LEVELS[settings.background] / 255)

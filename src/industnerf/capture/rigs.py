@@ -1,11 +1,13 @@
-"""Where the cameras stand: around the part, all looking at its center."""
+"""Where the cameras stand: around the part, all looking at its center.
+
+A turntable has the same elevations all round, some elevations one above the other.
+"""
 
 from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from industnerf.capture.turntable import held_out_directions, ring_directions
 from industnerf.errors import BadParams
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_hemisphere, fibonacci_sphere
@@ -15,6 +17,7 @@ FIT_TOLERANCE = 1e-9  # by which a ball that just fits may seem too large
 NUM_AZIMUTHS = 360  # candidates for the turn between held-out and training cameras
 
 Directions = Float[np.ndarray, "_ 3"]
+Elevations = Float[np.ndarray, "rings"]  # radians
 Lattice = Callable[[int, float], Directions]
 
 
@@ -62,11 +65,11 @@ def best_azimuth_offset(train: Directions, held_out: int, lattice: Lattice) -> f
 
 
 def min_camera_distance(half_fov: float, aim_offset: float) -> float:
-    """The distance, in radii, from which a ball fits half a field of view of `half` radians.
+    """The distance, in radii, from which a ball fits half a field of view of `half_fov` radians.
 
-    It does so wherever within `aside` radii of its center the camera may aim: seen from the
-    distance d the center is at most atan(aside / d) off the axis, and asin(1 / d) wide;
-    together they are less than asin((1 + aside) / d), for asin is convex.
+    It does so wherever within `aim_offset` radii of its center the camera aims: from the distance d
+    the center is at most atan(aim_offset / d) off the axis, and asin(1 / d) wide; together they are
+    less than asin((1 + aim_offset) / d), for asin is convex.
     """
     return (1 + aim_offset) / np.sin(half_fov)
 
@@ -93,3 +96,53 @@ def require_in_frame(settings: ViewsParams) -> None:
 def round_up(value: float, digits: int) -> float:
     """`value` with so many decimals, never less than it is."""
     return float(np.ceil(value * 10**digits - FIT_TOLERANCE) / 10**digits)
+
+
+def ring_directions(count: int, elevations: Elevations) -> Float[np.ndarray, "{count} 3"]:
+    """`count` unit vectors, ring by ring.
+
+    The rings share them as evenly as possible, the first having one more; each ring is evenly
+    spaced, and turned by its part of a step, so that no two rings of equally many cameras have
+    any at one azimuth.
+    """
+    azimuths = [
+        (np.arange(n) + ring / len(elevations)) / max(n, 1)
+        for ring, n in enumerate(split_evenly(count, len(elevations)))
+    ]
+    return _unit_vectors(elevations, azimuths)
+
+
+def held_out_directions(
+    count: int, held_out: int, elevations: Elevations
+) -> Float[np.ndarray, "{held_out} 3"]:
+    """`held_out` unit vectors on the rings of `count` others, in the middles of their gaps.
+
+    Where a ring has more of them than gaps, they divide its gaps evenly.
+    """
+    azimuths, levels = [], len(elevations)
+    per_ring = zip(split_evenly(count, levels), split_evenly(held_out, levels), strict=True)
+    for ring, (gaps, n) in enumerate(per_ring):
+        gaps = max(gaps, 1)
+        slots_per_gap = -(-n // gaps)  # in a gap
+        # the rings begin at different gaps, so that they do not leave the same side out
+        slot = ((np.arange(n) + ring / levels) * (gaps * slots_per_gap) / max(n, 1)).astype(int)
+        gap, slot_in_gap = slot // max(slots_per_gap, 1), slot % max(slots_per_gap, 1)
+        azimuths.append((gap + (slot_in_gap + 1) / (slots_per_gap + 1) + ring / levels) / gaps)
+    return _unit_vectors(elevations, azimuths)
+
+
+def split_evenly(count: int, levels: int) -> list[int]:
+    """`count` in `levels` whole parts that differ by one at most."""
+    return [count // levels + (level < count % levels) for level in range(levels)]
+
+
+def _unit_vectors(
+    elevations: Elevations, azimuths: list[Float[np.ndarray, "_"]]
+) -> Float[np.ndarray, "_ 3"]:
+    """Unit vectors of every ring's azimuths, which are in turns."""
+    elevation = np.repeat(elevations, [len(ring) for ring in azimuths])
+    angle = 2 * np.pi * np.concatenate(azimuths)
+    return np.stack(
+        [np.cos(elevation) * np.cos(angle), np.cos(elevation) * np.sin(angle), np.sin(elevation)],
+        axis=1,
+    )

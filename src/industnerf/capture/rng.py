@@ -1,7 +1,7 @@
-"""What may differ from view to view, drawn by name.
+"""Random numbers of a view, drawn by name.
 
 A draw depends on the base seed, its purpose, the part and the view's name, and on nothing else:
-more views, another part or another random knob shift nobody's numbers.
+more views, another part or another random setting shift nobody's numbers.
 """
 
 from dataclasses import dataclass

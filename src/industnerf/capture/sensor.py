@@ -1,6 +1,6 @@
-"""From light to a file's pixels, in the order of a camera: lens, sensor, 8 bits, compression.
+"""From radiance to a file's pixels, in the order of a camera: lens, sensor, 8 bits, compression.
 
-Light beyond white spreads in the lens before the sensor cuts it off.
+Radiance beyond white spreads in the lens before the sensor cuts it off.
 """
 
 import io
@@ -19,7 +19,7 @@ Plane = Float32[np.ndarray, "h w"]  # of one color; white is 255
 def simulate_sensor(
     planes: Iterable[Plane], sensor: SensorParams, rng: np.random.Generator
 ) -> UInt8[np.ndarray, "h w 3"]:
-    """The picture of the light in `planes`: red, green and blue."""
+    """The 8-bit image of the radiance in `planes`: red, green and blue."""
     channels = []
     for plane in planes:
         if sensor.blur_px:

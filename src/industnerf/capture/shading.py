@@ -1,6 +1,6 @@
-"""What a shader is: from spots on the part to the light that they send to the eye.
+"""The interface of shading: from surface points to the radiance that they send to the camera.
 
-Light has one channel or three.  One will do where the part has one albedo and no highlights:
+Radiance has one channel or three.  One will do where the part has one albedo and no highlights:
 then every color is the same picture times the `tint`.
 """
 
@@ -17,11 +17,11 @@ from industnerf.capture.ray_hits import SurfacePoints
 class Shading(ABC):
     """A part's materials under the lamps of one view."""
 
-    tint: tuple[float, ...]  # by color: radiance over light
+    tint: tuple[float, ...]  # by color: what the radiance is multiplied by
 
     @abstractmethod
-    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels spots"]:
-        """The light that `spots` send to the eye, none of it negative."""
+    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels hits"]:
+        """The radiance that `hits` send to the camera, none of it negative."""
 
 
 class LambertianShading(Shading):
@@ -33,7 +33,7 @@ class LambertianShading(Shading):
         self.tint = materials.albedo[0] if self._is_uniform else (1.0, 1.0, 1.0)
         self._albedo = np.array(materials.albedo, np.float32).T
 
-    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels spots"]:
+    def __call__(self, hits: SurfacePoints) -> Float32[np.ndarray, "channels hits"]:
         irradiance = self._lights.shade(hits.normal)
         if self._is_uniform:
             return irradiance[None]

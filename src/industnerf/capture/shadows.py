@@ -1,4 +1,4 @@
-"""Soft shadows: how much of a lamp, a disc in the sky, a spot on the surface sees."""
+"""Soft shadows: how much of a lamp, a disc in the sky, a surface point sees."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ Points = Float32[np.ndarray, "points 3"]
 
 
 class ShadowedLights(NamedTuple):
-    """What spots see of one lamp."""
+    """What surface points see of one lamp."""
 
     visible_share: Float32[np.ndarray, "n"]  # of the disc
     mean_cosine: Float32[np.ndarray, "n"]  # to the normal, mean over the disc; 0 for what is hidden
@@ -25,7 +25,7 @@ class ShadowedLights(NamedTuple):
 class Shadows:
     """Rays towards fixed points of every lamp: no chance, hence no noise and no seed.
 
-    The `PROBES` points nearest to the rim of a lamp's disc are looked at first.  Where they agree
+    The NUM_PROBES points nearest to the rim of a lamp's disc are tried first.  Where they agree
     the others are taken to agree with them: a wire thin enough to hide the middle alone is missed.
     """
 
@@ -37,7 +37,7 @@ class Shadows:
     def ray_origins(
         self, hits: SurfacePoints, normal: Float32[np.ndarray, "3 n"]
     ) -> Float[np.ndarray, "n 3"]:
-        """Where the shadow rays of `spots` begin, mm; `normal` has unit length."""
+        """Where the shadow rays of `hits` begin, mm; `normal` has unit length."""
         return self._surface.offset_along_normal(hits) + self._offset_mm * normal.T
 
     def light_visibility(
@@ -46,7 +46,7 @@ class Shadows:
         normal: Float32[np.ndarray, "3 n"],
         light_dir: Float32[np.ndarray, "3"],
     ) -> ShadowedLights:
-        """What is seen from `starts` of the lamp around `towards`, above each one's horizon."""
+        """What `ray_origins` see of the lamp around `light_dir`, above each one's horizon."""
         disc = disc_directions(light_dir, self._disc_radius, self._samples)
         cosine = np.maximum(disc @ normal, 0)
         is_seen = cosine > 0
@@ -66,7 +66,7 @@ class Shadows:
     def _is_unblocked(
         self, ray_origins: Float[np.ndarray, "m 3"], points: Points
     ) -> Bool[np.ndarray, "points m"]:
-        """Whether each point of the lamp is seen from each of `starts`."""
+        """Whether each of `points` of the lamp is seen from each of `ray_origins`."""
         is_unblocked = np.empty((len(points), len(ray_origins)), bool)
         for row, point in zip(is_unblocked, points, strict=True):
             row[:] = ~self._surface.scene.is_occluded(
@@ -76,7 +76,7 @@ class Shadows:
 
 
 def disc_directions(light_dir: Float32[np.ndarray, "3"], radius: float, samples: int) -> Points:
-    """Unit vectors to points, even in area, of a disc of radius `reach` at the distance 1.
+    """Unit vectors to points, even in area, of a disc of `radius` at the distance 1.
 
     They come from its middle to its rim, and any four in a row stand on four sides of it.
     """

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int64
 from industnerf.errors import BadPart
 from industnerf.geometry.sampling import sample_surface
 from industnerf.parts.io.readers.mesh_content import MeshContent
-from industnerf.parts.io.readers.obj_parser import parse_obj
+from industnerf.parts.io.readers.obj import parse_obj
 from industnerf.parts.io.readers.off import read_off
 from industnerf.parts.io.readers.ply import read_ply
 from industnerf.parts.io.readers.stl import read_stl

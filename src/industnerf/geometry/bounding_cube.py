@@ -1,4 +1,4 @@
-"""The cube round a part's bounding box: the frame that methods learn in which know many parts."""
+"""The cube around a part's bounding box: the frame of methods that learn from other parts."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ class BoundingCube:
 
     @staticmethod
     def of(vertices: Float[np.ndarray, "n 3"]) -> "BoundingCube":
-        """The cube round `vertices` (mm)."""
+        """The cube around `vertices` (mm)."""
         lo, hi = vertices.min(axis=0), vertices.max(axis=0)
         return BoundingCube((lo + hi) / 2, float((hi - lo).max()))
 

@@ -1,9 +1,9 @@
-"""Pinhole cameras, and the way between pixels, rays and points."""
+"""Pinhole cameras: projection, back-projection, rays, and subsets of views."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int64
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def ray_directions(
     K: Float[np.ndarray, "3 3"],
     c2w: Float[np.ndarray, "4 4"],
 ) -> Float[np.ndarray, "pixels 3"]:
-    """Unit directions in the world of the rays through the pixels `uv`; they start at the eye."""
+    """Unit directions, in the world, of the rays from the camera center through the pixels `uv`."""
     pixel_to_ray = back_projection(K, c2w)
     directions = uv @ pixel_to_ray[:, :2].T + pixel_to_ray[:, 2]
     # vector norm by einsum: several times faster than linalg.norm on three columns
@@ -87,7 +87,7 @@ def project(
 def look_at(
     camera_centers: Float[np.ndarray, "n 3"], target: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "n 4 4"]:
-    """Camera-to-world transforms that look from `eyes` at `target`, with world +z upwards.
+    """Camera-to-world transforms that look from `camera_centers` at `target`, world +z upwards.
 
     A camera straight above or below the target takes +y for up instead.
     """
@@ -141,3 +141,20 @@ def unit_ball_projections(
     to_mm = np.diag([radius_mm, radius_mm, radius_mm, 1.0])
     to_mm[:3, 3] = center
     return (cameras.K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm).astype(np.float32)
+
+
+def nested_view_subset(
+    positions: Float[np.ndarray, "n 3"], count: int
+) -> Int64[np.ndarray, "count"]:
+    """Indices of `count` of `positions`, ascending: the first, and each next the farthest from all.
+
+    A subset of any size contains all smaller ones.  Of positions alike far the one with the lower
+    index is taken.  `count` is at most n.
+    """
+    chosen = [0]
+    distance = np.full(len(positions), np.inf)
+    while len(chosen) < count:
+        distance = np.minimum(distance, np.linalg.norm(positions - positions[chosen[-1]], axis=1))
+        distance[chosen] = -1.0
+        chosen.append(int(distance.argmax()))
+    return np.sort(chosen)

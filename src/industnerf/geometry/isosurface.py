@@ -1,4 +1,4 @@
-"""The surface where values on a lattice cross a level: marching cubes, and points on it."""
+"""Marching cubes on a grid of values, and random points of the surface."""
 
 import numpy as np
 from jaxtyping import Float, Int32
@@ -15,13 +15,13 @@ def isosurface(
     """Vertices and faces where `values` cross `level`, in the unit of `spacing`; maybe none.
 
     `values[i, j, k]` is the value at `lo + spacing * (i, j, k)`; high is inside.  Outside of the
-    lattice all is far below the level, so that the surface is closed -- Lewiner et al. (2003).
+    grid all is far below the level, so that the surface is closed -- Lewiner et al. (2003).
     """
     from skimage.measure import marching_cubes
 
     if not (values > level).any():
         return np.zeros((0, 3)), np.zeros((0, 3), np.int32)
-    lowest = level - (values.max() - level)  # the surface of a full lattice is half a step outside
+    lowest = level - (values.max() - level)  # the surface of a full grid is half a step outside
     closed = np.pad(values, 1, constant_values=lowest)
     vertices, faces, _, _ = marching_cubes(closed, level, gradient_direction="ascent")
     return lo + spacing * (vertices.astype(np.float64) - 1), faces.astype(np.int32)

@@ -1,9 +1,12 @@
-"""The only door to embree: which face does a ray meet first, and where."""
+"""Ray casting at a triangle mesh, by embree, which only this module imports."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int32
+
+from industnerf.geometry.sphere import fibonacci_sphere
 
 
 @dataclass(frozen=True)
@@ -64,3 +67,21 @@ class RaycastingScene:
         """Whether the rays from `origins` (mm) meet the mesh at all: cheaper than where."""
         towards = directions.astype(np.float32, copy=False)
         return self._scene.run(self._to_box(origins), towards, query="OCCLUDED") >= 0
+
+
+def parallel_ray_bundles(
+    vertices: Float[np.ndarray, "n 3"], views: int, rays_across: int
+) -> Iterator[tuple[Float[np.ndarray, "rays 3"], Float[np.ndarray, "3"]]]:
+    """`views` bundles of parallel rays at a mesh, from all round.
+
+    Each is a square grid of `rays_across`**2 origins (mm) and one unit direction.
+
+    Every bundle is as wide as the bounding box's diagonal and starts outside the box.
+    """
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    radius = 0.5 * float(np.linalg.norm(high - low))
+    offsets = radius * (2 * np.arange(rays_across) + 1 - rays_across) / rays_across
+    grid = np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+    for direction in fibonacci_sphere(views):
+        plane_axes = np.linalg.svd(direction[None])[2][1:]  # two unit vectors across the bundle
+        yield (low + high) / 2 - 2 * radius * direction + grid @ plane_axes, direction

@@ -1,7 +1,10 @@
-"""Random points of a triangle mesh, equally likely everywhere on its surface."""
+"""Area-uniform random points of surfaces: of a triangle mesh, a ball, a box."""
 
 import numpy as np
 from jaxtyping import Float, Int
+
+Vector = Float[np.ndarray, "3"]
+Points = Float[np.ndarray, "n 3"]
 
 
 def sample_surface(
@@ -25,3 +28,24 @@ def sample_surface(
     is_folded = weights.sum(axis=1) > 1  # the other half of the parallelogram: turn it over
     weights[is_folded] = 1 - weights[is_folded]
     return first[face] + np.einsum("ni,nij->nj", weights, edges[face]), face
+
+
+def ball_surface(extents: Vector, center: Vector, n: int, rng: np.random.Generator) -> Points:
+    """`n` points (mm) of the sphere about `center` whose diameter is the mean of `extents` (mm)."""
+    towards = rng.standard_normal((n, 3))  # isotropic, hence uniform once of length 1
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    return center + extents.mean() / 2 * towards
+
+
+def box_surface(extents: Vector, center: Vector, n: int, rng: np.random.Generator) -> Points:
+    """`n` points (mm) of the six faces of the box of sides `extents` (mm) about `center`.
+
+    Raises ValueError if the box has no area, being a line or a point.
+    """
+    area = np.array([extents[1] * extents[2], extents[2] * extents[0], extents[0] * extents[1]])
+    if not area.sum() > 0:
+        raise ValueError(f"a box of {extents.tolist()} mm has no surface")
+    points = rng.random((n, 3)) - 0.5
+    normal = rng.choice(3, n, p=area / area.sum())
+    points[np.arange(n), normal] = rng.choice([-0.5, 0.5], n)
+    return center + extents * points

@@ -6,18 +6,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt8
 from scipy.ndimage import minimum_filter, uniform_filter
 
-BORDER_QUANTILE = (
-    0.75  # of an image's border is no farther from the background than what is taken for noise
-)
-MAX_NOISE = (
-    0.1  # in [0, 1]; what most of the border is off by, if more, is the part, cut by the frame
-)
-NOISE_FACTOR = (
-    2.5  # times that: Gaussian noise stays within, 4.2 sigma, or 3.3 where it is cut off at 1
-)
+# The noise of an image is the distance from the background that this share of its border keeps.
+BORDER_QUANTILE = 0.75
+MAX_NOISE = 0.1  # in [0, 1]; if most of the border is farther off, the frame cuts the part
+NOISE_FACTOR = 2.5  # Gaussian noise stays within so many: 4.2 sigma, 3.3 where it is cut off at 1
 ROUNDING = 0.003  # in [0, 1]; a color in 8 bits is off by no more
 SPECK_SIZE = 2.5  # of the nine pixels in a square: a wire has three of them, a speck seldom
-MAX_DISTANCE_PX = 11  # px; distances are exact up to here, and NEAR^2 + (NEAR - 1)^2 fits 8 bits
+MAX_DISTANCE_PX = 11  # px; distances are exact up to here, and d^2 + (d - 1)^2 fits 8 bits
 BOUNDARY_OFFSET_PX = 0.5  # px; a pixel that shows any of the part lies on average half outside it
 
 
@@ -28,7 +23,7 @@ def foreground_mask(
 
     By more than `tolerance`, and by more than the background's noise, which the border of each
     image shows.  Where noise may pass the tolerance, faces nearly as bright as the background
-    are told by the mean of nine pixels, and specks and pinholes are mended.
+    are told by the mean of nine pixels, and specks and pinholes are removed.
     """
     masks = []
     for image, color in zip(rgb, background, strict=True):
@@ -87,7 +82,7 @@ def differs_from_background(
 
 
 def silhouette_distances(masks: Bool[np.ndarray, "n h w"]) -> Float32[np.ndarray, "n h w"]:
-    """Distance (px) of every pixel to the outline in its image, positive inside, to NEAR px."""
+    """Signed distance (px) of every pixel to the outline in its image, to MAX_DISTANCE_PX."""
     return np.stack([signed_distance(mask) for mask in masks])
 
 
@@ -98,7 +93,7 @@ def signed_distance(mask: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]
 
 
 def distance_to_mask(target: Bool[np.ndarray, "h w"]) -> Float32[np.ndarray, "h w"]:
-    """Distance (px) from every pixel's center to that of the nearest `target`, at most NEAR.
+    """Distance (px) from every pixel's center to the nearest `target`, to MAX_DISTANCE_PX.
 
     Euclidean and exact, along the columns and then along the rows: squared distance separates
     -- Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions" (2012).

@@ -9,7 +9,7 @@ GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 def fibonacci_sphere(n: int, azimuth_rad: float = 0.0) -> Float[np.ndarray, "n 3"]:
     """`n` unit vectors on the Fibonacci lattice, from near +z to near -z.
 
-    `turn` (radians) rotates the lattice about z, so that two lattices can be kept apart.
+    `azimuth_rad` rotates the lattice about z, so that two lattices can be kept apart.
     """
     return _lattice(n, 1.0, azimuth_rad)
 

@@ -1,4 +1,4 @@
-"""How far points are from a surface: from its triangles, not from samples of them."""
+"""Exact distances of points to the triangles of a surface."""
 
 from typing import no_type_check  # compiled, not called: there is nothing to check
 

@@ -1,4 +1,4 @@
-"""Rotational symmetry of a surface, found from its moments and proved by rays.
+"""Rotational symmetry of a surface, found from its moments and verified by rays.
 
 Moments are of the area, so that open surfaces have them as well as solids: a rotation that takes
 the surface to itself keeps its centroid and its moments of every degree.
@@ -35,7 +35,7 @@ def rotation_order(
     greatest and least: among them are a cube's, and any a ball's.  They are not a dodecahedron's,
     whose fourth moment is a ball's too.
 
-    An axis passes if each rotation of the order takes at least `least_share` of `points` (of the
+    An axis passes if each rotation of the order takes at least `min_share` of `points` (of the
     surface) to within `tolerance_mm` of it; one alone would let a helix pass, which a small turn
     shifts by little.  Where the points lie within 2 `tolerance_mm` of the axis, in the mean
     square, nothing is told from anything, and it does not pass.
@@ -63,10 +63,8 @@ def rotation_order(
 def _is_on_surface(
     scene: RaycastingScene, points: Float[np.ndarray, "k 3"], tolerance_mm: float, min_share: float
 ) -> bool:
-    if (
-        is_near_surface(scene, points[:QUICK_CHECK_POINTS], tolerance_mm).mean()
-        < 1 - MAX_MISS_SHARE
-    ):
+    quick_share = is_near_surface(scene, points[:QUICK_CHECK_POINTS], tolerance_mm).mean()
+    if quick_share < 1 - MAX_MISS_SHARE:
         return False
     return bool(is_near_surface(scene, points, tolerance_mm).mean() >= min_share)
 
@@ -74,9 +72,9 @@ def _is_on_surface(
 def is_near_surface(
     scene: RaycastingScene, points: Float[np.ndarray, "k 3"], max_distance_mm: float
 ) -> Bool[np.ndarray, "k"]:
-    """Whether any of `FEELERS` rays from each point meets the surface within `reach_mm`.
+    """Whether any of PROBE_RAYS rays from each point meets the surface within `max_distance_mm`.
 
-    They are spread evenly: a plane nearer than 0.88 of the reach is always met.
+    They are spread evenly: a plane nearer than 0.88 of that distance is always met.
     """
     is_near = np.zeros(len(points), bool)
     for direction in fibonacci_sphere(PROBE_RAYS):
@@ -130,7 +128,5 @@ def _quartic_extremes(
 def _rotation_matrix(axis: Float[np.ndarray, "3"], angle: float) -> Float[np.ndarray, "3 3"]:
     """The rotation by `angle` about the unit vector `axis` -- Rodrigues (1840)."""
     x, y, z = axis
-    cross_matrix = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return (
-        np.eye(3) + np.sin(angle) * cross_matrix + (1 - np.cos(angle)) * cross_matrix @ cross_matrix
-    )
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross

@@ -1,15 +1,15 @@
-"""One pleasant picture of a mesh, for people: contact sheets and reports, never an experiment."""
+"""Thumbnails of meshes for contact sheets and reports, never for an experiment."""
 
 import numpy as np
 from jaxtyping import Float, Int32, UInt8
 
 from industnerf.geometry.raycast import RaycastingScene
 
-TOWARDS_CAMERA = np.array([1.0, -1.2, 0.9])  # from the upper right: where a draughtsman would stand
+TOWARDS_CAMERA = np.array([1.0, -1.2, 0.9])  # from the upper right
 MARGIN = 0.04  # of the picture, left white on each side
 SUPERSAMPLES = 2  # rays across a pixel, both ways
 AMBIENT = 0.3
-# (right, up, towards the eye) in the picture, and intensity: one lamp to model, one to fill
+# (right, up, towards the camera) in the image, and intensity: one lamp to model, one to fill
 LIGHTS = (((-0.5, 0.8, 0.6), 0.65), ((0.9, 0.1, 0.4), 0.2))
 
 
@@ -32,15 +32,14 @@ def render_thumbnail(
         RaycastingScene(vertices, faces), view, (low + high) / 2, high[2], side, size_px
     )
     background = np.ones((1, 3), np.float32)
-    colors = np.concatenate(
-        [albedo * _face_irradiance(vertices, faces, view), background]
-    )  # face -1 is paper
+    # face -1 is the background
+    colors = np.concatenate([albedo * _face_irradiance(vertices, faces, view), background])
     linear = np.minimum(colors[face], 1).reshape(size_px, SUPERSAMPLES, size_px, SUPERSAMPLES, 3)
     return np.round(255 * _srgb(linear.mean(axis=(1, 3)))).astype(np.uint8)
 
 
 def viewing_axes() -> Float[np.ndarray, "3 3"]:
-    """Rows: right, up and towards the eye, in the world."""
+    """Rows: right, up and towards the camera, in the world."""
     back = TOWARDS_CAMERA / np.linalg.norm(TOWARDS_CAMERA)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)

@@ -1,4 +1,4 @@
-"""Depth images, and the mean of the signed distances that they give.
+"""TSDF fusion of depth images.
 
 Curless and Levoy, "A Volumetric Method for Building Complex Models from Range Images" (1996).
 Unit frame: the region of interest is the ball of radius 1 about the origin, and the lattice
@@ -15,9 +15,7 @@ from scipy.ndimage import binary_dilation, minimum_filter
 from industnerf.geometry.warp_launch import launch, to_warp
 
 OUTLINE_PX = 3  # px; within this square about a pixel, the part may cover what its center does not
-BACKGROUND_DEPTH = np.float32(
-    1e6
-)  # depth of the background where slopes are measured: larger than any
+BACKGROUND_DEPTH = np.float32(1e6)  # of the background where slopes are measured: larger than any
 UNKNOWN = np.float32(-1.0)  # depth of a pixel of which nothing is known
 
 
@@ -26,12 +24,14 @@ class DepthImages:
     """Depth images, and what is read from them."""
 
     depth: Float32[np.ndarray, "n h w"]  # inf: background, -inf: nothing is known
-    nearest: Float32[np.ndarray, "n h w"]  # depth in the square OUTLINE about each pixel
+    nearest: Float32[
+        np.ndarray, "n h w"
+    ]  # least depth in the square of OUTLINE_PX about each pixel
     cosine: Float32[np.ndarray, "n h w"]  # between ray and normal; 0 where no surface is seen
     projection: Float32[np.ndarray, "n 3 4"]
 
     def to_kernel_struct(self) -> Any:
-        """As the kernels want it, where they run."""
+        """The images as a Warp struct, on the device of the kernels."""
         import warp as wp
 
         from industnerf.geometry import tsdf_kernels
@@ -46,7 +46,7 @@ class DepthImages:
 def prepare_depth_images(
     depth: Float32[np.ndarray, "n h w"], projection: Float32[np.ndarray, "n 3 4"]
 ) -> DepthImages:
-    """Images in which 0 is the background.
+    """The images of `depth`, in which 0 is the background.
 
     Where it is UNKNOWN, and a pixel beside, an image says nothing of what is empty.
     """
@@ -102,11 +102,8 @@ def fuse(
     from industnerf.geometry import tsdf_kernels
 
     has_surface = depth.any(axis=(1, 2))
-    args = (
-        grid_res,
-        truncation,
-        prepare_depth_images(depth[has_surface], projection[has_surface]).to_kernel_struct(),
-    )
+    images = prepare_depth_images(depth[has_surface], projection[has_surface])
+    args = grid_res, truncation, images.to_kernel_struct()
     all_cells = np.arange(grid_res**3, dtype=np.int32)
     is_unseen = launch(tsdf_kernels.measure_unseen, all_cells, *args) > 0
     solid = is_unseen.reshape((grid_res,) * 3)

@@ -1,4 +1,4 @@
-"""The inner loops of `fusion`, compiled (NVIDIA Warp): what all images say of a cell.
+"""The inner loops of `tsdf`, compiled by NVIDIA Warp.
 
 Unit frame: n^3 cells tile the cube about the unit ball, and are given by their flat index.
 """
@@ -18,7 +18,7 @@ FADE_DEPTH = wp.constant(0.5)  # truncations behind a surface, from where on an 
 @wp.struct
 @no_type_check
 class DepthImages:
-    """See `fusion.Images`."""
+    """See `tsdf.DepthImages`."""
 
     depth: wp.array3d(dtype=wp.float32)
     nearest: wp.array3d(dtype=wp.float32)

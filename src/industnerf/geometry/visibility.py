@@ -1,4 +1,4 @@
-"""What a set of eyes can see of a solid."""
+"""Which points of a surface a set of cameras sees."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -29,7 +29,7 @@ def visible_from(
     camera_centers: Float[np.ndarray, "k 3"],
     tolerance_mm: float,
 ) -> Bool[np.ndarray, "n"]:
-    """Whether each point is met by the line of sight of at least one eye.
+    """Whether each point is met by the line of sight of at least one camera center.
 
     A point counts as met unless the surface is first met more than `tolerance_mm` before it:
     the tolerance lets points of the surface itself, and points slightly beneath it, be seen.
@@ -49,7 +49,7 @@ def visible_from(
 def visible_in(
     scene: RaycastingScene, points: Float[np.ndarray, "n 3"], cameras: Cameras, tolerance_mm: float
 ) -> Bool[np.ndarray, "n"]:
-    """As `seen_from` the eyes of `cameras`, where a point counts only inside a camera's frame."""
+    """As `visible_from` the centers of `cameras`, but only inside each camera's frame."""
     is_visible = np.zeros(len(points), bool)
     for K, c2w in zip(cameras.K, cameras.c2w, strict=True):
         remaining = np.flatnonzero(~is_visible)

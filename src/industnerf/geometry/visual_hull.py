@@ -1,4 +1,4 @@
-"""Which points of a solid's surface its silhouettes can show."""
+"""Which points of a solid's surface lie on its visual hull."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -18,9 +18,9 @@ def is_on_visual_hull(
 ) -> Bool[np.ndarray, "n"]:
     """Whether the hull of infinitely many silhouettes comes within `depth_mm` of each point.
 
-    A place is cut off the hull iff some line through it misses the solid.  Tried are the places
+    A point is cut off the hull iff some line through it misses the solid.  Tried are the points
     `depth_mm` before the surface, where `normals` (unit) point, and the lines parallel to the
-    tangent plane, `LINES` of them from an angle chosen by `rng`: any other line turns towards the
+    tangent plane, NUM_LINES of them from an angle chosen by `rng`: any other line turns towards the
     surface on one side.  A bore of radius R and length L is seen through from end to end if its
     axis lies within sqrt(2 R depth) / L of a line tried, so that only the slimmest are missed.
     """

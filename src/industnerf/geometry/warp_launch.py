@@ -1,6 +1,6 @@
-"""Asking compiled kernels about cells.
+"""Launching compiled kernels over cells.
 
-NVIDIA Warp is slow to import, so whoever may not need it does so late.
+NVIDIA Warp is slow to import, so it is imported late.
 """
 
 from typing import Any
@@ -10,7 +10,7 @@ from jaxtyping import Float32, Int32
 
 
 def launch(kernel: Any, cells: Int32[np.ndarray, "m"], *inputs: Any) -> Float32[np.ndarray, "m"]:
-    """What `kernel` says of each of `cells`, given `inputs`."""
+    """The value that `kernel` computes for each of `cells`, given `inputs`."""
     import warp as wp
 
     from industnerf.geometry.warp_runtime import warp_device

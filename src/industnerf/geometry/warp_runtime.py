@@ -1,4 +1,4 @@
-"""NVIDIA Warp, which compiles our inner loops for CPU and CUDA alike, started in silence."""
+"""NVIDIA Warp, which compiles our inner loops for CPU and CUDA alike, started silently."""
 
 import os
 
@@ -6,13 +6,13 @@ import warp as wp
 
 from industnerf import environment
 
-mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)  # from a place to its pixel
+mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)  # from a point to its pixel
 
 
 def init_warp() -> None:
-    """Start Warp without its greeting, nor the complaint that there is no GPU: here is no need.
+    """Start Warp without its banner and without its warning that there is no GPU.
 
-    The complaint is printed by the library itself, past Python's stderr.
+    The warning is printed by the library itself, past Python's stderr.
     """
     wp.config.log_level = wp.LOG_ERROR
     stderr_copy = os.dup(2)

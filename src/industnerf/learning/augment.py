@@ -1,6 +1,6 @@
-"""Pictures that differ a little every time they are looked at, as those of another camera would.
+"""Random augmentation of images: roll, zoom, color, noise.
 
-No mirror images, which the published nets learned from: a mirrored screw is another screw.
+No mirror images, which the published networks learned from: a mirrored screw is another screw.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from industnerf.schema import AugmentSettings
 def images_to_tensor(
     images: UInt8[np.ndarray, "n h w 3"], device: torch.device
 ) -> Float[Tensor, "n 3 h w"]:
-    """Values in [0, 1]; the array, in C order, goes to `where` as bytes."""
+    """Values in [0, 1]; the array, in C order, goes to `device` as bytes."""
     return torch.from_numpy(images).to(device).permute(0, 3, 1, 2).contiguous().float() / 255
 
 
@@ -24,11 +24,11 @@ def augment(
 ) -> tuple[Float[Tensor, "n 3 h w"], Float[np.ndarray, "n 3 3"]]:
     """Every image rolled, zoomed and shifted in brightness and contrast, each as drawn for it.
 
-    And how the camera's axes turned with it: of a point p in its frame, p @ turn is seen there.
+    And the rotation R of the camera's axes with it: a point p in its frame is seen at p @ R.
 
     A roll of the camera about its axis by up to `roll_deg`, a zoom by a factor of up to
-    1 +- `zoom`, and colors c -> a c + b with a in 1 +- `color` and b in +- `color` / 2; then
-    noise of the standard deviation `noise`, if any.
+    1 +- `zoom`, and colors c -> a c + b with a in 1 +- `color_jitter` and b in
+    +- `color_jitter` / 2; then noise of the standard deviation `noise`, if any.
     """
     n = len(images)
     angle = np.deg2rad(rng.uniform(-settings.roll_deg, settings.roll_deg, n))
@@ -39,7 +39,7 @@ def augment(
     grid = F.affine_grid(
         torch.from_numpy(matrices).to(images), list(images.shape), align_corners=False
     )
-    # beyond the border the picture goes on as it is there: background
+    # beyond the border the image continues as it is there: background
     warped = F.grid_sample(images, grid, padding_mode="border", align_corners=False)
     gain = rng.uniform(1 - settings.color_jitter, 1 + settings.color_jitter, n)
     shift = rng.uniform(-settings.color_jitter / 2, settings.color_jitter / 2, n)

@@ -1,6 +1,6 @@
-"""What an interrupted training goes on from: one file, written whole, by one process or by several.
+"""Checkpoints of a training: one file, written whole, by one process or by several.
 
-Two processes may train the same net (`dvc repro` beside a sweep): each writes a draft of its own.
+Two processes may train the same network (`dvc repro` beside a sweep): each writes its own draft.
 """
 
 import io
@@ -12,7 +12,7 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 
 CORRUPT_ERRORS = (
     OSError,
@@ -36,7 +36,7 @@ def save(path: Path, state: dict[str, Any]) -> None:
 def load(path: Path) -> dict[str, Any] | None:
     """What `save` wrote, on the CPU; None where there is nothing, or nothing that can be read.
 
-    A file that is torn is said to be so, and goes: hours begin anew, but no net is lost to it.
+    A truncated file is reported and removed: the training starts anew, and does not fail.
     Raises OSError or MemoryError where it is the machine that cannot read it: then it stays.
     """
     try:

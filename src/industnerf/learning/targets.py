@@ -1,4 +1,4 @@
-"""What a net is taught of a mesh in the unit cube: points on its surface, and what is inside."""
+"""Training targets from a mesh in the unit cube: surface points, voxels, occupancy."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
@@ -82,8 +82,8 @@ def voxelize(
     """The solid as `size`^3 voxels of the unit cube, as binvox makes them.
 
     A voxel is full if its center is inside, or if the surface passes through it: thin walls count.
-    The latter is decided by points of the surface, POINTS / area of them in the mean on a plane
-    across a voxel: of an area of 8 one in 150 such voxels is missed.
+    The latter is decided by points of the surface, SAMPLES_PER_VOXEL / area of them in the mean
+    on a plane across a voxel: of an area of 8 one in 150 such voxels is missed.
     Voxel i spans [i, i + 1] / size - 1/2.
     """
     centers = (np.moveaxis(np.indices((size,) * 3), 0, -1).reshape(-1, 3) + 0.5) / size - 0.5

@@ -1,4 +1,4 @@
-"""The loop that every net is trained with: Adam, validation, early stopping, checkpoint, resume."""
+"""The training loop: Adam, validation, early stopping, checkpoint, resume."""
 
 import hashlib
 import math
@@ -23,10 +23,8 @@ from industnerf.seeds import generator
 # Loss of a batch: parts by index, maybe more than once; what else is drawn comes from the rng.
 Loss = Callable[[Int[np.ndarray, "batch"], np.random.Generator], Float[Tensor, ""]]
 CHECKPOINT_S = 20.0
-CONVERGENCE_WINDOW, CONVERGENCE_TOLERANCE = (
-    0.2,
-    0.02,
-)  # settled: in the last fifth of the steps at most 2 % were gained
+# converged: in the last fifth of the steps the loss fell by at most 2 %
+CONVERGENCE_WINDOW, CONVERGENCE_TOLERANCE = 0.2, 0.02
 VALIDATION_REPEATS = 4  # how often each part is validated on, rounded up to whole batches
 
 
@@ -38,9 +36,7 @@ class TrainingProgress:
     train_losses: list[float] = field(default_factory=list)
     val_steps: list[int] = field(default_factory=list)  # after so many steps ...
     val_losses: list[float] = field(default_factory=list)  # ... the loss was this
-    best_weights: dict[str, Tensor] = field(
-        default_factory=dict
-    )  # the weights with the least of them
+    best_weights: dict[str, Tensor] = field(default_factory=dict)  # those with the least val loss
 
     @property
     def validations_since_best(self) -> int:
@@ -50,7 +46,7 @@ class TrainingProgress:
 
 @dataclass(frozen=True)
 class TrainResult:
-    """How a training went; the net has the weights that were best on the validation parts."""
+    """How a training went; the network has the weights that were best on the validation parts."""
 
     steps: int
     has_converged: bool
@@ -82,12 +78,13 @@ def train(
     seed: int,
     checkpoint_path: Path,
 ) -> TrainResult:
-    """Train `net` by `loss` on the parts `parts[0]`, and keep what is best on `parts[1]`.
+    """Train `net` by `loss` on the parts `split[0]`, and keep what is best on those of `split[1]`.
 
-    Parameters that need no gradient stay as they are.  It goes on from the checkpoint `path`
-    where that exists, to the same bytes on a CPU.
+    Parameters that need no gradient stay as they are.  It resumes from `checkpoint_path` where that
+    exists, to the same bytes on a CPU.
 
-    Raises ReconstructionFailed if a loss is not finite, BadArtifact if `path` cannot be written.
+    Raises ReconstructionFailed if a loss is not finite, BadArtifact if `checkpoint_path` cannot be
+    written.
     """
     trainer = _Trainer(net, loss, split, settings, seed)
     trainer.resume(checkpoint_path)
@@ -117,11 +114,8 @@ class _Trainer:
         parameters = [p for p in net.parameters() if p.requires_grad]
         # only weights decay: a bias or a scale that is pulled to 0 regularizes nothing
         groups = [
-            {
-                "params": [p for p in parameters if p.ndim > 1],
-                "weight_decay": settings.weight_decay,
-            },
-            {"params": [p for p in parameters if p.ndim <= 1], "weight_decay": 0.0},
+            {"params": [p for p in parameters if (p.ndim > 1) == decays], "weight_decay": decay}
+            for decays, decay in ((True, settings.weight_decay), (False, 0.0))
         ]
         self.optimizer = torch.optim.Adam(groups, settings.lr)
 
@@ -166,9 +160,9 @@ class _Trainer:
     def _require_finite(self, kind: str, loss: float) -> float:
         if not math.isfinite(loss):
             raise ReconstructionFailed(
-                f"the {kind} loss is {loss} at step {self.progress.step} of {self.settings.max_steps}: the "
-                f"training diverged; its rate (training.lr of the method) is "
-                f"{self.settings.lr:g}, lower it"
+                f"the {kind} loss is {loss} at step {self.progress.step} of "
+                f"{self.settings.max_steps}: the training diverged; its rate (training.lr of the "
+                f"method) is {self.settings.lr:g}, lower it"
             )
         return loss
 
@@ -193,7 +187,7 @@ class _Trainer:
         self.rng.bit_generator.state = state["rng"]
 
     def result(self) -> TrainResult:
-        """The summary of a training that is over."""
+        """The summary of a finished training."""
         progress = self.progress
         return TrainResult(
             progress.step,
@@ -204,7 +198,7 @@ class _Trainer:
 
 
 def model_state(net: nn.Module, result: TrainResult, num_parts: int, size: str) -> ModelState:
-    """What is kept of `net`, which learned from so many parts."""
+    """The state of `net`, which was trained on `num_parts` parts."""
     return ModelState(
         state_arrays(net),
         num_parts,
@@ -220,7 +214,7 @@ def model_state(net: nn.Module, result: TrainResult, num_parts: int, size: str) 
 def has_converged(steps: Sequence[int], losses: Sequence[float]) -> bool:
     """Whether the best loss fell by at most 2 % in the last fifth of the steps taken.
 
-    It is not where none is known of before that.
+    False where no loss is known before that.
     """
     before = [
         loss

@@ -1,4 +1,4 @@
-"""What nets of one view are shown: one photograph of each part, another one every time."""
+"""Training inputs of single-view networks: a random view of each part, augmented."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from industnerf.geometry.cameras import Cameras
 from industnerf.learning.augment import augment, images_to_tensor
-from industnerf.learning.axis_alignment import apply_camera_roll, axis_rotations
+from industnerf.learning.views import apply_camera_roll, axis_rotations
 from industnerf.schema import AtlasNetSettings, AugmentSettings, OccupancySettings
 from industnerf.schema.training import OutputAxes
 
@@ -29,10 +29,10 @@ class ImageExample(Protocol):
 
 @dataclass(frozen=True)
 class ViewSampler:
-    """Views of every part, in memory, and how each is turned."""
+    """Views of every part, in memory, and the rotation of each."""
 
     images: list[UInt8[np.ndarray, "_ px px 3"]]
-    rotations: list[Float[np.ndarray, "_ 3 3"]]  # from the part's axes to those of the answer
+    rotations: list[Float[np.ndarray, "_ 3 3"]]  # from the part's axes to the output axes
     augment: AugmentSettings
     axes: OutputAxes
 
@@ -52,11 +52,11 @@ class ViewSampler:
         )
 
     def sample_views(self, part_indices: Batch, rng: np.random.Generator) -> list[int]:
-        """A view of each of the parts `which`, at random."""
+        """A random view of each of the parts."""
         return [int(rng.integers(len(self.images[part]))) for part in part_indices]
 
     def rotations_of(self, part_indices: Batch, views: list[int]) -> Float[np.ndarray, "b 3 3"]:
-        """Of points p of the parts, p @ turn are in the axes that the net answers in."""
+        """A rotation R a part: of its points p, p @ R are in the network's output axes."""
         return np.stack(
             [self.rotations[part][view] for part, view in zip(part_indices, views, strict=True)]
         )
@@ -64,9 +64,9 @@ class ViewSampler:
     def sample_images(
         self, net: nn.Module, part_indices: Batch, rng: np.random.Generator
     ) -> tuple[Float[Tensor, "b 3 px px"], Float[np.ndarray, "b 3 3"]]:
-        """A picture of each part, on the device of `net`, and its axes.
+        """A view of each part, on the device of `net`, and its rotation.
 
-        Pictures vary only while `net` learns.
+        Images are augmented only while `net` is in training mode.
         """
         views = self.sample_views(part_indices, rng)
         images = np.stack([self.images[p][v] for p, v in zip(part_indices, views, strict=True)])

@@ -1,4 +1,4 @@
-"""The weights of a net: drawn from a seed, taken out as arrays, put in again."""
+"""The weights of a network: seeded, saved as arrays, loaded again."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,5 +22,5 @@ def state_arrays(net: nn.Module) -> dict[str, np.ndarray]:
 
 
 def load_arrays(net: nn.Module, arrays: Mapping[str, np.ndarray]) -> None:
-    """Take over what `arrays_of` gave of another net of the same settings."""
+    """Load what `state_arrays` gave of another network of the same settings."""
     net.load_state_dict({name: torch.tensor(array) for name, array in arrays.items()})

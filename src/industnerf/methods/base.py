@@ -1,11 +1,11 @@
 """What every method is: two functions, a scope, and the inputs that it declares.
 
-    fit(examples, settings, seed, scratch) -> State      scope `dataset` only
-    reconstruct(given, settings, state, seed) -> Reconstruction
+    fit(examples, settings, seed, scratch) -> ModelState      scope `dataset` only
+    reconstruct(inputs, settings, state, seed) -> Reconstruction
 
-A method is handed its cameras and what it declares, and nothing else.  It may return more than
-points: what it sees from the held-out cameras, which point it trusts how much, how its loss fell.
-What is learned from other parts is learned from `Example`s, and handed over as `State`.
+A method is given its cameras and what it declares, and nothing else.  It may return more than
+points: renderings from the held-out cameras, confidence, the history of its loss.
+What is learned from other parts is learned from `Example`s, and returned as `ModelState`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,9 +25,8 @@ from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.views import load_views
 from industnerf.errors import UndeclaredInput
 from industnerf.geometry.bounding_cube import BoundingCube
-from industnerf.geometry.cameras import Cameras
-from industnerf.geometry.view_subsets import nested_view_subset
-from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
+from industnerf.geometry.cameras import Cameras, nested_view_subset
+from industnerf.learning.views import evenly_spaced_indices, resize_images
 
 
 class Input(StrEnum):
@@ -53,7 +52,7 @@ class Role(StrEnum):
     """How to read a method's row."""
 
     METHOD = "method"
-    NULL = "null"  # is shown no picture of the part: what any method must beat
+    NULL = "null"  # sees no photograph of the part: what any method must beat
     BOUND = "bound"  # is given the answer: a bound on what a method can reach
 
 
@@ -68,7 +67,7 @@ class Example:
 
     @property
     def mesh(self) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
-        """Vertices in the unit cube of the part's `Cube`, and faces."""
+        """Vertices in the unit cube of the part's `BoundingCube`, and faces."""
         self._refuse_undeclared(Input.OTHER_MESHES)
         mesh = load_mesh(self.part)
         return BoundingCube.of(mesh.vertices).to_unit(mesh.vertices), mesh.faces
@@ -76,16 +75,14 @@ class Example:
     def rgb(self, px: int, count: int) -> UInt8[np.ndarray, "views {px} {px} 3"]:
         """At most `count` of the training views, evenly chosen, scaled to `px` a side."""
         self._refuse_undeclared(Input.RGB)
-        loaded_views = load_views(self.views)
-        return resize_images(
-            loaded_views.rgb(loaded_views.train_indices[self.view_indices(count)]), px
-        )
+        views = load_views(self.views)
+        return resize_images(views.rgb(views.train_indices[self.view_indices(count)]), px)
 
     def cameras(self, count: int) -> Cameras:
         """Those of the views that `rgb` takes."""
         self._refuse_undeclared(Input.RGB)
-        loaded_views = load_views(self.views)
-        return loaded_views.cameras[loaded_views.train_indices[self.view_indices(count)]]
+        views = load_views(self.views)
+        return views.cameras[views.train_indices[self.view_indices(count)]]
 
     def view_indices(self, count: int) -> Int64[np.ndarray, "_"]:
         """Which of the training views `rgb` takes."""
@@ -107,9 +104,8 @@ class MethodInputs:
     cameras: Cameras  # of the training views, as the calibration has them
     held_out: Cameras  # exact, poses only: from where to re-render
     loaded: Mapping[Input, Any]
-    view_indices: Int64[np.ndarray, "n"] | None = (
-        None  # which of the training views these are; None: all
-    )
+    # which of the training views these are; None: all
+    view_indices: Int64[np.ndarray, "n"] | None = None
 
     @property
     def rgb(self) -> UInt8[np.ndarray, "n h w 3"]:
@@ -154,18 +150,18 @@ class Reconstruction:
     confidence: Float[np.ndarray, "n"] | None = None
     num_parameters: int = 0
     steps: int = 0
-    view: Int[np.ndarray, "n"] | None = None  # the training view that says most of it; -1 unknown
-    render: Callable[[], Renderings] | None = None  # from `Given.held_out`, when asked for
+    view: Int[np.ndarray, "n"] | None = None  # the training view that weighs most in it; -1 unknown
+    render: Callable[[], Renderings] | None = None  # from `MethodInputs.held_out`, when called
     candidates: Candidates | None = None  # before any filter
     history: History | None = None
-    # Further answers of a method that sees one view at a time: its score is the mean over all.
+    # Further predictions of a method that sees one view at a time: its score is the mean over all.
     extra_clouds_mm: tuple[Float[np.ndarray, "_ 3"], ...] = ()
     warnings: tuple[str, ...] = ()  # on what it was given, for whoever reads the result
 
 
 @dataclass(frozen=True)
 class Method:
-    """A declared algorithm.  `reconstruct(given, settings, state, seed)` does the work."""
+    """A declared algorithm.  `reconstruct(inputs, settings, state, seed)` does the work."""
 
     name: str
     scope: Scope
@@ -184,7 +180,7 @@ class Method:
 def load_inputs(method: Method, part: Path, views: Path, num_views: int = 0) -> MethodInputs:
     """Read from disk what `method` declares of one part, and nothing else.
 
-    Of its training views `count`, evenly spread and among those of any larger count; 0: all.
+    Of its training views `num_views`, evenly spread and among those of any larger number; 0: all.
     """
     loaded_views = load_views(views)
     cameras, train, view_indices = loaded_views.cameras, loaded_views.train_indices, None

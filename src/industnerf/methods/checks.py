@@ -1,4 +1,4 @@
-"""What a method returned, or why it cannot be used."""
+"""Checks of what a method returned."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ def check_reconstruction(result: Reconstruction, inputs: MethodInputs) -> Recons
         raise ReconstructionFailed("empty: the method returned no point")
     _refuse_not_finite(result.points_mm, "points")
     for points in result.extra_clouds_mm:
-        _refuse_not_finite(points, "points of a further answer")
+        _refuse_not_finite(points, "points of a further prediction")
     if result.confidence is not None:
         _refuse_not_finite(result.confidence, "values of confidence")
     if result.view is not None:
@@ -26,7 +26,7 @@ def check_reconstruction(result: Reconstruction, inputs: MethodInputs) -> Recons
 
 
 def check_renderings(renderings: Renderings, inputs: MethodInputs) -> Renderings:
-    """`renderings`, or ReconstructionFailed if they are of other views than asked, or no depth."""
+    """`renderings`, or ReconstructionFailed if they are of other views or have no depth."""
     _refuse_other_cameras(renderings, inputs.held_out)
     _refuse_not_finite(renderings.depth_mm, "rendered rows of depth")
     if (renderings.depth_mm < 0).any():
@@ -54,5 +54,6 @@ def _refuse_other_cameras(renderings: Renderings, expected: Cameras) -> None:
     expected_shape = (len(expected), expected.height, expected.width)
     if renderings.opacity.shape != expected_shape:
         raise ReconstructionFailed(
-            f"the renderings have shape {renderings.opacity.shape}, the held-out cameras {expected_shape}"
+            f"the renderings have shape {renderings.opacity.shape}, "
+            f"the held-out cameras {expected_shape}"
         )

@@ -1,4 +1,4 @@
-"""From what a net says in the unit cube, once a view or once for all, to a reconstruction."""
+"""From predictions in the unit cube, one a view or one for all, to a reconstruction."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from industnerf.methods.base import Reconstruction
 def predictions_to_reconstruction(
     clouds: Sequence[Float[np.ndarray, "_ 3"]], part_frame: BoundingCube, state: ModelState
 ) -> Reconstruction:
-    """One or several answers in the unit cube of `frame`; their score is the mean.
+    """One or several predictions in the unit cube of `part_frame`; their score is the mean.
 
     The empty ones come last: the first, which stands for all in pictures, has points.
     Raises ReconstructionFailed if every one of them is empty.
@@ -22,8 +22,8 @@ def predictions_to_reconstruction(
     non_empty = [points for points in clouds if len(points)]
     if not non_empty:
         raise ReconstructionFailed(
-            f"all {len(clouds)} answers of the net are empty: it sees matter nowhere, above its "
-            "`threshold`"
+            f"all {len(clouds)} predictions of the network are empty: occupancy is nowhere above "
+            "its `threshold`"
         )
     empty = [points for points in clouds if not len(points)]
     first, *others = [part_frame.to_mm(points) for points in (*non_empty, *empty)]

@@ -1,4 +1,4 @@
-"""Run a method: hand over what it declares, check and keep what it returns."""
+"""Run a method: give it what it declares, check and save what it returns."""
 
 import time
 from collections.abc import Sequence
@@ -21,11 +21,7 @@ from industnerf.methods.base import (
 from industnerf.methods.checks import check_reconstruction, check_renderings
 from industnerf.seeds import seed_for
 
-FILES = {
-    Input.RGB: "rgb",
-    Input.MASK: "mask",
-    Input.DEPTH: "depth",
-}
+FILES = {Input.RGB: "rgb", Input.MASK: "mask", Input.DEPTH: "depth"}
 
 
 def input_files(method: Method, part: Path, views: Path) -> tuple[Path, ...]:
@@ -76,9 +72,9 @@ def reconstruct_part(
 ) -> float:
     """Write the cloud of one part into `target`, and whatever else the method returned.
 
-    `state` is the folder of what the method has learned from other parts; `num_views` is how many of
-    the training views it is given, 0: all.  Returns the seconds that the pictures of the held-out
-    views took: Table 2 asks for them, a reconstruction does not.
+    `state` is the folder of what the method has learned from other parts; `num_views` is how many
+    of the training views it is given, 0: all.  Returns the seconds that rendering the held-out
+    views took: Table 2 needs these renderings, a reconstruction does not.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
     """

@@ -1,11 +1,15 @@
-"""Null methods: all they know of a part is the size and place of its bounding box."""
+"""Methods that sample a surface they are given.
+
+`ball` and `box` know the part's bounding box alone: any method must beat them.  `oracle` samples
+the true surface: no method can beat it.
+"""
 
 from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
 
-from industnerf.geometry.shapes import ball_surface, box_surface
+from industnerf.geometry.sampling import ball_surface, box_surface, sample_surface
 from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Role, Scope
 from industnerf.schema import SampleSettings
 
@@ -36,14 +40,27 @@ def _sample_in_box(
     return Reconstruction(surface(high - low, (low + high) / 2, settings.points, rng))
 
 
+def reconstruct_oracle(
+    inputs: MethodInputs, settings: SampleSettings, state: None, seed: int
+) -> Reconstruction:
+    """Area-uniform points of the part's own mesh, hidden surface included."""
+    mesh, rng = inputs.own_mesh, np.random.default_rng(seed)
+    points, _ = sample_surface(mesh.vertices, mesh.faces, settings.points, rng)
+    return Reconstruction(points)
+
+
 METHODS = {
     name: Method(
         name,
         Scope.PART,
         frozenset({Input.OWN_MESH}),
         reconstruct,
-        role=Role.NULL,
+        role=role,
         is_stochastic=True,
     )
-    for name, reconstruct in (("ball", reconstruct_ball), ("box", reconstruct_box))
+    for name, reconstruct, role in (
+        ("ball", reconstruct_ball, Role.NULL),
+        ("box", reconstruct_box, Role.NULL),
+        ("oracle", reconstruct_oracle, Role.BOUND),
+    )
 }

@@ -1,7 +1,7 @@
-"""Whether a point's confidence says how far off it is: points sure to be right should be right.
+"""Calibration of confidence: whether confident points are accurate.
 
-Asked of the candidates near the surface alone, for far off it confidence is bound to be low and
-any order looks good.  Points of equal confidence have no order: each counts as the mean of what
+Computed over the candidates near the surface alone, for far off it confidence is bound to be low
+and any order looks good.  Points of equal confidence have no order: each counts as the mean of what
 every order of them would give, so a confidence that is the same everywhere is as good as chance.
 """
 
@@ -51,5 +51,5 @@ def ause(error: Float[np.ndarray, "n"], confidence: Float[np.ndarray, "n"]) -> f
 
 
 def random_ause(error: Float[np.ndarray, "n"]) -> float:
-    """The same for an order by chance, in the mean: its curve stays at 1."""
+    """Expected AUSE of a random order, whose curve stays at 1."""
     return ause(error, np.zeros_like(error))

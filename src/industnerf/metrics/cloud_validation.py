@@ -1,4 +1,4 @@
-"""What every metric demands of a cloud before it computes anything."""
+"""Validation of the clouds that metrics compare."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -7,7 +7,7 @@ from industnerf.errors import MetricError
 
 
 def validate_cloud(cloud: np.ndarray, name: str) -> Float64[np.ndarray, "n 3"]:
-    """`cloud` in float64, or a refusal that says what is wrong with it."""
+    """`cloud` in float64; raises MetricError if it is empty, not (n, 3) or not finite."""
     if cloud.ndim != 2 or cloud.shape[1] != 3:
         raise MetricError(f"cloud {name!r} has shape {cloud.shape}; points must be (n, 3)")
     if len(cloud) == 0:

@@ -1,7 +1,7 @@
-"""Pricing: which pairs of ALL n x m pairs are cheaper than the prices allow?
+"""Column generation: which of ALL n x m pairs violate the dual constraints?
 
-Prices `u`, `v` prove a lower bound of the transport cost when no pair has a cost c(a_i, b_j) below
-u_i + v_j.  Most pairs are far dearer, so whole pairs of cells are passed over at once:
+Dual potentials `u`, `v` prove a lower bound of the transport cost when no pair has a cost
+c(a_i, b_j) below u_i + v_j.  Most pairs cost far more, so whole pairs of cells are skipped at once:
 
     c(x, y) - u - v  >=  c(|c_A - c_B| - r_A - r_B) - max u - max v   for x in A, y in B,
 
@@ -16,7 +16,7 @@ from industnerf.metrics.cells import KdCells
 from industnerf.metrics.ground_cost import GroundCost
 
 # Rounding of the bound above: a few times 2^-52 of lengths, and squares, of about 1 (see
-# cells.weighted).
+# cells.normalize_clouds).
 ROUNDING = 1e-13
 CHUNK = 2**14  # pairs of cells at a time: a few MB
 
@@ -51,7 +51,7 @@ def violated_pairs(
 def _padded(
     cells: KdCells, potential: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "cells size"]:
-    """Prices cell by cell; a pad has price -inf, so that its pairs are infinitely dear."""
+    """Potentials cell by cell; a pad has -inf, which makes its pairs' reduced cost infinite."""
     return np.where(cells.members < 0, -np.inf, potential[cells.members])
 
 

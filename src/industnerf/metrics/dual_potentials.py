@@ -1,8 +1,8 @@
-"""Prices of points: how the optimal ones on few pairs are chosen, where there are many.
+"""Dual potentials: which of the many that are optimal on few pairs are chosen.
 
-An optimal plan leaves the prices a wide choice, and the simplex returns an extreme one, which
-other pairs are likely to undercut.  The choice here stays close to the prices before: those
-began as smooth functions in space that few pairs undercut.
+An optimal plan leaves the potentials a wide choice, and the simplex returns an extreme one, which
+other pairs are likely to violate.  The choice here stays close to the potentials before: those
+began as smooth functions in space that few pairs violate.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import dijkstra
 def row_minimum(
     slack: Float64[np.ndarray, "k"], rows: Int64[np.ndarray, "k"]
 ) -> Float64[np.ndarray, "n"]:
-    """The least `room` of each owner; `owner` ascends and leaves none out."""
+    """The least `slack` of each row; `rows` ascends and leaves none out."""
     return np.minimum.reduceat(slack, np.flatnonzero(np.diff(rows, prepend=-1)))
 
 
@@ -24,13 +24,13 @@ def center_potentials(
     support: tuple[Int64[np.ndarray, "f"], Int64[np.ndarray, "f"]],
     potentials: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
 ) -> tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]]:
-    """Optimal prices nearest to 0 with u <= 0 and v >= 0, given any optimal ones.
+    """Optimal potentials nearest to 0 with u <= 0 and v >= 0, given any optimal ones.
 
-    Optimal on `pairs` of costs `reduced`: u_i + v_j <= reduced_ij, and no less where `used`.
+    Optimal on `pairs` of costs `reduced`: u_i + v_j <= reduced_ij, with equality on `support`.
 
-    In terms of how far u is lowered, u = prices.u + x, v = prices.v - y, each condition is an
-    edge of a graph: x_i <= y_j + (slack of the pair), y_j <= x_i where used, and
-    x <= -prices.u, y <= prices.v.  The largest x, y are shortest distances.
+    With the changes u + x and v - y, each condition is an edge of a graph:
+    x_i <= y_j + (slack of the pair), y_j <= x_i on the support, and x <= -u, y <= v.  The largest
+    x, y are shortest distances.
     """
     (rows, cols), (sources, targets), (u, v) = pairs, support, potentials
     n, nodes = len(u), np.arange(len(u) + len(v))

@@ -1,9 +1,9 @@
-"""The proof of a transport cost: a plan from above, prices from below.
+"""The certificate of a transport cost: a plan from above, dual potentials from below.
 
-    sum_k flow_k c(a_i, b_j)   >=   W   >=   sum_i u_i + sum_j v_j + least
+    sum_k flow_k c(a_i, b_j)   >=   W   >=   sum_i u_i + sum_j v_j + min_reduced_cost
 
-for any plan that carries every point's mass, and any prices that no pair undercuts by more
-than `least` <= 0 (sums weighted by mass; masses add to 1).
+for any plan that carries every point's mass, and any potentials that no pair violates by more
+than -min_reduced_cost (sums weighted by mass; masses add to 1).
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ ABSOLUTE_GAP = 1e-12  # of the unit, or its square: rounding, where the clouds a
 
 @dataclass(frozen=True)
 class CertifiedEmd:
-    """A proven cost: the truth lies in [value - gap, value], in the clouds' unit or its square."""
+    """A certified cost: the truth is in [value - gap, value], in the clouds' unit or its square."""
 
     value: float
     gap: float
@@ -30,6 +30,7 @@ class CertifiedEmd:
 
 
 def allowed_gap(value: float) -> float:
+    """The largest gap between bounds that counts as proof, in the unit of `value`."""
     return max(RELATIVE_GAP * value, ABSOLUTE_GAP)
 
 
@@ -58,13 +59,16 @@ def certify(
     rounds: int,
     pairs: int,
 ) -> CertifiedEmd:
-    """The cost of `plan`, if its prices prove it; no pair undercuts them by more than `least`."""
+    """The cost of `plan`; raises MetricError unless its potentials prove it.
+
+    No reduced cost is below `min_reduced_cost`.
+    """
     value = transport_cost(a, b, plan, ground)
     bound = float(a.mass @ plan.u + b.mass @ plan.v) / a.mass.sum() + min_reduced_cost
-    gap = float(value - max(bound, 0.0))  # no cost is below 0, whatever the prices
+    gap = float(value - max(bound, 0.0))  # no cost is below 0, whatever the potentials
     if not gap <= allowed_gap(value):
         raise MetricError(
             f"EMD of {len(a.mass)} and {len(b.mass)} points is not proven: the plan found costs "
-            f"{value:.17g}, their extent being 1, but the prices only prove {bound:.17g}"
+            f"{value:.17g}, their extent being 1, but the potentials only prove {bound:.17g}"
         )
     return CertifiedEmd(value, max(gap, 0.0), rounds, pairs)

@@ -1,10 +1,10 @@
-"""Earth mover's distance, exact and proven, of equal weights: W1, or W2 squared.
+"""Earth mover's distance, exact and certified, of equal weights: W1, or W2 squared.
 
 The solver is POT's network simplex.  It is given few of the n x m pairs, and finds the plan and
-the prices that are optimal among those.  The prices are then held against ALL pairs (`pricing`),
-those that undercut them join, and it solves again, until there are none.  What is returned is
-proven (`proof`); where the sparse way does not get there, the dense problem is solved, and proven
-alike; failing that too, there is an error and no number.
+the dual potentials that are optimal among those.  The potentials are then tested on ALL pairs
+(`column_generation`), those that violate them join, and it solves again, until there are none.
+What is returned is proven (`duality_certificate`); where the sparse way does not get there, the
+dense problem is solved, and proven alike; failing that too, there is an error and no number.
 
 POT's `potentials_init` serves dense problems only.  A sparse one is warmed by handing it
 reduced costs, which differ from the costs by a constant and start the simplex near its end.
@@ -39,7 +39,7 @@ DENSE_POINTS = 256  # so few points on one side as well
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 2 to 6 are usual
 PAIRS_PER_POINT_AND_ROUND = 4  # pairs that may join in one round, per point
-ROW_BLOCK = 1024  # rows of the dense problem priced at a time
+ROW_BLOCK = 1024  # rows of the dense problem tested at a time
 
 Cost = Float64[np.ndarray, "n m"] | sparse.coo_array
 
@@ -89,7 +89,7 @@ def _sparse_emd(
         for rounds in range(1, max_rounds + 1):
             plan = _solve_sparse(a, b, ground, pair_ids, (plan.u, plan.v), max_pivots)
             value = transport_cost(a, b, plan, ground)
-            if value <= ABSOLUTE_GAP:  # proven without prices
+            if value <= ABSOLUTE_GAP:  # proven without potentials
                 return certify(a, b, plan, ground, -math.inf, rounds, len(pair_ids))
             min_reduced_cost = -allowed_gap(value) / 10
             rows, cols, reduced = violated_pairs(
@@ -121,7 +121,7 @@ def _dense_emd(
 def _initial_solution(
     a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
 ) -> tuple[tuple[KdCells, KdCells], TransportPlan, Int64[np.ndarray, "k"]]:
-    """Cells, first prices and first candidate pairs, from a solution of the coarser problem."""
+    """Cells, first potentials and first candidate pairs, from a solution of the coarser problem."""
     cells = kd_cells(a), kd_cells(b)
     coarse = _coarse_plan(cells[0].coarse, cells[1].coarse, ground, max_pivots)
     plan, rows, cols = refine_plan(a, b, cells, coarse, ground)
@@ -131,7 +131,7 @@ def _initial_solution(
 def _coarse_plan(
     a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
 ) -> TransportPlan:
-    """A plan that is optimal among its candidates, and not held against other pairs."""
+    """A plan that is optimal among its candidates, and not tested on other pairs."""
     if _is_small(a, b):
         return _solve_dense(a, b, ground, max_pivots)
     _, plan, pair_ids = _initial_solution(a, b, ground, max_pivots)
@@ -149,13 +149,10 @@ def _merge_pairs(
     reduced: Float64[np.ndarray, "f"],
     num_points: int,
 ) -> Int64[np.ndarray, "j"]:
-    """`keys` and the cheapest of the pairs found."""
-    if len(new_ids) > PAIRS_PER_POINT_AND_ROUND * num_points:
-        new_ids = new_ids[
-            np.argpartition(reduced, PAIRS_PER_POINT_AND_ROUND * num_points)[
-                : PAIRS_PER_POINT_AND_ROUND * num_points
-            ]
-        ]
+    """`pair_ids` and the pairs of `new_ids` with the least reduced cost."""
+    max_new = PAIRS_PER_POINT_AND_ROUND * num_points
+    if len(new_ids) > max_new:
+        new_ids = new_ids[np.argpartition(reduced, max_new)[:max_new]]
     return _sorted_unique(np.concatenate([pair_ids, new_ids]))
 
 
@@ -173,7 +170,7 @@ def _solve_sparse(
     potentials: tuple[Float64[np.ndarray, "n"], Float64[np.ndarray, "m"]],
     max_pivots: int,
 ) -> TransportPlan:
-    """The best plan on the pairs (i, j) = divmod(key, m), from `prices` near the optimal ones."""
+    """The best plan on the pairs (i, j) = divmod(id, m), from `potentials` near optimal ones."""
     rows, cols = np.divmod(pair_ids, len(b.mass))
     cost = ground.rowwise(a.points[rows], b.points[cols])
     reduced = cost - potentials[0][rows] - potentials[1][cols]
@@ -190,7 +187,7 @@ def _solve_sparse(
 def _solve_dense(
     a: WeightedCloud, b: WeightedCloud, ground: GroundCost, max_pivots: int
 ) -> TransportPlan:
-    """The best plan of the dense problem, with prices as high as all pairs allow."""
+    """The best plan of the dense problem, with potentials as high as all pairs allow."""
     cost = ground.matrix(a.points, b.points)
     flow, v = _network_simplex(a, b, cost, max_pivots)
     rows, cols = np.nonzero(flow)
@@ -203,9 +200,9 @@ def _solve_dense(
 def _network_simplex(
     a: WeightedCloud, b: WeightedCloud, cost: Cost, max_pivots: int
 ) -> tuple[Cost, Float64[np.ndarray, "m"]]:
-    """POT's network simplex on a dense or sparse cost >= 0: the flow and the prices of `b`.
+    """POT's network simplex on a dense or sparse cost >= 0: the flow and the potentials of `b`.
 
-    The prices of `a` follow from these.  POT's own hang on arcs (n + m) (max cost + 1) dear,
+    The potentials of `a` follow from these.  POT's own hang on arcs (n + m) (max cost + 1) dear,
     and carry the rounding of those; scaling the cost up makes that 1 vanish.
     """
     for backend in ("PYTORCH", "JAX", "CUPY", "TENSORFLOW"):  # numpy is enough, and loads fast

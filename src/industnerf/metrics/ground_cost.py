@@ -24,9 +24,9 @@ class GroundCost:
         self, squared_distances: Float64[np.ndarray, "*any"]
     ) -> Float64[np.ndarray, "*any"]:
         """The costs of squared distances, which are overwritten."""
-        return (
-            squared_distances if self.squared else np.sqrt(squared_distances, out=squared_distances)
-        )
+        if self.squared:
+            return squared_distances
+        return np.sqrt(squared_distances, out=squared_distances)
 
     def lower_bound(self, distance: Float64[np.ndarray, "*any"]) -> Float64[np.ndarray, "*any"]:
         """A lower bound of the cost from one of the distance, which may be below 0."""
@@ -55,7 +55,7 @@ class GroundCost:
         return self.from_squared(total)
 
     def of_length(self, length: float) -> float:
-        """What it costs to carry a unit of mass over `unit`, a power of two.
+        """What it costs to carry a unit of mass over `length`, a power of two.
 
         Raises MetricError if the square is no number of float64 with all its digits.
         """

@@ -1,6 +1,6 @@
-"""Scores of what a method returns beyond its points; what it does not return has no row.
+"""Scores of renderings and confidence; what a method does not return has no row.
 
-A failed part has none either: a picture that was never rendered has no error to invent.
+A failed part has none either: an image that was never rendered has no error to invent.
 """
 
 from collections.abc import Iterator
@@ -20,13 +20,11 @@ from industnerf.metrics.calibration import ause, random_ause, sparsification_at,
 from industnerf.metrics.images import NormalizedImage, mean_over_views, psnr
 from industnerf.metrics.reference_rig import ReferenceSurface
 
-MAX_CANDIDATE_DISTANCE = (
-    0.05  # candidates this close to what the reference rig sees are asked, in diagonals
-)
+MAX_CANDIDATE_DISTANCE = 0.05  # diagonals; only candidates this close to the visible truth count
 REMOVED_PERCENTS = range(
     10, 100, 10
-)  # percent of the candidates: where the sparsification curve is kept
-# unit, and the value that nothing beats: it stands where other metrics have their floor
+)  # of the candidates, at which the sparsification curve is kept
+# unit, and the best possible value: it stands where other metrics have their floor
 METRICS = {
     "rgb_mse": ("white^2", 0.0),
     "psnr": ("dB", psnr(0.0)),
@@ -41,7 +39,7 @@ METRICS = {
 
 
 def image_and_confidence_files(views: Path, cloud: Path) -> tuple[Path, ...]:
-    """The files that `scores_beyond` reads beside the part and its truth."""
+    """The files that `image_and_confidence_scores` reads beside the part and its truth."""
     candidates = (cloud / FILE,) if (cloud / FILE).exists() else ()
     if not (cloud / FOLDER).is_dir():
         return candidates
@@ -105,7 +103,7 @@ def _confidence_scores(
     near = np.isfinite(to_visible)
     if near.sum() < 2:
         return []
-    # hidden surface is surface: who puts a point there is not wrong
+    # hidden surface is surface: a point there is not wrong
     error = cKDTree(truth).query(points[near], distance_upper_bound=MAX_CANDIDATE_DISTANCE)[0]
     confidence = candidates.confidence[near].astype(np.float64)
     return [

@@ -1,4 +1,4 @@
-"""What a method sees from the held-out cameras, against their photographs.
+"""A method's renderings from the held-out cameras, against their photographs.
 
 P1-union  over the pixels that show the part in truth or in the rendering
 P1-frame  over the whole frame
@@ -67,7 +67,7 @@ def view_scores(truth: NormalizedImage, rendered: NormalizedImage) -> dict[tuple
 def psnr(mse: float) -> float:
     """Peak signal-to-noise ratio in dB of colors in [0, 1], -10 log10 of the squared error.
 
-    Equal pictures are taken to differ by what rounding to 8 bits hides: 58.9 dB, not infinity.
+    Equal images are taken to differ by what rounding to 8 bits hides: 58.9 dB, not infinity.
     """
     return float(-10 * np.log10(max(mse, QUANTIZATION_MSE)))
 

@@ -1,4 +1,4 @@
-"""Protocol P1: from a cloud, or from its absence, to scores."""
+"""Protocol P1: scores of a cloud, or of its absence."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,10 +12,9 @@ from industnerf.artifacts.cloud import Cloud, load_extra_clouds
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
-from industnerf.geometry.shapes import ball_surface, box_surface
-from industnerf.metrics.compare import SampledSurface, compare, compare_visible
+from industnerf.geometry.sampling import ball_surface, box_surface
+from industnerf.metrics.compare import MetricValue, SampledSurface, compare, compare_visible
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_scores
-from industnerf.metrics.metric_value import MetricValue
 from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
 from industnerf.metrics.subsample import random_points
 from industnerf.schema import EvaluateParams
@@ -34,8 +33,8 @@ def score_part(
 ) -> None:
     """Write the scores of the folder `cloud`; one with no point to score counts as failed.
 
-    Where there are several answers, their mean: one without a point to score counts as much as a
-    failure, and EMD `iid` and `full`, which cost most, are of the first answer alone.
+    Of several predictions the mean: one without a point to score counts as much as a failure, and
+    the EMD of P1-iid and P1-full, which cost most, are of the first prediction alone.
     `views` are read only if the method returned more than a cloud.
     """
     evaluator = Evaluator(part, Truth.load(truth), settings, seed)
@@ -80,7 +79,7 @@ class Evaluator:
     ) -> list[MetricValue]:
         """The values of a cloud; none if no point of it can be scored.
 
-        If not `every` metric, those of the visible surface that no chance enters into.
+        Without `all_metrics`, the deterministic ones of the visible surface.
         """
         rng = generator(self.seed, "evaluate", self.part.name)
         surface = self.sample_prediction(points_mm, rng)
@@ -92,12 +91,12 @@ class Evaluator:
 
     @cached_property
     def reference(self) -> ReferenceSurface:
-        """Of the part's true surface."""
+        """The part's true surface."""
         return ReferenceSurface(load_mesh(self.part))
 
     @cached_property
     def rig(self) -> ReferenceRig:
-        """The reference rig round it."""
+        """The reference rig around it."""
         return ReferenceRig(self.reference, self.settings)
 
     @cached_property
@@ -109,7 +108,7 @@ class Evaluator:
     def sample_prediction(
         self, points_mm: Float[np.ndarray, "n 3"], rng: np.random.Generator
     ) -> SampledSurface | None:
-        """A cloud, and which of its points count; None if none does."""
+        """A cloud in diagonals, and which of its points are compared; None if none is."""
         points_mm = random_points(points_mm.astype(np.float64), self.settings.max_points, rng)
         if not len(points_mm):
             return None
@@ -143,7 +142,7 @@ class Evaluator:
 
 
 def _mean_values(values_per_cloud: list[list[MetricValue]]) -> list[MetricValue]:
-    """Value by value of the first answer, the mean over all that have it."""
+    """Value by value of the first prediction, the mean over all that have it."""
     by_metric = [{(v.metric, v.protocol): v.value for v in values} for values in values_per_cloud]
     return [
         replace(first, value=fmean(values[key] for values in by_metric if key in values))

@@ -1,4 +1,4 @@
-"""Only what can be seen is scored: the reference rig, and one rule for both sides."""
+"""The reference rig, which decides what of the surface is visible and so is scored."""
 
 from dataclasses import dataclass
 
@@ -36,23 +36,20 @@ class ReferenceSurface:
 
 
 class ReferenceRig:
-    """The reference rig: the same eyes for every method, whatever views it was given."""
+    """Cameras all round the part: the same for every method, whatever views it was given."""
 
     def __init__(self, reference: ReferenceSurface, settings: EvaluateParams) -> None:
         bounding_radius = np.linalg.norm(reference.mesh.vertices - reference.center, axis=1).max()
         self._reference = reference
-        self._camera_centers = (
-            reference.center
-            + settings.visibility_radius
-            * bounding_radius
-            * fibonacci_sphere(settings.visibility_views)
-        )
+        radius_mm = settings.visibility_radius * bounding_radius
+        directions = fibonacci_sphere(settings.visibility_views)
+        self._camera_centers = reference.center + radius_mm * directions
         self._scene = RaycastingScene(reference.mesh.vertices, reference.mesh.faces)
 
     def is_visible(
         self, points_mm: Float[np.ndarray, "n 3"], depth: float = SURFACE_TOLERANCE
     ) -> Bool[np.ndarray, "n"]:
-        """Whether an eye sees the point, or one at most `depth` diagonals before it."""
+        """Whether a camera sees the point, or one at most `depth` diagonals before it."""
         tolerance = depth * self._reference.diagonal_mm
         return visible_from(
             self._scene, points_mm.astype(np.float64), self._camera_centers, tolerance
@@ -66,10 +63,10 @@ def evaluated_mask(
     truth_visible: Bool[np.ndarray, "m"],
     hidden_depth: float,
 ) -> Bool[np.ndarray, "n"]:
-    """Which predicted points count against the visible surface.
+    """Which predicted points are compared with the visible surface.
 
-    One is left out only if as seen from every eye it lies more than `hidden` diagonals behind the
-    true surface, AND it is nearer to the hidden truth than to the visible truth.
+    One is left out only if, as seen from every camera, it lies more than `hidden_depth` diagonals
+    behind the true surface, AND it is nearer to the hidden truth than to the visible truth.
     """
     mask = np.ones(len(predicted_mm), bool)
     if truth_visible.all():

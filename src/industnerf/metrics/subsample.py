@@ -1,4 +1,4 @@
-"""From many points to few: by even spacing, or by chance.
+"""Subsets of a cloud: farthest points, or random ones.
 
 A cloud that already has few enough points is returned as it is: no point is ever duplicated.
 """
@@ -39,7 +39,7 @@ def random_points(
 
 
 def _replace_duplicates(indices: Int64[np.ndarray, "m"], n: int) -> Int64[np.ndarray, "m"]:
-    """`chosen`, and in place of repetitions others of the `n` points.
+    """`indices`, and in place of repetitions others of the `n` points.
 
     fpsample repeats itself once every point left coincides with a chosen one.
     """

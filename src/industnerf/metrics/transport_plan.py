@@ -1,10 +1,10 @@
-"""From the plan of a coarse transport problem to the pairs worth trying in the fine one.
+"""From the plan of a coarse transport problem to the candidate pairs of the fine one.
 
-A pair is worth trying when its reduced cost c(a_i, b_j) - u_i - v_j is small, not when its
+A pair is a candidate when its reduced cost c(a_i, b_j) - u_i - v_j is small, not when its
 points are near: a cloud that must travel is then no harder than one that stays.  The coarse
 plan, spread over the points, joins the candidates, so that they always admit a plan.
 
-A guess throughout: what it misses, `pricing` finds.
+A guess throughout: what it misses, `column_generation` finds.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ CHUNK = 256  # cells at a time: a few MB
 
 @dataclass(frozen=True)
 class TransportPlan:
-    """Mass carried from points `rows` to points `cols`, and the prices that go with it."""
+    """Mass carried from points `rows` to points `cols`, and the dual potentials that go with it."""
 
     rows: Int64[np.ndarray, "k"]
     cols: Int64[np.ndarray, "k"]
@@ -38,7 +38,7 @@ def refine_plan(
     coarse: TransportPlan,
     ground: GroundCost,
 ) -> tuple[TransportPlan, Int64[np.ndarray, "k"], Int64[np.ndarray, "k"]]:
-    """A feasible plan between the points, with prices, and the candidates (i, j) around it."""
+    """A feasible plan between the points, with potentials, and the candidates (i, j) around it."""
     cells_a, cells_b = cells
     near_a = _nearest_cells(cells_a, cells_b, coarse.v, ground)
     near_b = _nearest_cells(cells_b, cells_a, coarse.u, ground)
@@ -53,7 +53,7 @@ def refine_plan(
 def _nearest_cells(
     own_cells: KdCells, other_cells: KdCells, v: Float64[np.ndarray, "q"], ground: GroundCost
 ) -> Int64[np.ndarray, "p k"]:
-    """The cells of `there` with the smallest reduced cost from each cell of `here`."""
+    """The cells of `other_cells` with the smallest reduced cost from each cell of `own_cells`."""
     k = min(NEAREST_CELLS, len(v))
     reduced = ground.matrix(own_cells.coarse.points, other_cells.coarse.points) - v
     return np.argpartition(reduced, k - 1, axis=1)[:, :k]
@@ -67,7 +67,7 @@ def _extend_potentials(
     near: Int64[np.ndarray, "p k"],
     ground: GroundCost,
 ) -> Float64[np.ndarray, "n"]:
-    """u_i = min_J c(a_i, c_J) - V_J over the near cells: the coarse prices, extended."""
+    """u_i = min_J c(a_i, c_J) - V_J over the near cells: the coarse potentials, extended."""
     cost = ground.between_cells(cloud.points[own_cells.members], other_cells.coarse.points[near])
     best = (cost - v[near][:, None, :]).min(axis=2)
     u, is_member = np.empty(len(cloud.points)), own_cells.members >= 0
@@ -84,7 +84,7 @@ def _candidate_pairs(
     near: Int64[np.ndarray, "p k"],
     ground: GroundCost,
 ) -> tuple[Int64[np.ndarray, "c"], Int64[np.ndarray, "c"]]:
-    """For each point of `a`, those `PER_POINT` of the near cells with least c(a_i, b_j) - v_j."""
+    """For each point of `a` CANDIDATES_PER_POINT of the near cells with least c(a_i, b_j) - v_j."""
     candidates = []
     for start in range(0, len(near), CHUNK):
         rows = own_cells.members[start : start + CHUNK]

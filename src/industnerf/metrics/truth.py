@@ -1,4 +1,4 @@
-"""The truth of one part: dense samples, what the reference rig sees of them, and the floors."""
+"""The ground truth of one part: dense samples, their visibility, and the floors."""
 
 from pathlib import Path
 
@@ -26,8 +26,8 @@ def measure_truth(part: Path, target: Path, *, settings: EvaluateParams, seed: i
     num_visible = min(truth.evaluated.sum(), floor.evaluated.sum())
     if num_visible < settings.points:
         raise MetricError(
-            f"the reference rig sees only {num_visible} of {settings.dense_samples} samples, fewer than "
-            f"evaluate.points = {settings.points}; raise evaluate.dense_samples"
+            f"the reference rig sees only {num_visible} of {settings.dense_samples} samples, fewer "
+            f"than evaluate.points = {settings.points}; raise evaluate.dense_samples"
         )
     values = compare(reference, truth, floor, settings, generator(seed, "floor", part.name))
     floors = {f"{value.metric} {value.protocol}": value.value for value in values}

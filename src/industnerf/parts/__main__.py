@@ -1,11 +1,11 @@
-"""List, export, or draw and bake anew the embedded parts; check CAD files of your own.
+"""List, export or rebuild the embedded parts; check CAD files of your own.
 
 python -m industnerf.parts list [--set organic]
 python -m industnerf.parts build [--family gears]     needs the [cad] extra
 python -m industnerf.parts build --set organic        does not
 python -m industnerf.parts export PART... | --all --format step|stl|glb|ply|obj --out FOLDER
 python -m industnerf.parts check FILES... [--units mm] [--split-bodies] [--out cad-check]
-python -m industnerf.parts card                       docs/reference/dataset.md and its contact sheets
+python -m industnerf.parts card                       docs/reference/dataset.md and its sheets
 """
 
 import argparse
@@ -18,9 +18,9 @@ from rich.console import Console
 
 from industnerf import environment
 from industnerf.errors import BadParams, SuiteError
+from industnerf.parts.catalogue.build import print_catalogue
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
-from industnerf.parts.catalogue.listing import print_catalogue
 from industnerf.parts.io.export import FORMATS, export
 from industnerf.schema.parts import Units
 
@@ -57,17 +57,19 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    list_command = commands.add_parser("list", help="the baked parts, as a table")
-    build_command = commands.add_parser("build", help="draw, check and bake them anew")
+    list_command = commands.add_parser("list", help="the embedded parts, as a table")
+    build_command = commands.add_parser("build", help="draw, check and store them anew")
     build_command.add_argument("--family", help="only this family")
     export_command = commands.add_parser("export", help="parts as files for other programs")
-    export_command.add_argument("part_ids", nargs="*", metavar="PART", help="as `list` names it")
+    export_command.add_argument(
+        "part_ids", nargs="*", metavar="PART", help="an id that `list` prints"
+    )
     export_command.add_argument("--all", action="store_true", help="every part of the set")
     export_command.add_argument("--format", required=True, choices=FORMATS)
     export_command.add_argument("--out", required=True, type=Path, metavar="FOLDER")
     for command in (list_command, build_command, export_command):
         command.add_argument("--set", default="embedded", choices=CATALOGUE_FOLDERS)
-    check_command = commands.add_parser("check", help="what is the matter with CAD files of yours")
+    check_command = commands.add_parser("check", help="defects of your own CAD files")
     check_command.add_argument("paths", nargs="+", type=Path, metavar="FILE", help="or folder")
     check_command.add_argument("--units", choices=UNITS, help="of files that state none")
     check_command.add_argument("--split-bodies", action="store_true", help="one row per solid")

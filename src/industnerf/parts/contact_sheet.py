@@ -8,8 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from PIL import Image, ImageDraw, ImageFont
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.geometry.thumbnail import render_thumbnail
 
 TILE_PX = 200
@@ -25,12 +24,12 @@ DEFAULT_ALBEDO = (0.62, 0.64, 0.67)  # of a finish that states no albedo
 class Tile:
     """One part of a contact sheet."""
 
-    caption: str  # lines beyond LINES, and what is wider than the picture, are cut
-    image: Image.Image | None  # PICTURE_PX a side; None shows a crossed box
+    caption: str  # lines beyond CAPTION_LINES, and what is wider than a tile, are cut
+    image: Image.Image | None  # TILE_PX a side; None shows a crossed box
 
 
 def render_tile(caption: str, mesh: Mesh, finishes: tuple[Appearance, ...]) -> Tile:
-    """A tile that shows `mesh`, whose `finish` counts `finishes`, and does not keep it."""
+    """A tile that shows `mesh`, whose faces index `finishes`; the mesh is not kept."""
     return Tile(caption, _render(mesh, finishes, TILE_PX))
 
 

@@ -64,12 +64,12 @@ def measure(mesh: Mesh) -> MeshProperties:
 
 
 def round_significant(value: float) -> float:
-    """To `DIGITS` digits, not decimals: a part may be a micrometer wide."""
+    """To `SIGNIFICANT_DIGITS` digits, not decimals: a part may be a micrometer wide."""
     return float(f"{value:.{SIGNIFICANT_DIGITS}g}")
 
 
 def visible_share(mesh: Mesh) -> float:
-    """Share of the area that at least one of `EYES` eyes on a sphere around the part sees."""
+    """Share of the area seen from at least one of `NUM_CAMERAS` points on a sphere."""
     points, tolerance_mm = area_samples(mesh.vertices, mesh.faces)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))

@@ -1,18 +1,21 @@
 """Kinds of parts on which methods differ, each a formula on the mesh alone.
 
 They were written down, thresholds and all, before any reconstruction was looked at.  Lengths are
-shares of the diagonal of the bounding box.  `SAMPLES` points, uniform over the area and drawn with
-a fixed seed, stand for the surface: a share of 5 % has a standard error of 0.34 %.
+shares of the diagonal of the bounding box.  `NUM_SAMPLES` points, uniform over the area and drawn
+with a fixed seed, stand for the surface: a share of 5 % has a standard error of 0.34 %.
 
-thin         Median over the area of the way from the surface, straight inwards, to the opposite
-             wall: less than `THIN`.  A point with no opposite wall, as on an open sheet, counts 0.
+thin         Median over the area of the distance from the surface, straight inwards, to the
+             opposite wall: less than `MAX_THIN_THICKNESS`.  A point with no opposite wall, as on an
+             open sheet, counts 0.
 holes        At least one through hole: genus = pieces of surface - Euler number / 2 >= 1, if the
              surface is closed.  An open one has none.
-pockets      At least `POCKETS` of the area lies deeper than `BURIED` beneath the hull of infinitely
-             many silhouettes (geometry/tangents.py): no number of silhouettes shows it.
+pockets      At least `MIN_POCKET_SHARE` of the area lies deeper than `MIN_POCKET_DEPTH` beneath the
+             hull of infinitely many silhouettes (geometry/visual_hull.py): no number of silhouettes
+             shows it.
 symmetric    For some k >= 3, each rotation by a multiple of 1/k of a turn about one axis through
-             the centroid takes at least `ALIKE` of the area to within `BLUR` of the surface
-             (geometry/symmetry.py, which also says what becomes of cubes, balls and needles).
+             the centroid takes at least `MIN_SYMMETRIC_SHARE` of the area to within
+             `SYMMETRY_TOLERANCE` of the surface (geometry/symmetry.py, which also covers
+             cubes, balls and needles).
 multi-body   At least two solids: pieces of surface that share no vertex; in a closed mesh, a piece
              of negative volume is a cavity and does not count.
 """
@@ -37,13 +40,15 @@ MIN_POCKET_SHARE = 0.05
 SYMMETRY_TOLERANCE = 5e-3
 MIN_SYMMETRIC_SHARE = 0.99
 STRATUM_DEFINITIONS = {
-    "thin": f"median wall thickness below {100 * MAX_THIN_THICKNESS:.0f} % of the bounding box's diagonal",
+    "thin": f"median wall thickness below {100 * MAX_THIN_THICKNESS:.0f} % of the bounding "
+    "box's diagonal",
     "holes": "at least one through hole (genus, from the Euler number)",
-    "pockets": f"at least {100 * MIN_POCKET_SHARE:.0f} % of the area deeper than {100 * MIN_POCKET_DEPTH:.1f} % of "
-    "the diagonal beneath the hull of infinitely many silhouettes",
+    "pockets": f"at least {100 * MIN_POCKET_SHARE:.0f} % of the area deeper than "
+    f"{100 * MIN_POCKET_DEPTH:.1f} % of the diagonal beneath the hull of infinitely many "
+    "silhouettes",
     "symmetric": "for some k >= 3, every rotation by a multiple of 1/k of a turn about one axis "
-    f"takes {100 * MIN_SYMMETRIC_SHARE:.0f} % of the area to within {100 * SYMMETRY_TOLERANCE:.1f} % of the diagonal of the "
-    "surface",
+    f"takes {100 * MIN_SYMMETRIC_SHARE:.0f} % of the area to within "
+    f"{100 * SYMMETRY_TOLERANCE:.1f} % of the diagonal of the surface",
     "multi-body": "at least two solids",
 }
 

@@ -3,7 +3,7 @@
 python -m industnerf.reconstruct --cameras transforms.json --images DIR --out cloud.ply
 
 The cloud is in the frame and the unit of the cameras.  An interrupted run goes on where it was
-when the same command is given again, without --fresh.  Exit code: 0, 1 if the method finds no
+when the same command is given again, without --no-resume.  Exit code: 0, 1 if the method finds no
 surface, 2 if what it was given is wrong, 130 after Ctrl-C.
 """
 
@@ -39,7 +39,7 @@ def _resume_hint(options: Options, start_time: float) -> str:
     path = options.checkpoint
     if not path.exists() or (options.no_resume and path.stat().st_mtime < start_time):
         return "nothing of this run is kept"
-    command = "the same command without --fresh" if options.no_resume else "the same command"
+    command = "the same command without --no-resume" if options.no_resume else "the same command"
     return f"{command} goes on from {options.checkpoint}"
 
 

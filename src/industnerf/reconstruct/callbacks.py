@@ -10,7 +10,7 @@ from jaxtyping import Float32, UInt8
 from PIL import Image
 from torch import Tensor
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadArtifact
 from industnerf.methods.industnerf.pipeline import Callback
 from industnerf.reconstruct.display import Display

@@ -14,7 +14,7 @@ from typing import Any
 
 import torch
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadArtifact
 
 MAGIC = b"industnerf checkpoint 1\n"
@@ -42,11 +42,11 @@ def load(path: Path, fingerprint: Fingerprint) -> dict[str, Any]:
     """
     header, payload = _read_header(path)
     if hashlib.sha256(payload).hexdigest() != header["state"]:
-        raise BadArtifact(f"{path} is torn: its state is incomplete; --fresh starts anew")
+        raise BadArtifact(f"{path} is torn: its state is incomplete; --no-resume starts anew")
     mismatched = [name for name in fingerprint if header["origin"].get(name) != fingerprint[name]]
     if mismatched:
         raise BadArtifact(
-            f"{path} belongs to another run: {', '.join(mismatched)} differ; --fresh drops it and "
+            f"{path} belongs to another run: {', '.join(mismatched)} differ; --no-resume drops it and "
             "starts anew, --checkpoint names another file"
         )
     return _load_weights_only(payload)
@@ -72,4 +72,4 @@ def _read_header(path: Path) -> tuple[dict[str, Any], bytes]:
             return header, payload
     except (ValueError, AttributeError):
         pass
-    raise BadArtifact(f"{path} is torn, or no checkpoint; --fresh starts anew")
+    raise BadArtifact(f"{path} is torn, or no checkpoint; --no-resume starts anew")

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from industnerf.renamed import FLAGS
+
 METHODS = ("industnerf", "industnerf_plus")
 MESH_SUFFIXES = (".stl", ".ply", ".obj")
 COLORS = {
@@ -49,6 +51,7 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
     parser = argparse.ArgumentParser(
         prog="python -m industnerf.reconstruct",
         description=description,
+        allow_abbrev=False,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     # argparse's own takes -2.3e-05 for an option
@@ -56,6 +59,8 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
     _add_inputs(parser)
     _add_outputs(parser)
     _add_settings(parser)
+    for flag in FLAGS.keys() & set(arguments):
+        parser.error(f"{flag} is now {FLAGS[flag]}")
     args = vars(parser.parse_args(arguments))
     out, cameras, npz, preview, center = (
         args.pop(key) for key in ("out", "cameras", "npz", "preview", "center")
@@ -87,7 +92,7 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--cameras", required=True, type=Path, metavar="transforms.json")
     group.add_argument("--images", type=Path, metavar="DIR", help="default: beside the cameras")
     group.add_argument(
-        "--all", dest="every", action="store_true", help="every frame, not train_filenames alone"
+        "--all-frames", action="store_true", help="every frame, not train_filenames alone"
     )
     group.add_argument(
         "--background",
@@ -98,7 +103,6 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--max-size",
-        dest="longest",
         type=_int_at_least(16),
         default=512,
         metavar="PX",
@@ -133,7 +137,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="seconds (30); 0: only on Ctrl-C",
     )
-    group.add_argument("--fresh", action="store_true", help="drop a checkpoint that is there")
+    group.add_argument("--no-resume", action="store_true", help="drop a checkpoint that is there")
     group.add_argument(
         "--preview",
         type=Path,
@@ -167,7 +171,7 @@ def _add_settings(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="such as method.industnerf.grid_res=48 or seed=1; VALUE is JSON or a word",
     )
-    group.add_argument("--show", action="store_true", help="print the settings used")
+    group.add_argument("--print-config", action="store_true", help="print the settings used")
 
 
 def _color(text: str) -> FloatTriple:

@@ -52,7 +52,7 @@ def image_warnings(
     if len(views) == num_listed:
         return warnings
     usage = f"{len(views)} of {num_listed} frames are used, as `train_filenames` says"
-    return [f"{usage}; --all takes every one", *warnings]
+    return [f"{usage}; --all-frames takes every one", *warnings]
 
 
 def outside_dir_warnings(

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from rich.console import Console
 
-from industnerf.artifacts.atomic_write import atomic_write
+from industnerf.artifacts.files import atomic_write
 from industnerf.artifacts.ply import write_ply
 from industnerf.geometry.cameras import Cameras
 from industnerf.reconstruct.cli import Options

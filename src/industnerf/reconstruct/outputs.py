@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from industnerf.artifacts.atomic_write import check_writable
+from industnerf.artifacts.files import check_writable
 from industnerf.errors import BadArtifact
 from industnerf.reconstruct.cli import Options
 

@@ -1,18 +1,19 @@
 """Run the method, from the start or from a checkpoint."""
 
 from functools import partial
+from importlib import import_module
 
 import numpy as np
 from jaxtyping import Float
 
 from industnerf.errors import BadArtifact, ReconstructionFailed
-from industnerf.methods.industnerf.pipeline import PosedImages, ReconstructionResult, run
+from industnerf.methods.industnerf.pipeline import PosedImages, ReconstructionResult
 from industnerf.reconstruct import checkpoint
 from industnerf.reconstruct.callbacks import CliCallback
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet
-from industnerf.reconstruct.run_fingerprint import run_fingerprint
+from industnerf.reconstruct.run_fingerprint import method_module, run_fingerprint
 from industnerf.reconstruct.settings import ResolvedConfig
 from industnerf.reconstruct.signal_handling import GracefulInterrupt
 from industnerf.seeds import seed_for
@@ -45,6 +46,7 @@ def run_reconstruction(
             options.preview,
             options.preview_every,
         )
+        run = import_module(method_module(config.method)).run
         result = run(posed_images, config.settings, seed, callback, state)
     return _check_result(result)
 

@@ -12,7 +12,10 @@ from industnerf.device import device
 from industnerf.reconstruct.load_images import ImageSet
 from industnerf.reconstruct.settings import ResolvedConfig
 
-METHOD_MODULE = "industnerf.methods.industnerf.pipeline"
+
+def method_module(method: str) -> str:
+    """The module of a method whose `run` reconstructs from posed images."""
+    return f"industnerf.methods.{method}.pipeline"
 
 
 def run_fingerprint(
@@ -31,7 +34,7 @@ def run_fingerprint(
             json.dumps(asdict(config.settings), sort_keys=True).encode()
         ).hexdigest(),
         "seed": str(config.seed),
-        "code of the method": code_digest(METHOD_MODULE),
+        "code of the method": code_digest(method_module(config.method)),
         "device": device().type,  # on another, roundings sort other points out
     }
 

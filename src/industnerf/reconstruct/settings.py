@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from industnerf import renamed
 from industnerf.config import PARAMS, build, flatten, read_yaml
 from industnerf.errors import BadParams
 from industnerf.schema import Params
@@ -53,6 +54,8 @@ def _apply_override(values: dict[str, Any], override: str, method: str) -> None:
         raise BadParams(f"--set {override}: must be KEY=VALUE")
     if key != "seed" and not key.startswith(f"method.{method}."):
         raise BadParams(f"--set {override}: only seed and method.{method}.* have a say here")
+    if new := renamed.new_key(key):
+        raise BadParams(f"--set {override}: {key} is now {new}")
     *sections, name = key.split(".")
     node = values
     for depth, section in enumerate(sections):
@@ -80,7 +83,7 @@ def _list_error(override: str, sections: Sequence[str]) -> str:
     key = ".".join(sections)
     return (
         f"--set {override}: {key} is a list, which is given as a whole, as JSON: --set "
-        f"'{key}=[...]'; --show prints it as it is"
+        f"'{key}=[...]'; --print-config prints it as it is"
     )
 
 

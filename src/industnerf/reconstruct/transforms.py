@@ -86,6 +86,6 @@ def _train_frames(path: Path, frames: Sequence[Frame], names: Any) -> list[Frame
     if unknown:
         raise BadArtifact(
             f"{path}: `train_filenames` names {unknown[0]!r}, which no frame has as its "
-            "`file_path`; --all takes every frame instead"
+            "`file_path`; --all-frames takes every frame instead"
         )
     return [frame for frame in frames if frame.name in wanted]

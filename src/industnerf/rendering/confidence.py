@@ -3,17 +3,20 @@
 A ray has s radiance points (samples), each with its k neighbors in the cloud; slots without a
 neighbor have weight 0.  Any number of rays may lead the shapes.  Readings R8, R9, R15 and R16.
 
-Reconstruction takes (11), (13) and R16 in one compiled pass, `kernels.confide`; here they stand to
-be read, and as what that pass is tested against.
+(11), (13) and R16 stand here twice: over tensors of rays, and with the suffix `_wp` for one
+neighbor of one sample, as `kernels.accumulate_confidence` compiles it.
+`tests/rendering/test_equations.py` holds the two together.
 """
 
 import math
-from typing import assert_never
+from typing import assert_never, no_type_check
 
 import torch
+import warp as wp
 from jaxtyping import Float, Int64
 from torch import Tensor
 
+from industnerf.rendering.compositing import opacity_wp
 from industnerf.schema.readings import (
     ColorScaleReading,
     OpacityReading,
@@ -88,6 +91,29 @@ def point_confidence(
     return agreement[..., None, None] * voxel
 
 
+@wp.func
+@no_type_check
+def point_confidence_wp(
+    agreement: wp.float32,
+    transmittance: wp.float32,
+    weight: wp.float32,
+    max_weight: wp.float32,
+    transmitted: wp.float32,
+    own_transmittance: wp.bool,
+    with_opacity: wp.bool,
+):
+    """Eqs. (13) and (11) of one neighbor of one sample: S T_i W_ij / max_j W_ij.
+
+    The sample transmits the share 1 - alpha; flags stand for R9 `own` and R15 `with`.
+    """
+    confidence = agreement * transmittance / max_weight
+    if own_transmittance:
+        confidence = confidence * transmitted
+    if with_opacity:
+        confidence = confidence * opacity_wp(transmitted)
+    return confidence * weight
+
+
 def reduce_samples(
     values: Float[Tensor, "m"],
     ids: Int64[Tensor, "m"],
@@ -103,6 +129,18 @@ def reduce_samples(
     return values.new_zeros(n_points).scatter_reduce(
         0, ids[has_point], values[has_point], reduction, include_self=False
     )
+
+
+@wp.func
+@no_type_check
+def reduce_sample_wp(
+    confidence: wp.array(dtype=wp.float32), point: wp.int32, value: wp.float32, is_sum: wp.bool
+):
+    """`reduce_samples`, one value at a time, into what the point has so far."""
+    if is_sum:
+        wp.atomic_add(confidence, point, value)
+    else:
+        wp.atomic_max(confidence, point, value)
 
 
 def max_over_views(

@@ -1,27 +1,35 @@
 """The inner loop, compiled: march the rays and composite; and back again.
 
-One source for CPU and CUDA (NVIDIA Warp).  The adjoint is written by hand: Warp's automatic one
-is silently wrong for a transmittance that a dynamic loop updates.  `twin.py` is the slow oracle.
+One source for CPU and CUDA (NVIDIA Warp).  The loops are here; the equations stand in the files
+that bear them, `compositing.py`, `confidence.py` and `sdf_density.py`, with the suffix `_wp`.
 
-Sample q of ray r has slot r * room + q; its neighbors lie from k times that.
+The adjoint is written by hand: Warp's automatic one is silently wrong for a transmittance that a
+dynamic loop updates.  `torch_renderer.py` is what it is tested against.
+
+Sample q of ray r has slot r * max_samples + q; its neighbors lie from k times that.
 """
 
 from typing import no_type_check  # compiled, not called: there is nothing to check
 
 import warp as wp
 
-from industnerf.rendering.compositing import MIN_OPACITY
+from industnerf.rendering.compositing import (
+    MIN_OPACITY,
+    median_depth_wp,
+    opacity_wp,
+    render_weight_wp,
+    sample_transmittance_wp,
+)
+from industnerf.rendering.confidence import point_confidence_wp, reduce_sample_wp
 from industnerf.rendering.neighbor_search_kernel import (
     CellGrid,
     NeighborBuffer,
     cell_at,
     find_neighbors,
 )
-from industnerf.rendering.sdf_density import SIGMOID_CUTOFF
+from industnerf.rendering.sdf_density import density_derivative_wp, density_wp
 
-CUTOFF = wp.constant(SIGMOID_CUTOFF)
 OPACITY_FLOOR = wp.constant(MIN_OPACITY)
-EXPONENT_LIMIT = wp.constant(50.0)
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 
@@ -55,45 +63,6 @@ def ray_box_intersection(origin: wp.vec3, direction: wp.vec3, lo: wp.vec3, hi: w
         enter = wp.max(enter, wp.min(a, b))
         leave = wp.min(leave, wp.max(a, b))
     return wp.vec2(enter, leave)
-
-
-@wp.func
-@no_type_check
-def sigmoid(beta: wp.float32, value: wp.float32):
-    """The logistic function of -value / beta; kept from overflow, which fast maths forbids."""
-    return 1.0 / (1.0 + wp.exp(wp.min(value / beta, EXPONENT_LIMIT)))
-
-
-@wp.func
-@no_type_check
-def density(beta: wp.float32, value: wp.float32):
-    """`distance.density` of what a sample's neighbors hold in the mean."""
-    if beta == 0.0:
-        return value
-    return wp.max(sigmoid(beta, value) - CUTOFF, 0.0) / beta
-
-
-@wp.func
-@no_type_check
-def density_derivative(beta: wp.float32, value: wp.float32):
-    """How much the density grows with the value."""
-    if beta == 0.0:
-        return wp.float32(1.0)
-    inside_share = sigmoid(beta, value)
-    if inside_share <= CUTOFF:
-        return wp.float32(0.0)
-    return -inside_share * (1.0 - inside_share) / (beta * beta)
-
-
-@wp.func
-@no_type_check
-def median_depth(
-    median: wp.float32, T: wp.float32, tau: wp.float32, t: wp.float32, step: wp.float32
-):
-    """Where T falls through 1/2: `found` before, or in the sample of depth `tau` round `t`; -1."""
-    if median < 0.0 and T * wp.exp(-tau) < 0.5:
-        return t + (wp.log(2.0 * T) / tau - 0.5) * step
-    return median
 
 
 @wp.func
@@ -165,17 +134,19 @@ def forward(
                 n += 1
                 if params.early_stop_transmittance <= T:
                     count = n
-                    tau = density(params.beta, s) * params.step
-                    transmitted = wp.exp(-tau)
-                    weight = T * (1.0 - transmitted)
+                    sigma = density_wp(params.beta, s)
+                    transmitted = sample_transmittance_wp(sigma, params.step)
+                    weight = render_weight_wp(T, opacity_wp(transmitted))
                     c += weight * mean
                     z += weight * t
-                    fallback_t = median_depth(fallback_t, T, tau, t, params.step)
+                    fallback_t = median_depth_wp(fallback_t, T, sigma, t, params.step)
                     T = T * transmitted
                 if median_pending:
-                    tau = density(params.median_beta, s) * params.step
-                    median_t = median_depth(median_t, median_transmittance, tau, t, params.step)
-                    median_transmittance = median_transmittance * wp.exp(-tau)
+                    sigma = density_wp(params.median_beta, s)
+                    median_t = median_depth_wp(
+                        median_t, median_transmittance, sigma, t, params.step
+                    )
+                    median_transmittance *= sample_transmittance_wp(sigma, params.step)
                     median_pending = (
                         median_t < 0.0 and params.early_stop_transmittance <= median_transmittance
                     )
@@ -227,13 +198,13 @@ def backward(
         slot = r * params.max_samples + q
         first = slot * k
         s, mean = interpolate(neighbors, first, neighbors.neighbor_counts[slot], values, rgb)
-        transmitted = wp.exp(-density(params.beta, s) * params.step)
-        weight = T * (1.0 - transmitted)
+        transmitted = sample_transmittance_wp(density_wp(params.beta, s), params.step)
+        weight = render_weight_wp(T, opacity_wp(transmitted))
         T = T * transmitted
         weight_grad = wp.dot(g, mean) + depth_grad * (neighbors.t[slot] - depth[r])
         remaining -= weight * weight_grad
         ds = (
-            density_derivative(params.beta, s)
+            density_derivative_wp(params.beta, s)
             * params.step
             * (T * weight_grad - remaining - background_grad)
         )
@@ -255,7 +226,7 @@ def accumulate_confidence(
     sum_samples: wp.bool,
     confidence: wp.array(dtype=wp.float32),
 ):
-    """(13): S T_q W_qj / max_j W_qj of every neighbor j of every sample q; R9, R15, R16."""
+    """(13) of every neighbor j of every sample q of the rays, brought into `confidence`."""
     r = wp.tid()
     T = wp.float32(1.0)
     for q in range(neighbors.sample_counts[r]):
@@ -266,15 +237,16 @@ def accumulate_confidence(
         for i in range(first, last):
             s += neighbors.weights[i] * values[neighbors.ids[i]]
             max_weight = wp.max(max_weight, neighbors.weights[i])
-        transmitted = wp.exp(-density(params.beta, s) * params.step)
-        value = agreement[r] * T / max_weight
-        if own_transmittance:
-            value = value * transmitted
-        if use_opacity:
-            value = value * (1.0 - transmitted)
-        T = T * transmitted
+        transmitted = sample_transmittance_wp(density_wp(params.beta, s), params.step)
         for i in range(first, last):
-            if sum_samples:
-                wp.atomic_add(confidence, neighbors.ids[i], value * neighbors.weights[i])
-            else:
-                wp.atomic_max(confidence, neighbors.ids[i], value * neighbors.weights[i])
+            value = point_confidence_wp(
+                agreement[r],
+                T,
+                neighbors.weights[i],
+                max_weight,
+                transmitted,
+                own_transmittance,
+                use_opacity,
+            )
+            reduce_sample_wp(confidence, neighbors.ids[i], value, sum_samples)
+        T = T * transmitted

@@ -20,8 +20,8 @@ READINGS: dict[InterpolationReading, int] = {
     "trilinear": 3,
 }
 MAX_CELLS = 2**27  # 1.5 GB while they are sorted
-GRID_TOLERANCE = 1e-4  # radii that a point of a lattice may be off, along each axis: roundings
-MAX_CELL_DISTANCE = 255  # cells that a byte can say space is empty
+GRID_TOLERANCE = 1e-4  # radii that a point of a grid may be off, along each axis: roundings
+MAX_CELL_DISTANCE = 255  # cells: the most that a byte holds
 
 
 class PointGrid:
@@ -33,12 +33,12 @@ class PointGrid:
     def __init__(
         self, positions: Float[Tensor, "m 3"], radius: float, k: int, weights: InterpolationReading
     ) -> None:
-        corner = positions.amin(0) - 2.5 * radius  # cells all round, so that none has to be asked
+        corner = positions.amin(0) - 2.5 * radius  # empty cells all round: neighbors exist
         size = ((positions.amax(0) - corner) / radius).long() + 4
         if (count := math.prod(size.tolist())) > MAX_CELLS:
             raise ReconstructionFailed(
                 f"the points span {count} cells of the neighbors' radius, at most {MAX_CELLS} "
-                "fit into memory: raise `radius`, or lower `grid_res` or the number of levels"
+                "fit into memory: raise `neighbor_radius`, or lower `grid_res` or the number of levels"
             )
         cell = ((positions - corner) / radius).long()
         key, self.order = torch.sort(
@@ -48,7 +48,7 @@ class PointGrid:
         all_cells = torch.arange(int(size.prod()) + 1, device=key.device)
         self._first = torch.searchsorted(key, all_cells).int()
         self._size = tuple(size.tolist())
-        self.radius, self.k = radius, k
+        self.radius, self.k, self.weights = radius, k, weights
         self.cells = CellGrid()
         self.cells.points = wp.from_torch(self.positions, dtype=wp.vec3)
         self.cells.first = wp.from_torch(self._first)
@@ -64,19 +64,19 @@ class PointGrid:
         return len(self.positions)
 
     def _is_grid_aligned(self, corner: Float[Tensor, "3"]) -> bool:
-        """Whether each point stands in the middle of a cell, and alone: up to OFF radii."""
+        """Whether each point stands in the middle of a cell, and alone: up to GRID_TOLERANCE."""
         offset = ((self.positions - corner) / self.radius).frac() - 0.5
         return bool(offset.abs().max() < GRID_TOLERANCE and self._first.diff().max() <= 1)
 
     @property
     def support_radius(self) -> float:
-        """How far a neighbor can be: tents stand on a cube, whose corners are farther."""
-        return self.radius * (3**0.5 if self.cells.reading == READINGS["trilinear"] else 1)
+        """How far a neighbor can be; trilinear weights reach the corners of a cube."""
+        return self.radius * (3**0.5 if self.weights == "trilinear" else 1)
 
     def update_occupancy(self, occupied: Bool[Tensor, "m"]) -> None:
-        """From now on rays skip space without a `filled` point within the radius.
+        """From now on rays skip cells without an occupied point within the radius.
 
-        This changes no pixel while the others have no density.
+        This changes no pixel while the other points have no density.
         """
         is_near = torch.zeros(len(self._first) - 1, dtype=torch.uint8, device=self._first.device)
         points = self.positions[occupied].contiguous()
@@ -96,3 +96,11 @@ class PointGrid:
             is_near.device
         )
         self.cells.distance_to_occupied = wp.from_torch(self._distance_to_occupied)
+
+    def is_occupied(self, positions: Float[Tensor, "q 3"]) -> Bool[Tensor, "q"]:
+        """Whether rays look for neighbors there: `cell_at` and `update_occupancy`, in torch."""
+        corner = positions.new_tensor(list(self.cells.corner))
+        size = torch.tensor(self._size, device=positions.device)
+        cell = ((positions - corner) / self.radius).clamp(min=1).long().minimum(size - 2)
+        index = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
+        return self._distance_to_occupied[index] == 0

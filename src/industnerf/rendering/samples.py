@@ -1,5 +1,6 @@
 """The neural radiance points R of rays, and the cloud points around them -- paper, 3.3."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
@@ -48,13 +49,21 @@ def radiance_points(
     radius: float,
     k: int,
     weights: InterpolationReading,
+    is_occupied: Callable[[Tensor], Tensor] | None = None,
 ) -> Samples:
-    """What `rays_in_cube` samples, with the at most `k` nearest points nearer than `radius`."""
+    """The samples of `sample_distances`, with the at most `k` nearest points within `radius`.
+
+    Where positions are not `is_occupied`, samples have no neighbors.
+    """
     t, inside = sample_distances(origins, directions, offsets, lo, hi, step)
-    positions = origins[:, None] + t[:, :, None] * directions[:, None]
-    positions = positions.where(inside[:, :, None], torch.inf)  # out there nothing is a neighbor
-    ids, weight = weighted_neighbors(positions.flatten(0, 1), points, radius, k, weights)
-    return Samples(t, ids.reshape(*t.shape, k), weight.reshape(*t.shape, k))
+    positions = (origins[:, None] + t[:, :, None] * directions[:, None]).flatten(0, 1)
+    looks = inside.flatten()
+    if is_occupied is not None:
+        looks = looks & is_occupied(positions)
+    ids = torch.full((len(looks), k), -1, device=looks.device)
+    weight = positions.new_zeros(len(looks), k)
+    ids[looks], weight[looks] = weighted_neighbors(positions[looks], points, radius, k, weights)
+    return Samples(t, ids.unflatten(0, t.shape), weight.unflatten(0, t.shape))
 
 
 def weighted_neighbors(
@@ -64,9 +73,9 @@ def weighted_neighbors(
     k: int,
     weights: InterpolationReading,
 ) -> tuple[Int64[Tensor, "q {k}"], Float[Tensor, "q {k}"]]:
-    """Ids of the neighbors of `at`, -1 where there is none, and their weights.
+    """Ids of the neighbors of `positions`, -1 where there is none, and their weights, else 0.
 
-    `tent` has its neighbors in a cube of half the side `radius`, the others in a ball.
+    `trilinear` has its neighbors in a cube of half the side `radius`, the others in a ball.
     """
     if weights != "trilinear":
         ids, distance = neighbors(positions, points, radius, k)

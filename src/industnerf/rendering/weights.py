@@ -19,13 +19,16 @@ def inverse_distance_weights(
 
     inverse         1 / distance
     inverse_square  1 / distance^2
-    tapered         ((radius - distance) / (radius distance))^2, which reaches 0 without a jump
+    modified_shepard
+                    ((radius - distance) / (radius distance))^2, which reaches 0 without a jump
                     -- Franke and Little, in Franke (1982), Scattered data interpolation
 
-    ValueError for `tent`, which takes more than a distance: `tent_weights`.
+    Raises ValueError for `trilinear`, which takes more than a distance: `trilinear_weights`.
     """
     if reading == "trilinear":
-        raise ValueError("tent is no weight by distance alone: `tent_weights` takes the axes")
+        raise ValueError(
+            "trilinear is no weight by distance alone: `trilinear_weights` takes the offsets"
+        )
     is_near = distance < radius
     distance = torch.where(is_near, distance, radius)  # inf - inf is no number
     weight = 1 / distance.clamp(min=FLOOR * radius)

@@ -16,7 +16,7 @@ from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.methods import load_method
-from industnerf.methods.base import Input, Method
+from industnerf.methods.base import Input, Method, Scope
 from industnerf.stage import read_failures, read_index
 
 IMAGE_INPUTS = {Input.RGB, Input.MASK, Input.DEPTH}
@@ -117,8 +117,9 @@ def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
         },
         training_summaries={
             name: summary
-            for name in methods
-            if (summary := _training_summary(folders.states / name, metadata.hold_out)) is not None
+            for name, method in loaded.items()
+            if method.scope == Scope.DATASET
+            and (summary := _training_summary(folders.states / name, metadata.hold_out)) is not None
         },
         train_visible_share={
             name: load_views(folders.views / name).train_visible_share for name in view_index

@@ -3,7 +3,10 @@
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import (
     BetaSchedule,
+    IndustnerfDepthSettings,
+    IndustnerfPlusSettings,
     IndustnerfSettings,
+    IndustnerfSharedSettings,
     LevelSettings,
     PretrainingSettings,
     SdfInitSettings,
@@ -52,7 +55,10 @@ __all__ = [
     "EvaluateParams",
     "HullRgbSettings",
     "HullSettings",
+    "IndustnerfDepthSettings",
+    "IndustnerfPlusSettings",
     "IndustnerfSettings",
+    "IndustnerfSharedSettings",
     "JitterParams",
     "LevelSettings",
     "LightParams",

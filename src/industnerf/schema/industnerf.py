@@ -1,4 +1,7 @@
-"""`method.industnerf`, `_plus`, `_depth`, `_shared` and `nerf`: the same keys, other values."""
+"""`method.industnerf` and its variants: `_plus`, `_depth`, `_shared` and `nerf`.
+
+All have the keys of `industnerf`; three have some of their own.
+"""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -20,6 +23,7 @@ from industnerf.schema.validators import (
     require,
 )
 
+RendererName = Literal["compiled", "torch"]
 MULTIPLE_OF_6 = Rule(
     lambda count: count > 0 and count % 6 == 0, "a multiple of 6: sine, cosine, 3 axes"
 )
@@ -28,7 +32,7 @@ SpacingUnits = Annotated[float, in_interval("(0, 4]", " spacings")]
 
 @dataclass(frozen=True)
 class LevelSettings:
-    """One resolution of the cloud, from coarse to fine."""
+    """One level of the point cloud; levels go from coarse to fine."""
 
     steps: NonNegativeInt
     image_px: ImagePx
@@ -37,7 +41,7 @@ class LevelSettings:
 
 @dataclass(frozen=True)
 class WarmUpSettings:
-    """Steps on a grid of half the resolution, before the first level."""
+    """Training on a grid of half the resolution, before the first level."""
 
     steps: NonNegativeInt
     image_px: ImagePx
@@ -66,16 +70,8 @@ class NetworkSettings:
 
 
 @dataclass(frozen=True)
-class PretrainingSettings:
-    """What E and N learn from other parts: R14 `shared`."""
-
-    parts: PositiveInt
-    epochs: PositiveInt
-
-
-@dataclass(frozen=True)
 class ResidualSettings:
-    """What is learned for each point by itself: an addition to the paper."""
+    """Free density and color of each point: an addition to the paper."""
 
     enabled: bool
     density_lr: NonNegativeFloat
@@ -84,7 +80,7 @@ class ResidualSettings:
 
 @dataclass(frozen=True)
 class BetaSchedule:
-    """Of a surface that is given by distances: R4."""
+    """Softness of a surface that is given by signed distances: R4 `sdf`."""
 
     start: PositiveFloat
     end: PositiveFloat
@@ -95,8 +91,81 @@ class BetaSchedule:
 
 
 @dataclass(frozen=True)
+class FusionSettings:
+    """Fusion of the depth maps of all views: R11 `tsdf_fusion`."""
+
+    grid_res: GridRes
+    truncation: Annotated[float, at_least(1, " cell")]
+    points: PositiveInt
+
+
+@dataclass(frozen=True)
+class IndustnerfSettings:
+    """`industnerf` and `nerf`: what every variant has."""
+
+    readings: Readings
+    grid_res: GridRes
+    warm_up: WarmUpSettings
+    levels: Annotated[list[LevelSettings], non_empty("level")]
+    refine: Literal["inverse_transform", "subdivide"]
+    network: NetworkSettings
+    residual: ResidualSettings
+    beta: BetaSchedule
+    density_bias: float
+    max_raw_density: float
+    rays_per_step: PositiveInt
+    step_size: SpacingUnits
+    fine_step_size: SpacingUnits
+    surface_px: ImagePx
+    neighbor_radius: Annotated[float, in_interval("(0, 8]", " spacings")]
+    neighbors: Annotated[int, in_interval("[1, 64]")]
+    early_stop_transmittance: Fraction
+    renderer: RendererName
+    opacity_weight: NonNegativeFloat
+    binary_opacity_weight: NonNegativeFloat
+    image_noise: Fraction
+    min_confidence: Fraction
+    fusion: FusionSettings
+    surface_spacing: Annotated[float, in_interval("(0, 1)")]
+
+    def __post_init__(self) -> None:
+        is_learned = self.network.enabled or self.residual.enabled
+        rule = "true, or residual.enabled: else nothing is learned"
+        require(is_learned, "network.enabled", False, rule)
+        steps = self.levels[0].steps
+        require(steps >= 1, "levels[0].steps", steps, "at least 1: else nothing is learned")
+        can_halve = not self.warm_up.steps or self.grid_res % 2 == 0
+        require(can_halve, "grid_res", self.grid_res, "even: the warm-up has half of it")
+        is_sdf = self.readings.density_activation == "sdf"
+        is_bounded = is_sdf or self.density_bias < self.max_raw_density
+        require(is_bounded, "density_bias", self.density_bias, "below max_raw_density")
+
+
+@dataclass(frozen=True)
+class IndustnerfDepthSettings(IndustnerfSettings):
+    """`industnerf_depth`."""
+
+    depth_weight: NonNegativeFloat
+
+
+@dataclass(frozen=True)
+class PretrainingSettings:
+    """What E and N learn from other parts: R14 `pretrained`."""
+
+    parts: PositiveInt
+    epochs: PositiveInt
+
+
+@dataclass(frozen=True)
+class IndustnerfSharedSettings(IndustnerfSettings):
+    """`industnerf_shared`."""
+
+    pretraining: PretrainingSettings
+
+
+@dataclass(frozen=True)
 class SdfInitSettings(SpaceCarvingSettings):
-    """Of a relief that starts at the photo hull."""
+    """Initial distances from the photo hull."""
 
     enabled: bool
     initial_max_depth: PositiveFloat
@@ -104,7 +173,7 @@ class SdfInitSettings(SpaceCarvingSettings):
 
 @dataclass(frozen=True)
 class SdfSettings:
-    """A surface carved out of the visual hull: an addition to the paper."""
+    """A signed distance at each point, kept inside the visual hull."""
 
     enabled: bool
     init: SdfInitSettings
@@ -117,107 +186,42 @@ class SdfSettings:
     median_filter_start: Annotated[float, in_interval("[0, 1]")]
 
     def __post_init__(self) -> None:
-        require(
-            self.enabled or not self.init.enabled,
-            "init.enabled",
-            True,
-            "false where enabled is false",
-        )
+        is_valid = self.enabled or not self.init.enabled
+        require(is_valid, "init.enabled", True, "false where enabled is false")
 
 
 @dataclass(frozen=True)
 class ColorRefinementSettings:
-    """Colors alone, once the surface is found: an addition to the paper."""
+    """Training of the colors alone, after that of the surface."""
 
     steps: NonNegativeInt
     lr: PositiveFloat
 
 
 @dataclass(frozen=True)
-class FusionSettings:
-    """Of the depths that all views see: reading `tsdf_fusion` of R11."""
+class IndustnerfPlusSettings(IndustnerfSettings):
+    """`industnerf_plus`: its additions to the paper."""
 
-    grid_res: GridRes
-    truncation: Annotated[float, at_least(1, " cell")]
-    points: PositiveInt
-
-
-@dataclass(frozen=True)
-class IndustnerfSettings:
-    readings: Readings
-    grid_res: GridRes
-    max_grid_points: NonNegativeInt
-    warm_up: WarmUpSettings
-    levels: Annotated[list[LevelSettings], non_empty("level")]
-    refine: Literal["inverse_transform", "subdivide"]
     silhouette_carving: bool
     background_tolerance: Fraction
-    network: NetworkSettings
-    pretraining: PretrainingSettings
-    residual: ResidualSettings
-    beta: BetaSchedule
+    max_grid_points: NonNegativeInt
     sdf: SdfSettings
     color_refinement: ColorRefinementSettings
-    density_bias: float
-    max_raw_density: float
-    rays_per_step: PositiveInt
-    step_size: SpacingUnits
-    fine_step_size: SpacingUnits
-    surface_px: ImagePx
-    neighbor_radius: Annotated[float, in_interval("(0, 8]", " spacings")]
-    neighbors: Annotated[int, in_interval("[1, 64]")]
-    early_stop_transmittance: Fraction
-    opacity_weight: NonNegativeFloat
-    binary_opacity_weight: NonNegativeFloat
-    depth_weight: NonNegativeFloat
-    image_noise: Fraction
-    min_confidence: Fraction
-    fusion: FusionSettings
-    surface_spacing: Annotated[float, in_interval("(0, 1)")]
 
     def __post_init__(self) -> None:
-        is_learned = self.network.enabled or self.residual.enabled
-        require(
-            is_learned,
-            "network.enabled",
-            False,
-            "true, or residual.enabled: else nothing is learned",
-        )
-        steps = self.levels[0].steps
-        require(steps >= 1, "levels[0].steps", steps, "at least 1: else nothing is learned")
-        can_halve = not self.warm_up.steps or self.grid_res % 2 == 0
-        require(can_halve, "grid_res", self.grid_res, "even: the warm-up has half of it")
-        is_carved = self.max_grid_points == 0 or self.silhouette_carving
-        require(
-            is_carved,
-            "max_grid_points",
-            self.max_grid_points,
-            "0 where silhouette_carving is false",
-        )
-        is_sdf_valid = not self.sdf.enabled or self._has_sdf_grid()
-        requirement = (
-            "readings.density_activation sdf, silhouette_carving and residual.enabled true, "
-            "network.enabled false"
-        )
-        require(is_sdf_valid, "sdf.enabled", True, f"false without {requirement}, refine subdivide")
-        is_refinable = not self.color_refinement.steps or self._has_free_points()
-        requirement = "0 without residual.enabled true and network.enabled false"
-        require(is_refinable, "color_refinement.steps", self.color_refinement.steps, requirement)
-        is_bounded = (
-            self.readings.density_activation == "sdf" or self.density_bias < self.max_raw_density
-        )
-        require(is_bounded, "density_bias", self.density_bias, "below max_raw_density")
-
-    def _has_free_points(self) -> bool:
-        """Whether the field is what each point learns by itself."""
-        return self.residual.enabled and not self.network.enabled
-
-    def _has_sdf_grid(self) -> bool:
-        """Whether each point has a distance of its own, and stays in its place in a grid."""
+        super().__post_init__()
+        is_carved, points = self.silhouette_carving, self.max_grid_points
+        rule = "0 where silhouette_carving is false"
+        require(points == 0 or is_carved, "max_grid_points", points, rule)
+        has_free_points = self.residual.enabled and not self.network.enabled
         has_fixed_grid = self.refine == "subdivide" or len(self.levels) == 1
-        return (
-            self.readings.density_activation == "sdf"
-            and self.silhouette_carving
-            and self._has_free_points()
-            and has_fixed_grid
+        is_sdf = self.readings.density_activation == "sdf"
+        has_sdf_grid = is_sdf and is_carved and has_free_points and has_fixed_grid
+        rule = (
+            "false without readings.density_activation sdf, silhouette_carving and "
+            "residual.enabled true, network.enabled false, refine subdivide"
         )
+        require(not self.sdf.enabled or has_sdf_grid, "sdf.enabled", True, rule)
+        steps = self.color_refinement.steps
+        rule = "0 without residual.enabled true and network.enabled false"
+        require(not steps or has_free_points, "color_refinement.steps", steps, rule)

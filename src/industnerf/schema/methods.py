@@ -4,7 +4,12 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from industnerf.schema.carving import SpaceCarvingSettings
-from industnerf.schema.industnerf import IndustnerfSettings
+from industnerf.schema.industnerf import (
+    IndustnerfDepthSettings,
+    IndustnerfPlusSettings,
+    IndustnerfSettings,
+    IndustnerfSharedSettings,
+)
 from industnerf.schema.training import AugmentSettings, OutputAxes, TrainingSettings
 from industnerf.schema.validators import (
     Fraction,
@@ -124,9 +129,9 @@ class MeanShapeSettings:
 @dataclass(frozen=True)
 class MethodSettings:
     industnerf: IndustnerfSettings
-    industnerf_plus: IndustnerfSettings
-    industnerf_depth: IndustnerfSettings
-    industnerf_shared: IndustnerfSettings
+    industnerf_plus: IndustnerfPlusSettings
+    industnerf_depth: IndustnerfDepthSettings
+    industnerf_shared: IndustnerfSharedSettings
     nerf: IndustnerfSettings
     r2n2: R2n2Settings
     atlasnet: AtlasNetSettings
@@ -144,16 +149,12 @@ class MethodSettings:
     def __post_init__(self) -> None:
         for name in ("industnerf", "industnerf_plus", "industnerf_depth", "nerf"):
             encoder, key = getattr(self, name).readings.encoder, f"{name}.readings.encoder"
-            require(
-                encoder != "pretrained", key, encoder, "another: industnerf_shared has that one"
-            )
-        shared_settings, name = self.industnerf_shared, "industnerf_shared"
-        encoder, steps = shared_settings.readings.encoder, shared_settings.warm_up.steps
+            rule = "another: industnerf_shared has that one"
+            require(encoder != "pretrained", key, encoder, rule)
+        shared, name = self.industnerf_shared, "industnerf_shared"
+        encoder, steps = shared.readings.encoder, shared.warm_up.steps
         require(encoder == "pretrained", f"{name}.readings.encoder", encoder, "pretrained")
-        require(
-            shared_settings.network.enabled,
-            f"{name}.network.enabled",
-            False,
-            "true: E and N are what is learned",
-        )
-        require(steps >= 1, f"{name}.warm_up.steps", steps, "at least 1: E learns in warm-ups")
+        rule = "true: E and N are what is learned"
+        require(shared.network.enabled, f"{name}.network.enabled", False, rule)
+        rule = "at least 1: E and N learn in warm-ups"
+        require(steps >= 1, f"{name}.warm_up.steps", steps, rule)

@@ -1,4 +1,4 @@
-"""The readings of the paper: R1 to R16 of docs/reference/readings.md, each the argument of one function."""
+"""Readings R1 to R16 (docs/reference/readings.md), each the argument of one function."""
 
 from dataclasses import dataclass, field, fields
 from typing import Literal

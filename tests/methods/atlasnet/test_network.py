@@ -27,9 +27,18 @@ def count(net):
 def test_full_is_as_published(full):
     """github.com/ThibaultGROUEIX/AtlasNet, auxiliary/argument_parser.py."""
     assert full.size == "full"
-    assert (full.image_px, full.encoder_width, full.latent_dim, full.hidden_dim) == (224, 64, 1024, 512)
+    assert (full.image_px, full.encoder_width, full.latent_dim, full.hidden_dim) == (
+        224,
+        64,
+        1024,
+        512,
+    )
     assert (full.patches, full.patches * full.patch_points) == (25, 2500)
-    assert (full.training.batch_size, full.training.lr, full.phase_fractions) == (32, 1e-3, [150, 150, 50])
+    assert (full.training.batch_size, full.training.lr, full.phase_fractions) == (
+        32,
+        1e-3,
+        [150, 150, 50],
+    )
 
 
 def test_the_decoder_has_the_published_layers(full):

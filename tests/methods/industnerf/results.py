@@ -7,10 +7,34 @@ import numpy as np
 from scipy.spatial import cKDTree
 from torch import Tensor
 
-from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult
+from industnerf.methods.industnerf import pipeline
+from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult, Reconstructor
+from industnerf.methods.industnerf.scene import PosedImages
+from industnerf.methods.industnerf.variant import Variant
+from industnerf.methods.industnerf_plus.pipeline import PlusVariant
+from industnerf.schema import IndustnerfPlusSettings, IndustnerfSettings
 from tests.methods.industnerf.synthetic_scenes import CENTER, Solid, ball, box, texture
 
 SOLIDS = {"ball": ball(18.0), "box": box((16.0, 11.0, 8.0))}
+
+
+def variant_of(config: IndustnerfSettings) -> type[Variant]:
+    """The variant of the method that has these settings."""
+    return PlusVariant if isinstance(config, IndustnerfPlusSettings) else Variant
+
+
+def run(
+    images: PosedImages, config: IndustnerfSettings, seed: int, *args: Any, **options: Any
+) -> ReconstructionResult:
+    """`pipeline.run` of the method that has these settings."""
+    return pipeline.run(images, config, seed, *args, **options, make_variant=variant_of(config))
+
+
+def make_reconstructor(
+    images: PosedImages, config: IndustnerfSettings, callback: Callback
+) -> Reconstructor:
+    """A run of the method that has these settings, before its first step."""
+    return Reconstructor(images, config, 1, callback, make_variant=variant_of(config))
 
 
 def sample_surface(solid: Solid, count: int = 2000) -> np.ndarray:

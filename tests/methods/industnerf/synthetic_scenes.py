@@ -143,7 +143,6 @@ def settings(
     residual: dict[str, Any] | None = None,
     levels: list[dict[str, int]] | None = None,
     warm_up: dict[str, int] | None = None,
-    recolor: dict[str, float] | None = None,
     **others: Any,
 ) -> IndustnerfSettings:
     """Those of params.yaml, with so few points, steps and rays that tests are quick.
@@ -151,22 +150,29 @@ def settings(
     The paper's method has densities, whose closed forms are known, unless distances are asked for.
     """
     defaults = default_settings(name)
+    if name == "industnerf_plus":
+        steps = {"steps": 0} | others.pop("color_refinement", {})
+        others |= {"color_refinement": replace(defaults.color_refinement, **steps)}
     if name.startswith("industnerf") and name != "industnerf_plus":
-        readings = {"activation": "cut_exp"} | (readings or {})
-        has_raw_density = readings["activation"] != "distance"
-        others = ({"initial": -4.0} if has_raw_density else {}) | others
+        readings = {"density_activation": "truncated_exp"} | (readings or {})
+        has_raw_density = readings["density_activation"] != "sdf"
+        others = ({"density_bias": -4.0} if has_raw_density else {}) | others
     level = {"steps": 10, "image_px": 32, "points": 2000}
     return replace(
         defaults,
         readings=replace(defaults.readings, **(readings or {})),
-        network=replace(defaults.network, **{"channels": 24, "hidden": 32} | (network or {})),
+        network=replace(
+            defaults.network, **{"encoding_channels": 24, "hidden_dim": 32} | (network or {})
+        ),
         residual=replace(defaults.residual, **(residual or {})),
         levels=[replace(defaults.levels[0], **level | extra) for extra in levels or [{}]],
         warm_up=replace(defaults.warm_up, **{"steps": 0} | (warm_up or {})),
-        color_refinement=replace(defaults.color_refinement, **{"steps": 0} | (recolor or {})),
-        **{"grid_res": 12, "rays": 256} | others,
+        **{"grid_res": 12, "rays_per_step": 256} | others,
     )
 
 
-FREE_POINTS = {"network": {"use": False}, "residual": {"use": True}}  # every point by itself
-WITH_RESIDUAL = {"residual": {"use": True}}
+FREE_POINTS = {
+    "network": {"enabled": False},
+    "residual": {"enabled": True},
+}  # every point by itself
+WITH_RESIDUAL = {"residual": {"enabled": True}}

@@ -74,7 +74,7 @@ def test_gradients_are_right_where_there_is_mass(equation):
     sigma, visibility = (0.5 + torch.rand(2, 2, 3, 2, generator=seeded(4)).double()).unbind()
 
     def value(*given: torch.Tensor) -> torch.Tensor:
-        p = pdf(sampling_density(*given, "visible"))
+        p = pdf(sampling_density(*given, "visible_density"))
         return p if equation is pdf else equation(p)
 
     assert torch.autograd.gradcheck(value, (sigma.requires_grad_(), visibility.requires_grad_()))
@@ -196,8 +196,8 @@ def test_draws_have_no_gradient():
 
 def test_visibility_weighs_density_only_where_asked():
     sigma, visibility = torch.tensor([[[2.0, 3]]]), torch.tensor([[[0.0, 0.5]]])
-    assert sampling_density(sigma, visibility, "sigma").tolist() == [[[2, 3]]]
-    assert sampling_density(sigma, visibility, "visible").tolist() == [[[0, 1.5]]]
+    assert sampling_density(sigma, visibility, "density").tolist() == [[[2, 3]]]
+    assert sampling_density(sigma, visibility, "visible_density").tolist() == [[[0, 1.5]]]
 
 
 @pytest.mark.parametrize("bad", [-1e-3, math.nan, math.inf])

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from industnerf.methods.industnerf.pipeline import run
 from industnerf.metrics.emd import emd
 from industnerf.metrics.subsample import farthest_points
 from industnerf.schema import IndustnerfSettings
-from tests.methods.industnerf.results import SOLIDS, errors, sample_surface
+from tests.methods.industnerf.results import SOLIDS, errors, run, sample_surface
 from tests.methods.industnerf.synthetic_scenes import (
     CENTER,
     SCENE_RADIUS,
@@ -37,13 +36,13 @@ def small_default_settings(method: str) -> IndustnerfSettings:
     defaults, level = default_settings(method), {"image_px": PX, "points": 6000}
     config = settings(
         method,
-        readings={"activation": "distance"},  # which `settings` changes, unless it is named
+        readings={"density_activation": "sdf"},  # which `settings` changes, unless it is named
         levels=[level | {"steps": steps} for steps in STEPS[method]],
         warm_up={"steps": defaults.warm_up.steps, "image_px": PX // 2},
         grid_res=RES,
-        rays=1024,
+        rays_per_step=1024,
         surface_px=PX,
-        spacing=0.03,
+        surface_spacing=0.03,
     )
     assert config.readings == defaults.readings
     assert (config.sdf, config.refine, config.beta) == (

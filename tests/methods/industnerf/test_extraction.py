@@ -8,13 +8,13 @@ import pytest
 import torch
 
 from industnerf.config import load_params
-from industnerf.methods.industnerf import (
-    view_confidence,  # a class called Test... would be collected
+from industnerf.methods.industnerf.confidence import (
+    ObservedSurface,
+    ViewConfidence,
+    voxel_downsample,
 )
-from industnerf.methods.industnerf.extraction import extract_point_cloud
+from industnerf.methods.industnerf.extraction import extract_point_cloud, fuse_surface
 from industnerf.methods.industnerf.scene import PosedImages
-from industnerf.methods.industnerf.tsdf_fusion import fuse_surface
-from industnerf.methods.industnerf.view_confidence import ObservedSurface, voxel_downsample
 from tests.methods.solids import cameras_around
 
 CAMERAS = cameras_around(5, 32, 1.0)
@@ -30,9 +30,7 @@ def random_surface(count: int, seed: int) -> ObservedSurface:
 
 
 POINTS, SURFACE = random_surface(21, 0), random_surface(41, 1)
-CONFIDENCE = view_confidence.ViewConfidence(
-    POINTS.confidence, POINTS.view, SURFACE, POINTS.confidence[None]
-)
+CONFIDENCE = ViewConfidence(POINTS.confidence, POINTS.view, SURFACE, POINTS.confidence[None])
 
 
 def extract(min_confidence: float, reading: str, spacing: float = 0.2) -> ObservedSurface:
@@ -40,7 +38,7 @@ def extract(min_confidence: float, reading: str, spacing: float = 0.2) -> Observ
 
 
 def extract_from(
-    view_confidence: view_confidence.ViewConfidence,
+    view_confidence: ViewConfidence,
     min_confidence: float,
     reading: str,
     spacing: float = 0.2,
@@ -62,19 +60,19 @@ def assert_same(a: ObservedSurface, b: ObservedSurface) -> None:
         assert torch.equal(getattr(a, name), getattr(b, name)), name
 
 
-@pytest.mark.parametrize(("least", "kept"), [(0.0, 20), (0.5, 11), (0.52, 10), (1.0, 1)])
-def test_confident_points_are_the_clouds_own(least, kept):
+@pytest.mark.parametrize(("min_confidence", "kept"), [(0.0, 20), (0.5, 11), (0.52, 10), (1.0, 1)])
+def test_confident_points_are_the_clouds_own(min_confidence, kept):
     """The steps of confidence are 0.05; at the threshold a point stays, at 0 it never does."""
-    actual = extract(least, "confident")
+    actual = extract(min_confidence, "confident_points")
     assert len(actual.points) == kept
     assert_same(actual, ObservedSurface(*(values[-kept:] for values in vars(POINTS).values())))
 
 
-@pytest.mark.parametrize(("least", "kept"), [(0.0, 41), (0.5, 21)])
-def test_surface_points_are_those_of_sure_pixels_thinned(least, kept):
+@pytest.mark.parametrize(("min_confidence", "kept"), [(0.0, 41), (0.5, 21)])
+def test_surface_points_are_those_of_sure_pixels_thinned(min_confidence, kept):
     rest = ObservedSurface(*(values[-kept:] for values in vars(SURFACE).values()))
-    assert_same(extract(least, "surface"), voxel_downsample(rest, 0.2))
-    fine = extract(least, "surface", 1e-4)
+    assert_same(extract(min_confidence, "surface_points"), voxel_downsample(rest, 0.2))
+    fine = extract(min_confidence, "surface_points", 1e-4)
     assert len(fine.points) == kept
 
 
@@ -86,18 +84,18 @@ def test_fused_points_are_those_of_the_surface_that_the_views_agree_on():
         fusion=replace(SETTINGS.fusion, grid_res=16, points=500),
     )
     scaled = replace(SURFACE, points=SURFACE.points / 4)
-    actual = extract_from(replace(CONFIDENCE, surface=scaled), 0.5, "fused")
+    actual = extract_from(replace(CONFIDENCE, surface=scaled), 0.5, "tsdf_fusion")
     assert_same(actual, fuse_surface(scaled, POSED, config, 7))
     assert len(actual.points) == 500
 
 
 def test_nothing_sure_is_an_empty_cloud():
-    no_confidence = view_confidence.ViewConfidence(
+    no_confidence = ViewConfidence(
         torch.zeros(21),
         torch.full((21,), -1),
         ObservedSurface(*(v[:0] for v in vars(SURFACE).values())),
         torch.zeros(1, 21),
     )
-    for reading in ("confident", "surface", "fused"):
+    for reading in ("confident_points", "surface_points", "tsdf_fusion"):
         actual = extract_from(no_confidence, 0.0, reading)
         assert len(actual.points) == len(actual.view) == 0

@@ -44,9 +44,9 @@ def perturb(field: Field) -> None:
 
 
 @every_kind
-@pytest.mark.parametrize("activation", ["cut_exp", "relu", "softplus"])
+@pytest.mark.parametrize("activation", ["truncated_exp", "relu", "softplus"])
 def test_it_starts_uniform_and_in_the_colors_that_views_see(kind, activation):
-    config = settings_of(kind, initial=0.5, readings={"activation": activation})
+    config = settings_of(kind, density_bias=0.5, readings={"density_activation": activation})
     field = make_field(config)
     sigma, rgb = field()
     unit = grid_spacing(config.grid_res, 0)
@@ -79,9 +79,11 @@ def test_free_points_are_what_they_are_told():
 
 def test_residuals_add_to_the_network():
     """In raw density and in color; relu so that densities add up too."""
-    readings = {"activation": "relu"}
-    alone = make_field(settings_of("network", initial=6.0, ceiling=9.0, readings=readings))
-    both = make_field(settings_of("both", initial=6.0, ceiling=9.0, readings=readings))
+    readings = {"density_activation": "relu"}
+    alone = make_field(
+        settings_of("network", density_bias=6.0, max_raw_density=9.0, readings=readings)
+    )
+    both = make_field(settings_of("both", density_bias=6.0, max_raw_density=9.0, readings=readings))
     perturb(alone)
     both.load_state_dict(alone.state_dict() | {"raw": both.raw, "rgb": both.rgb})
     with torch.no_grad():
@@ -108,7 +110,7 @@ def test_keeping_points_keeps_what_they_are(kind):
 
 @every_kind
 def test_all_that_is_to_be_learned_is_in_one_group_and_has_a_gradient(kind):
-    field = make_field(settings_of(kind, initial=1.0))
+    field = make_field(settings_of(kind, density_bias=1.0))
     perturb(field)
     if field.source_features:
         field.source_features.refresh_views(torch.tensor([0]))
@@ -160,7 +162,9 @@ def test_free_points_are_brought_back_to_where_they_have_a_gradient():
 
 def test_free_points_that_relu_cuts_off_learn_again():
     """A density can grow from 0, but from a raw value below it no gradient leads back."""
-    field = make_field(settings_of("free", initial=1.0, readings={"activation": "relu"}))
+    field = make_field(
+        settings_of("free", density_bias=1.0, readings={"density_activation": "relu"})
+    )
     with torch.no_grad():
         field.raw.fill_(-50)
     field.clamp_parameters()

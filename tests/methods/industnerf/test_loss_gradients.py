@@ -28,10 +28,10 @@ RES, WITHIN = 12, 2e-4  # a share of the gradient
 NEAR, FAR, NONE = 2.0, 6.0, 0.0  # readings of depth: before and behind all points, and without one
 TERMS = {
     "error": {},
-    "emptiness": {"emptiness": 2.0},
-    "veil": {"veil": 2.0},
-    "depth": {"depth": 2.0},
-    "all": {"emptiness": 0.1, "veil": 0.3, "depth": 0.5},
+    "opacity_weight": {"opacity_weight": 2.0},
+    "binary_opacity_weight": {"binary_opacity_weight": 2.0},
+    "depth": {"depth_weight": 2.0},
+    "all": {"opacity_weight": 0.1, "binary_opacity_weight": 0.3, "depth_weight": 0.5},
 }
 
 
@@ -48,12 +48,12 @@ def make_trainer(**weights: float) -> tuple[Trainer, torch.Generator]:
     No ray ends early, for there pixels jump.
     """
     weights_or_zero: dict[str, Any] = {
-        "emptiness": 0.0,
-        "veil": 0.0,
-        "depth": 0.0,
-        "stop": 0.0,
+        "opacity_weight": 0.0,
+        "binary_opacity_weight": 0.0,
+        "depth_weight": 0.0,
+        "early_stop_transmittance": 0.0,
     } | weights
-    config = settings("industnerf", grid_res=RES, **FREE_POINTS, **weights_or_zero)
+    config = settings("industnerf_depth", grid_res=RES, **FREE_POINTS, **weights_or_zero)
     views = scene_with_depth()
     points, generator = initial_grid(grid_spacing(RES, 0), CPU), torch.Generator().manual_seed(4)
     initial = torch.rand(len(points), 4, generator=generator)
@@ -66,7 +66,7 @@ def make_trainer(**weights: float) -> tuple[Trainer, torch.Generator]:
 def reference_loss(trainer: Trainer, pixels: tuple[Tensor, Tensor], row: Tensor) -> Tensor:
     """The loss of the pixels `drawn`, of points with the raw density and color in `row`."""
     settings, (rays, target, background) = trainer.settings, trainer.ray_sampler.rays(*pixels)
-    sigma = activate(row[:, 0], "cut_exp", grid_spacing(RES, 0), settings.max_raw_density)
+    sigma = activate(row[:, 0], "truncated_exp", grid_spacing(RES, 0), settings.max_raw_density)
     output = trainer.renderer.render(rays, sigma, row[:, 1:].contiguous())
     transmittance = output.transmittance.double()
     measured = trainer.ray_sampler.ray_depths(pixels[0], rays).double()

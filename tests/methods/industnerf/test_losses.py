@@ -34,7 +34,6 @@ def test_emptiness_is_preferred_and_so_are_rays_that_end_or_pass():
 def test_what_is_seen_is_held_against_the_readings_of_depth():
     """Four pixels: seen where the reading is, 0.3 behind it, half of it missed, and no reading."""
     measured = torch.tensor([3.0, 3.0, 3.0, 0.0])
-    expected = 2.0 * (0.0 + 0.3 + (0.5 * 0.1 + 0.5) + 0.0) / 4
-    actual = depth_loss(render_output((3.0, 3.3, 3.1, 0.0)), measured, 2.0)
+    expected = (0.0 + 0.3 + (0.5 * 0.1 + 0.5) + 0.0) / 4
+    actual = depth_loss(render_output((3.0, 3.3, 3.1, 0.0)), measured)
     assert actual.item() == pytest.approx(expected, rel=1e-5)
-    assert depth_loss(render_output(), None, 2.0) == 0

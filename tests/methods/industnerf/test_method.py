@@ -15,13 +15,13 @@ from tests.methods.industnerf.synthetic_scenes import settings
 
 NAMES = ("industnerf", "industnerf_plus", "industnerf_depth", "nerf")
 every_name = pytest.mark.parametrize("name", NAMES)
-QUICK = {"grid_res": 16, "rays": 512, "spacing": 0.05, "least_confidence": 0.02}
+QUICK = {"grid_res": 16, "rays_per_step": 512, "surface_spacing": 0.05, "min_confidence": 0.02}
 
 
-def reconstruct(name: str, folder: Path, cloud: str = "confident") -> Reconstruction:
+def reconstruct(name: str, folder: Path, cloud: str = "confident_points") -> Reconstruction:
     inputs = load_inputs(load_method(name), folder / "part", folder / "views")
     level = {"steps": 30, "image_px": 64}
-    config = settings(name, **QUICK, levels=[level], readings={"cloud": cloud})
+    config = settings(name, **QUICK, levels=[level], readings={"extraction": cloud})
     return load_method(name).reconstruct(inputs, config, None, 1)
 
 
@@ -87,7 +87,7 @@ def test_what_is_returned_fits_together(name, rendered_part):
     assert ((result.confidence >= 0.02) & (result.confidence <= 1)).all()
     assert result.steps == len(result.history.loss) == 30
     assert result.history.levels == {"level 0": 0}
-    assert result.parameters > 0
+    assert result.num_parameters > 0
     assert len(result.candidates) > 0
     assert result.render().rgb.shape == (2, 64, 64, 3)
 
@@ -101,7 +101,7 @@ def test_held_out_views_are_rendered_before_the_background(name, rendered_part):
 
 
 @every_name
-@pytest.mark.parametrize("cloud", ["confident", "surface"])
+@pytest.mark.parametrize("cloud", ["confident_points", "surface_points"])
 def test_confident_points_are_of_the_candidates(name, cloud, rendered_part):
     """They are some of all that have a density, but for a few that stand beside such a point and
     are sure through it; surface points lie between the cloud's points."""
@@ -110,4 +110,4 @@ def test_confident_points_are_of_the_candidates(name, cloud, rendered_part):
     same = [tuple(p) in candidates for p in result.points_mm.astype(np.float32).tolist()]
     # a tent is made sure at all eight corners of a cell, of which some stand beside matter
     min_share = {"nerf": 0.5, "industnerf_plus": 0.5, "industnerf_depth": 0.9}.get(name, 0.95)
-    assert np.mean(same) > min_share if cloud == "confident" else not any(same)
+    assert np.mean(same) > min_share if cloud == "confident_points" else not any(same)

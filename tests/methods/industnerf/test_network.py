@@ -8,7 +8,7 @@ import torch
 
 from industnerf.methods.industnerf.network import COLOR_EPS, Network, activate
 
-READINGS = ["distance", "cut_exp", "relu", "softplus"]
+READINGS = ["sdf", "truncated_exp", "relu", "softplus"]
 
 
 def test_it_starts_with_one_density_and_the_colors_it_is_given():
@@ -48,8 +48,8 @@ def test_it_learns_density_and_color():
 @pytest.mark.parametrize(
     ("reading", "expected"),
     [
-        ("distance", lambda raw: raw / 16),
-        ("cut_exp", lambda raw: max(math.exp(min(raw, 4)) - math.exp(-6), 0)),
+        ("sdf", lambda raw: raw / 16),
+        ("truncated_exp", lambda raw: max(math.exp(min(raw, 4)) - math.exp(-6), 0)),
         ("relu", lambda raw: max(raw, 0)),
         ("softplus", lambda raw: math.log1p(math.exp(raw))),
     ],
@@ -62,7 +62,7 @@ def test_activations_are_what_they_say_per_unit(reading, expected):
 
 def test_only_softplus_is_never_zero():
     low = torch.tensor([-6.0, -7, -50])
-    assert (activate(low, "cut_exp", 1.0, 4.0) == 0).all()
+    assert (activate(low, "truncated_exp", 1.0, 4.0) == 0).all()
     assert (activate(low, "relu", 1.0, 4.0) == 0).all()
     assert (activate(low, "softplus", 1.0, 4.0) > 0).all()
 

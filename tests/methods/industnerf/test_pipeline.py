@@ -10,11 +10,18 @@ import torch
 
 from industnerf.artifacts.renderings import Renderings
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf.pipeline import Callback, Reconstructor, render_views, run
-from industnerf.methods.industnerf.rerender import rerender
+from industnerf.methods.industnerf.pipeline import Callback
+from industnerf.methods.industnerf.rerender import render_views, rerender
 from industnerf.methods.industnerf.trainer import REFRESH_INTERVAL
 from industnerf.schema.readings import Readings
-from tests.methods.industnerf.results import SOLIDS, RecordingCallback, errors, result_bytes
+from tests.methods.industnerf.results import (
+    SOLIDS,
+    RecordingCallback,
+    errors,
+    make_reconstructor,
+    result_bytes,
+    run,
+)
 from tests.methods.industnerf.synthetic_scenes import (
     CENTER,
     SCENE_RADIUS,
@@ -23,7 +30,7 @@ from tests.methods.industnerf.synthetic_scenes import (
     settings,
 )
 
-SMALL = {"grid_res": 12, "rays": 256, "spacing": 0.08, "least_confidence": 0.01}
+SMALL = {"grid_res": 12, "rays_per_step": 256, "surface_spacing": 0.08, "min_confidence": 0.01}
 LEVELS = [{"steps": 6, "image_px": 32}, {"steps": 4, "image_px": 32}]
 PLUS = "industnerf_plus"
 
@@ -34,7 +41,7 @@ PLUS = "industnerf_plus"
 def test_free_points_find_the_surface_and_its_colors(name, finer):
     trained, untrained = {"steps": 120, "image_px": 64}, {"steps": 0}
     levels = [trained, *[untrained] * finer]
-    config = settings(PLUS, grid_res=32, rays=1024, levels=levels, spacing=0.03)
+    config = settings(PLUS, grid_res=32, rays_per_step=1024, levels=levels, surface_spacing=0.03)
     distance, coverage, color_error = errors(
         SOLIDS[name], run(make_posed_images(SOLIDS[name], 40, 64), config, 1)
     )
@@ -50,7 +57,11 @@ def test_a_pocket_is_opened_that_no_silhouette_shows():
     """The hull of the cup is a box: its lid, 10 mm up, is what has to go."""
     solid = cup()
     config = settings(
-        PLUS, grid_res=32, rays=1024, levels=[{"steps": 300, "image_px": 64}], spacing=0.03
+        PLUS,
+        grid_res=32,
+        rays_per_step=1024,
+        levels=[{"steps": 300, "image_px": 64}],
+        surface_spacing=0.03,
     )
     points = run(make_posed_images(solid, 40, 64), config, 1).points - CENTER
     inside = np.abs(points[:, :2]).max(axis=1) < 9  # three quarters of the pocket's width
@@ -65,12 +76,12 @@ def test_the_papers_method_finds_the_surface(name):
     """It is not told the background, and has a hundredth of the steps that it would need."""
     level = {"image_px": 64, "points": 10_000}
     config = settings(
-        readings={"cloud": "confident"},
-        network={"rate": 0.01},
+        readings={"extraction": "confident_points"},
+        network={"lr": 0.01},
         grid_res=16,
-        rays=1024,
+        rays_per_step=1024,
         levels=[level | {"steps": 150}, level | {"steps": 60}],
-        least_confidence=0.05,
+        min_confidence=0.05,
     )
     solid = SOLIDS[name]
     distance, coverage, color_error = errors(
@@ -86,8 +97,8 @@ ALTERNATIVES = [
     (name, value)
     for name, hint in get_type_hints(Readings).items()
     for value in get_args(hint)
-    if name != "activation"  # of 10 steps a few leave nothing of the field
-    and (name, value) != ("encoder", "shared")  # which, untaught, is frozen
+    if name != "density_activation"  # of 10 steps a few leave nothing of the field
+    and (name, value) != ("encoder", "pretrained")  # which, untaught, is frozen
 ]
 
 
@@ -95,10 +106,10 @@ ALTERNATIVES = [
 def short_run(name: str, value: str) -> bytes:
     """What a few steps of the paper's method make of a ball with one reading chosen."""
     config = settings(
-        readings={"activation": "distance", name: value},
+        readings={"density_activation": "sdf", name: value},
         warm_up={"steps": 6, "image_px": 32},
         levels=LEVELS,
-        initial=0.0,
+        density_bias=0.0,
         **SMALL,
     )
     result = run(make_posed_images(SOLIDS["ball"], 8, 32, None), config, 1)
@@ -120,16 +131,15 @@ METHODS = pytest.mark.parametrize("name", ["industnerf", PLUS])
 def test_points_of_a_grid_are_looked_up_not_searched(name):
     """On every level: else looking takes half as long again."""
     levels = [{"steps": 40, "image_px": 32}] * 2
-    reconstructor = Reconstructor(
+    images, config = (
         make_posed_images(SOLIDS["ball"], 8, 32),
         settings(name, grid_res=20, levels=levels),
-        1,
-        Callback(),
     )
+    reconstructor = make_reconstructor(images, config, Callback())
     while not reconstructor.is_finished:
         reconstructor.train()
         reconstructor.advance_level()
-        assert reconstructor.trainer.points.cells.lattice
+        assert reconstructor.trainer.points.cells.is_grid_aligned
 
 
 @METHODS
@@ -174,8 +184,8 @@ def test_the_cloud_is_in_the_cameras_frame_and_unit():
 def test_pictures_are_as_soft_as_learned_and_their_depth_is_of_the_hard_surface():
     """Aslant a soft surface is nearer than a hard one, so that outlines move when it hardens."""
     images = make_posed_images(SOLIDS["ball"], 12, 48)
-    config = settings(PLUS, grid_res=16, rays=512, levels=[{"steps": 60, "image_px": 48}])
-    reconstructor = Reconstructor(images, config, 1, Callback())
+    config = settings(PLUS, grid_res=16, rays_per_step=512, levels=[{"steps": 60, "image_px": 48}])
+    reconstructor = make_reconstructor(images, config, Callback())
     reconstructor.train()
     reconstructor.advance_level()
     cameras = reconstructor.scene.cameras
@@ -244,7 +254,7 @@ def test_a_trained_encoder_goes_on_to_the_same_bytes_from_where_it_may_stop():
     config = settings(**SMALL, levels=[{"steps": 45}])
     callback = RecordingCallback()
     complete = run(images, config, 1, callback)
-    assert [state["training"]["taken"] for state in callback.states] == [
+    assert [state["trainer"]["steps_done"] for state in callback.states] == [
         REFRESH_INTERVAL,
         2 * REFRESH_INTERVAL,
         45,
@@ -266,15 +276,15 @@ def test_photographs_of_nothing_fail(name, steps):
 def test_a_pruned_network_stays_so_and_goes_on_from_any_state():
     images = make_posed_images(SOLIDS["ball"], 6, 32)
     sparse = settings(
-        **SMALL, levels=LEVELS, readings={"encoder": "frozen"}, network={"pruned": 0.8}
+        **SMALL, levels=LEVELS, readings={"encoder": "frozen"}, network={"prune_fraction": 0.8}
     )
     dense = settings(**SMALL, levels=LEVELS, readings={"encoder": "frozen"})
     callback = RecordingCallback()
     complete, unpruned = run(images, sparse, 1, callback), run(images, dense, 1)
     assert complete.losses[:6] == unpruned.losses[:6]  # it is pruned after the first level
     assert complete.losses[6:] != unpruned.losses[6:]
-    assert complete.parameters < 0.3 * unpruned.parameters  # biases stay
+    assert complete.num_parameters < 0.3 * unpruned.num_parameters  # biases stay
     for step in (2, 8):
         resumed = run(images, sparse, 1, None, callback.states[step])
         assert result_bytes(resumed) == result_bytes(complete)
-        assert resumed.parameters == complete.parameters
+        assert resumed.num_parameters == complete.num_parameters

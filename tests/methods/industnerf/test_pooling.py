@@ -14,7 +14,7 @@ from industnerf.methods.industnerf.pooling import (
 )
 
 SEEDS = st.integers(0, 2**32 - 1)
-READINGS = ["confident", "all", "mean_variance", "mean", "surest", "max"]
+READINGS = ["confidence_weighted", "all", "mean_variance", "mean", "argmax_confidence", "max"]
 every_reading = pytest.mark.parametrize("reading", READINGS)
 
 
@@ -42,13 +42,15 @@ def pool_slowly(
             continue
         confidence = view_weights[valid[:, n], n]
         unnormalized = (
-            confidence + MIN_VIEW_WEIGHT if reading == "confident" else torch.ones_like(confidence)
+            confidence + MIN_VIEW_WEIGHT
+            if reading == "confidence_weighted"
+            else torch.ones_like(confidence)
         )
         weight = (unnormalized / unnormalized.sum())[:, None]
         mean = (weight * view_features).sum(0)
         columns = {
             "mean": [mean],
-            "surest": [view_features[confidence.argmax()]],
+            "argmax_confidence": [view_features[confidence.argmax()]],
             "max": [view_features.amax(0)],
             "mean_variance": [mean, (weight * (view_features - mean) ** 2).sum(0)],
         }
@@ -112,7 +114,7 @@ def test_who_is_sure_counts_more():
     """Two views, one sure and one not at all: the mean is the first's but for the doubt."""
     features = torch.tensor([[[4.0]], [[8.0]]])
     valid, view_weights = torch.ones(2, 1, dtype=torch.bool), torch.tensor([[1.0], [0.0]])
-    mean = pooled(features, valid, view_weights, "confident")[0, 0].item()
+    mean = pooled(features, valid, view_weights, "confidence_weighted")[0, 0].item()
     assert mean == pytest.approx(
         (4 * (1 + MIN_VIEW_WEIGHT) + 8 * MIN_VIEW_WEIGHT) / (1 + 2 * MIN_VIEW_WEIGHT)
     )
@@ -120,14 +122,18 @@ def test_who_is_sure_counts_more():
 
 def test_before_anybody_was_asked_all_count_alike():
     features, valid, _ = random_views(3)
-    weighted = pool(features, valid, pooling_weights(valid, None, "confident"), "confident")
+    weighted = pool(
+        features, valid, pooling_weights(valid, None, "confidence_weighted"), "confidence_weighted"
+    )
     unweighted = pool(features, valid, pooling_weights(valid, None, "all"), "all")
     assert torch.equal(weighted, unweighted)
 
 
 def test_as_long_as_no_view_was_asked_the_surest_is_the_first_that_has_the_point():
     features, valid, _ = random_views(3)
-    actual = pool(features, valid, pooling_weights(valid, None, "surest"), "surest")[:, :-1]
+    actual = pool(
+        features, valid, pooling_weights(valid, None, "argmax_confidence"), "argmax_confidence"
+    )[:, :-1]
     for n in range(9):
         view_features = features[valid[:, n], n]
         assert torch.equal(

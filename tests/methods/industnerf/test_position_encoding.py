@@ -116,4 +116,6 @@ def test_frames_are_camera_world_or_the_cameras_place():
     moved = x - torch.tensor([4.0, 5, 6])
     torch.testing.assert_close(encoding_coordinates(x, c2w, "camera"), moved[:, [1, 2, 0]])
     center = torch.tensor([[4.0, 5, 6]], dtype=torch.float64).repeat(50, 1)
-    torch.testing.assert_close(encoding_coordinates(x, c2w, "pose"), center, rtol=0, atol=0)
+    torch.testing.assert_close(
+        encoding_coordinates(x, c2w, "camera_center"), center, rtol=0, atol=0
+    )

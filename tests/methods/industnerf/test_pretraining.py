@@ -10,11 +10,10 @@ import torch
 from industnerf.artifacts.state import ModelState
 from industnerf.learning.weights import load_arrays, state_arrays
 from industnerf.methods.industnerf import pretraining
-from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.field import Field, SharedModules
 from industnerf.methods.industnerf.pipeline import run
 from industnerf.methods.industnerf.pretraining import pretrain
-from industnerf.methods.industnerf.shared_modules import SharedModules
-from industnerf.schema import IndustnerfSettings, PretrainingSettings
+from industnerf.schema import IndustnerfSharedSettings, PretrainingSettings
 from tests.methods.industnerf.synthetic_scenes import (
     ball,
     box,
@@ -27,12 +26,12 @@ from tests.methods.industnerf.synthetic_scenes import (
 TRAINING_SOLIDS = (ball(18.0), box((16.0, 11.0, 8.0)))
 
 
-def make_settings(epochs: int = 3, steps: int = 8) -> IndustnerfSettings:
+def make_settings(epochs: int = 3, steps: int = 8) -> IndustnerfSharedSettings:
     return settings(
         "industnerf_shared",
         grid_res=16,
         warm_up={"steps": steps, "image_px": 32},
-        school=PretrainingSettings(2, epochs),
+        pretraining=PretrainingSettings(2, epochs),
         levels=[{"steps": 4}],
     )
 
@@ -55,11 +54,11 @@ def same_weights(a: ModelState, b: ModelState) -> bool:
 
 def test_epochs_make_all_parts_better(learn):
     state = learn()
-    epoch_losses = state.history.loss.reshape(3, 8)
+    epoch_losses = state.train_history.loss.reshape(3, 8)
     assert epoch_losses[2].mean() < 0.7 * epoch_losses[0].mean()
-    assert (state.parts, state.steps) == (2, 24)
-    assert state.history.levels == {"term 0": 0, "term 1": 8, "term 2": 16}
-    assert state.parameters == sum(array.size for array in state.arrays.values())
+    assert (state.num_parts, state.steps) == (2, 24)
+    assert state.train_history.levels == {"epoch 0": 0, "epoch 1": 8, "epoch 2": 16}
+    assert state.num_parameters == sum(array.size for array in state.arrays.values())
 
 
 def test_pretraining_goes_on_after_its_last_epoch_to_the_same_bytes(learn, tmp_path, monkeypatch):
@@ -83,7 +82,7 @@ def test_a_part_starts_from_what_was_learned_and_keeps_e(learn):
     untrained = run(unseen, make_settings(), 1)
     assert pretrained.losses[0] < 0.8 * untrained.losses[0]
     network_size = sum(array.size for name, array in state.arrays.items() if name[:7] == "network")
-    assert pretrained.parameters == network_size  # E is not learned for the part
+    assert pretrained.num_parameters == network_size  # E is not learned for the part
 
 
 def test_shared_modules_take_over_all_weights_of_others():

@@ -19,8 +19,8 @@ from industnerf.methods.industnerf.ray_sampler import (
     footprint,
 )
 from industnerf.methods.industnerf.scene import NerfScene, TorchCameras
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer
 from tests.methods.industnerf.synthetic_scenes import ball, make_test_scene
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -62,14 +62,14 @@ def ray_point_distance(
     return (offsets[None] - t[:, :, None] * unit_directions[:, None]).norm(dim=2).min(dim=1).values
 
 
-@pytest.mark.parametrize("longest", [16, 60])
+@pytest.mark.parametrize("image_px", [16, 60])
 @given(seed=SEEDS, radius=st.floats(0.01, 0.3), count=st.sampled_from([1, 12]))
-def test_every_ray_that_meets_a_point_is_in_the_footprint(longest, seed, radius, count):
+def test_every_ray_that_meets_a_point_is_in_the_footprint(image_px, seed, radius, count):
     cameras = random_cameras(seed)
     rng = np.random.default_rng(seed)
     points = torch.tensor(rng.uniform(-1, 1, (count, 3)) * rng.uniform(0.05, 1)).float()
-    visible = footprint(points, radius, cameras, longest)
-    assert tuple(visible.shape[:0:-1]) == reduced_size(cameras.width, cameras.height, longest)
+    visible = footprint(points, radius, cameras, image_px)
+    assert tuple(visible.shape[:0:-1]) == reduced_size(cameras.width, cameras.height, image_px)
     for view in range(len(cameras)):
         center, axis = cameras.c2w[view, :3, 3], cameras.c2w[view, :3, 2]
         in_front = points[
@@ -113,7 +113,7 @@ def test_no_points_have_no_footprint():
     assert not footprint(behind, 0.1, cameras[:1], 32).any()
 
 
-@pytest.mark.parametrize("weights", ["inverse_square", "tent"])
+@pytest.mark.parametrize("weights", ["inverse_square", "trilinear"])
 @given(SEEDS)
 def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     """However dense the points are: the renderer itself is asked."""
@@ -129,7 +129,7 @@ def test_beside_the_footprint_rays_see_pure_background(weights, seed):
     rays = cameras.rays(
         view, (torch.stack([column, row], 1) + HALF) * scale, torch.full((len(view),), 0.5)
     )
-    renderer = Renderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
+    renderer = CompiledRenderer(cloud, (-1.2,) * 3, (1.2,) * 3, 0.05, 0.0)
     output = renderer.render(rays, torch.full((8,), 1e4), torch.zeros(8, 3))
     assert (output.transmittance == 1).all()
     assert (output.color == 0).all()

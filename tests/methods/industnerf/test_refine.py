@@ -6,9 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf import (
-    view_confidence,  # a class called Test... would be collected
-)
+from industnerf.methods.industnerf.confidence import ObservedSurface, ViewConfidence
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.point_levels import (
     WARM_UP,
@@ -28,7 +26,7 @@ from tests.methods.industnerf.synthetic_scenes import (
     settings,
 )
 
-EMPTY_SURFACE = view_confidence.ObservedSurface(
+EMPTY_SURFACE = ObservedSurface(
     torch.zeros(0, 3), torch.zeros(0, 3), torch.zeros(0), torch.zeros(0).long()
 )
 RES = 10
@@ -53,16 +51,14 @@ def fill_ball(trainer: Trainer, radius: float) -> torch.Tensor:
     return has_density
 
 
-def make_view_confidence(confidence: torch.Tensor) -> view_confidence.ViewConfidence:
+def make_view_confidence(confidence: torch.Tensor) -> ViewConfidence:
     """Three views, of which the second is as sure as this."""
     per_view = torch.stack([confidence / 2, confidence, confidence / 4])
-    return view_confidence.ViewConfidence(
-        confidence, torch.ones_like(confidence).long(), EMPTY_SURFACE, per_view
-    )
+    return ViewConfidence(confidence, torch.ones_like(confidence).long(), EMPTY_SURFACE, per_view)
 
 
 def test_dense_cells_are_divided_if_they_or_a_neighbor_are_sure():
-    trainer = make_trainer("divided", **FREE_POINTS)
+    trainer = make_trainer("subdivide", **FREE_POINTS)
     has_density = fill_ball(trainer, 0.6)
     old_points = trainer.points.positions
     is_confident = old_points[:, 0] > 0.25
@@ -82,9 +78,11 @@ def test_dense_cells_are_divided_if_they_or_a_neighbor_are_sure():
     assert len(points) == 8 * len(expected)
 
 
-@pytest.mark.parametrize("target", ["sigma", "visible"])
+@pytest.mark.parametrize("target", ["density", "visible_density"])
 def test_samples_join_the_dense_points(target):
-    trainer = make_trainer("sampled", **FREE_POINTS, readings={"target": target})
+    trainer = make_trainer(
+        "inverse_transform", **FREE_POINTS, readings={"sampling_density": target}
+    )
     has_density = fill_ball(trainer, 0.6)
     old_points = trainer.points.positions
     view_confidence = make_view_confidence((old_points[:, 2] > 0).float())
@@ -96,7 +94,7 @@ def test_samples_join_the_dense_points(target):
     assert len(new_points) == 1500
     assert new_points.abs().max() < 1
     allowed = cell_indices(
-        old_points[has_density & ((old_points[:, 2] > 0) | (target == "sigma"))], RES
+        old_points[has_density & ((old_points[:, 2] > 0) | (target == "density"))], RES
     )
     occupied = {tuple(cell) for cell in cell_indices(new_points, RES).tolist()}
     assert occupied <= {tuple(cell) for cell in allowed.tolist()}
@@ -106,10 +104,10 @@ def test_samples_join_the_dense_points(target):
     assert next_points.spacing == pytest.approx(min(mean_spacing, trainer.spacing / 2), rel=0.1)
 
 
-@pytest.mark.parametrize("refine", ["divided", "sampled"])
+@pytest.mark.parametrize("refine", ["subdivide", "inverse_transform"])
 @pytest.mark.parametrize("kind", [FREE_POINTS, WITH_RESIDUAL], ids=["free", "both"])
 def test_points_start_with_the_residuals_of_the_nearest(refine, kind):
-    trainer = make_trainer(refine, **kind, initial=1.0)
+    trainer = make_trainer(refine, **kind, density_bias=1.0)
     fill_ball(trainer, 0.6)
     view_confidence = make_view_confidence(torch.ones(len(trainer.points)))
     next_points = refine_points(trainer, view_confidence, torch.Generator().manual_seed(0))
@@ -124,7 +122,7 @@ def test_points_start_with_the_residuals_of_the_nearest(refine, kind):
 
 
 def test_without_residuals_nothing_is_taken_over():
-    trainer = make_trainer("sampled", initial=1.0)
+    trainer = make_trainer("inverse_transform", density_bias=1.0)
     view_confidence = make_view_confidence(torch.ones(len(trainer.points)))
     assert (
         refine_points(trainer, view_confidence, torch.Generator().manual_seed(0)).residuals is None
@@ -132,14 +130,14 @@ def test_without_residuals_nothing_is_taken_over():
 
 
 def test_where_no_view_is_sure_of_anything_there_is_no_next_level():
-    trainer = make_trainer("divided", **FREE_POINTS)
+    trainer = make_trainer("subdivide", **FREE_POINTS)
     no_confidence = make_view_confidence(torch.zeros(len(trainer.points)))
     with pytest.raises(ReconstructionFailed, match=r"after level 0 no view is surer than 0\.1"):
         refine_points(trainer, no_confidence, torch.Generator())
 
 
 def test_the_warm_up_is_divided_into_the_first_grid_whatever_follows():
-    trainer = make_trainer("sampled", WARM_UP, **FREE_POINTS, warm_up={"steps": 5})
+    trainer = make_trainer("inverse_transform", WARM_UP, **FREE_POINTS, warm_up={"steps": 5})
     fill_ball(trainer, 2.0)
     next_points = refine_points(
         trainer, make_view_confidence(torch.ones(len(trainer.points))), torch.Generator()
@@ -151,9 +149,9 @@ def test_the_warm_up_is_divided_into_the_first_grid_whatever_follows():
     )
 
 
-@pytest.mark.parametrize("refine", ["divided", "sampled"])
+@pytest.mark.parametrize("refine", ["subdivide", "inverse_transform"])
 def test_points_are_trusted_as_the_nearest_old_one_was(refine):
-    trainer = make_trainer(refine, **FREE_POINTS, initial=1.0)
+    trainer = make_trainer(refine, **FREE_POINTS, density_bias=1.0)
     fill_ball(trainer, 0.6)
     view_confidence = make_view_confidence(
         torch.rand(len(trainer.points), generator=torch.Generator().manual_seed(3))

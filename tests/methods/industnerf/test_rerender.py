@@ -8,8 +8,8 @@ from industnerf.geometry.cameras import pixel_centers, project, unproject
 from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
 from industnerf.methods.industnerf.rerender import rerender
 from industnerf.methods.industnerf.scene import torch_cameras
+from industnerf.rendering.compiled_renderer import CompiledRenderer
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer
 from tests.methods.industnerf.synthetic_scenes import CENTER, CPU, SCENE_RADIUS, orbit_cameras
 
 SPACING = grid_spacing(16, 0)
@@ -22,7 +22,7 @@ def a_field(radius: float = 0.5, density: float = 400.0):
     points = PointGrid(initial_grid(SPACING, CPU), 1.1 * SPACING, 8, "inverse_square")
     sigma = torch.where(points.positions.norm(dim=1) < radius, density, 0.0)
     side = 1 + SPACING
-    renderer = Renderer(points, (-side,) * 3, (side,) * 3, SPACING, 0.01)
+    renderer = CompiledRenderer(points, (-side,) * 3, (side,) * 3, SPACING, 0.01)
     return renderer, sigma, points.positions.clamp(-1, 1) / 2 + 0.5
 
 

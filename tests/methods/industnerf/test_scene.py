@@ -7,7 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from industnerf.geometry.cameras import project, ray_directions
-from industnerf.methods.industnerf.scene import estimate_background, make_scene, torch_cameras
+from industnerf.methods.industnerf.scene import (
+    estimate_background,
+    make_scene,
+    source_target_split,
+    torch_cameras,
+)
 from tests.methods.industnerf.synthetic_scenes import (
     CENTER,
     CPU,
@@ -97,3 +102,17 @@ def test_the_inside_of_an_image_has_no_say_in_its_background():
     images = torch.full((1, 20, 20, 3), 77, dtype=torch.uint8)
     images[:, 1:-1, 1:-1] = 3
     assert (estimate_background(images) == 77 / 255).all()
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 40])
+def test_disjoint_views_are_sources_or_targets(count):
+    views, split = range(count), source_target_split("disjoint")
+    source, target = set(views[split.source]), set(views[split.target])
+    assert not source & target
+    assert source | target == set(views)
+    assert len(source) - len(target) in (0, 1)
+
+
+def test_all_views_are_sources_and_targets_by_default():
+    split = source_target_split("same_as_source")
+    assert list(range(7)[split.source]) == list(range(7)[split.target]) == list(range(7))

@@ -34,7 +34,7 @@ def make_source_features(network: dict | None = None, **readings: str) -> Source
 def pool_from_scratch(
     source_features: SourceFeatures,
     points: torch.Tensor,
-    views: str = "confident",
+    views: str = "confidence_weighted",
     view_weights: torch.Tensor | None = None,
 ) -> torch.Tensor:
     """The pooled columns from nothing: every view encoded now, and `pool`."""
@@ -80,8 +80,8 @@ def test_images_are_as_coarse_as_the_points_that_are_told_of():
         assert texels.shape[1:] == (3, 3)
         uv = uv.where(is_valid[view][:, None], 0.0)
         features.append(sample_features(texels, uv, 24, 24))
-    weights = pooling_weights(is_valid, None, "confident")
-    expected = pool(torch.stack(features), is_valid, weights, "confident")
+    weights = pooling_weights(is_valid, None, "confidence_weighted")
+    expected = pool(torch.stack(features), is_valid, weights, "confidence_weighted")
     torch.testing.assert_close(pooled(full), expected, **CLOSE)
 
 
@@ -102,10 +102,10 @@ def change_encoder(source_features: SourceFeatures, seed: int = 1) -> None:
 CLOSE = {"rtol": 0, "atol": 1e-5}
 
 
-@pytest.mark.parametrize("views", ["confident", "all", "mean_variance", "mean", "max"])
+@pytest.mark.parametrize("views", ["confidence_weighted", "all", "mean_variance", "mean", "max"])
 @pytest.mark.parametrize("encoder", ["per_part", "frozen"])
 def test_placed_points_are_told_of_by_all_views(views, encoder):
-    source_features = make_source_features(views=views, encoder=encoder)
+    source_features = make_source_features(view_pooling=views, encoder=encoder)
     inputs = source_features()
     assert inputs.shape == (40, source_features.out_channels)
     torch.testing.assert_close(
@@ -174,10 +174,13 @@ def test_views_count_as_much_as_they_were_sure():
     torch.testing.assert_close(pooled(source_features), expected[[3, 9]], **CLOSE)
 
 
-@pytest.mark.parametrize("views", ["confident", "max"])
+@pytest.mark.parametrize("views", ["confidence_weighted", "max"])
 def test_keeping_is_placing_those_that_are_kept(views):
     indices = torch.tensor([31, 2, 17, 5])  # in an order of their own
-    kept, placed = make_source_features(views=views), make_source_features(views=views)
+    kept, placed = (
+        make_source_features(view_pooling=views),
+        make_source_features(view_pooling=views),
+    )
     kept.select_points(indices)
     placed.set_points(some_points()[indices])
     # products with K are rounded otherwise where the matrix has more rows
@@ -198,13 +201,15 @@ def test_blind_sources_tell_only_where_points_are():
 
 
 @pytest.mark.parametrize(
-    ("readings", "learns"),
+    ("readings", "is_trainable"),
     [({}, True), ({"encoder": "frozen"}, False), ({"encoder": "none"}, False)],
 )
-def test_only_an_encoder_of_this_part_learns(readings, learns):
+def test_only_an_encoder_of_this_part_learns(readings, is_trainable):
     source_features = make_source_features(**readings)
-    assert source_features.is_trainable == learns
-    assert all(weights.requires_grad == learns for weights in source_features.encoder.parameters())
+    assert source_features.is_trainable == is_trainable
+    assert all(
+        weights.requires_grad == is_trainable for weights in source_features.encoder.parameters()
+    )
 
 
 def test_the_images_own_colors_come_along_if_asked_for():

@@ -6,9 +6,15 @@ from math import sqrt
 import pytest
 from scipy.spatial import cKDTree
 
-from industnerf.methods.industnerf.pipeline import Reconstructor, run
 from industnerf.schema import IndustnerfSettings
-from tests.methods.industnerf.results import SOLIDS, RecordingCallback, errors, result_bytes
+from tests.methods.industnerf.results import (
+    SOLIDS,
+    RecordingCallback,
+    errors,
+    make_reconstructor,
+    result_bytes,
+    run,
+)
 from tests.methods.industnerf.synthetic_scenes import SCENE_RADIUS, make_posed_images, settings
 
 RES, PX = 10, 48
@@ -23,18 +29,20 @@ STARTED_LEVELS = [("level 0", 30), ("level 1", 20), ("level 2", 20)]
 # anywhere in a cell that has one, or in the middle of an eighth of the old one's own cell
 KINDS = {
     "drawn": ("industnerf", {}, sqrt(3)),
-    "divided": ("industnerf", {"refine": "divided"}, sqrt(3) / 4),
-    "relief": ("industnerf_plus", {"grid_points": 0}, sqrt(3) / 4),
+    "divided": ("industnerf", {"refine": "subdivide"}, sqrt(3) / 4),
+    "sdf": ("industnerf_plus", {"max_grid_points": 0}, sqrt(3) / 4),
 }
 every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 def three_levels(kind: str, **changes) -> IndustnerfSettings:
     method, method_changes, _ = KINDS[kind]
-    all_changes = {"rays": 512, "surface_px": PX, "spacing": 0.05} | method_changes | changes
+    all_changes = (
+        {"rays_per_step": 512, "surface_px": PX, "surface_spacing": 0.05} | method_changes | changes
+    )
     return settings(
         method,
-        **{"readings": {"activation": "distance"}, "levels": LEVELS} | all_changes,
+        **{"readings": {"density_activation": "sdf"}, "levels": LEVELS} | all_changes,
         grid_res=RES,
     )
 
@@ -43,8 +51,8 @@ def three_levels(kind: str, **changes) -> IndustnerfSettings:
 def test_each_level_refines_the_last_and_the_last_has_the_surface(kind):
     """Within half a first cell, 3 mm: steps are few, and a surface still is 1 mm soft."""
     callback, levels = RecordingCallback(), []
-    reconstructor = Reconstructor(
-        make_posed_images(SOLIDS["ball"], 24, PX), three_levels(kind), 1, callback
+    reconstructor = make_reconstructor(
+        make_posed_images(SOLIDS["ball"], 24, PX), three_levels(kind), callback
     )
     while not reconstructor.is_finished:
         levels.append((reconstructor.trainer.points.positions, reconstructor.trainer.spacing))
@@ -63,10 +71,10 @@ def test_each_level_refines_the_last_and_the_last_has_the_surface(kind):
     assert coverage > 0.99
 
 
-@pytest.mark.parametrize("kind", ["divided", "relief"])
+@pytest.mark.parametrize("kind", ["divided", "sdf"])
 def test_a_run_goes_on_from_any_of_three_levels_to_the_same_bytes(kind):
     short_levels = [{"steps": 3, "image_px": 32}] * 3
-    readings = {"activation": "distance", "encoder": "frozen"}
+    readings = {"density_activation": "sdf", "encoder": "frozen"}
     images = make_posed_images(SOLIDS["ball"], 4, 32)
     config = three_levels(kind, levels=short_levels, readings=readings)
     callback = RecordingCallback()

@@ -10,7 +10,6 @@ from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf import trainer as module
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.optimizer import LR_DECAY
-from industnerf.methods.industnerf.pipeline import run
 from industnerf.methods.industnerf.point_levels import (
     WARM_UP,
     PointLevel,
@@ -18,22 +17,22 @@ from industnerf.methods.industnerf.point_levels import (
     initial_grid,
 )
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
-from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
 from industnerf.schema import BetaSchedule, IndustnerfSettings
+from tests.methods.industnerf.results import run
 from tests.methods.industnerf.synthetic_scenes import (
     CPU,
     FREE_POINTS,
     WITH_RESIDUAL,
     ball,
     make_posed_images,
-    make_silhouettes,
     make_test_scene,
     settings,
 )
 
 RES = 12
-PLAIN = {"readings": {"encoder": "none", "pose": "identity", "frame": "world"}}
+PLAIN = {
+    "readings": {"encoder": "none", "position_encoding": "identity", "encoding_frame": "world"}
+}
 KINDS = {
     "free": FREE_POINTS,
     "blind": {"readings": {"encoder": "none"}},
@@ -93,7 +92,7 @@ class AnalyticNetwork(torch.nn.Module):
 
 @every_kind
 def test_twenty_steps_lower_the_loss(kind):
-    trainer = make_trainer(settings_of(kind, rays=512, levels=[{"steps": 20}]))
+    trainer = make_trainer(settings_of(kind, rays_per_step=512, levels=[{"steps": 20}]))
     losses = [trainer.step() for _ in range(20)]
     # a batch's loss scatters by a tenth; the field starts as a gray fog before white
     assert sum(losses[-5:]) < 0.95 * sum(losses[:5])
@@ -126,10 +125,10 @@ def test_over_all_levels_the_surface_hardens_and_rates_fall_once():
     beta_schedule = BetaSchedule(4.0, 0.25, 0.1)
     config = settings_of(
         "trained",
-        readings={"activation": "distance"},
+        readings={"density_activation": "sdf"},
         levels=[{"steps": 4}, {"steps": 4}],
         warm_up={"steps": 8},
-        softness=beta_schedule,
+        beta=beta_schedule,
     )
     unit = grid_spacing(RES, 0)
     for level, before in ((WARM_UP, 0), (0, 8), (1, 12)):
@@ -146,7 +145,7 @@ def test_over_all_levels_the_surface_hardens_and_rates_fall_once():
 
 def test_hardening_makes_what_n_calls_matter_more_opaque():
     """N counts distances in softnesses: where it says 1 / 2, there is ever more matter."""
-    trainer = make_trainer(settings_of("trained", readings={"activation": "distance"}))
+    trainer = make_trainer(settings_of("trained", readings={"density_activation": "sdf"}))
     with torch.no_grad():
         trainer.field.network.head.bias[0] = 0.5  # outside by half a softness: thin, and seen
     trainer.steps_done = 1
@@ -158,7 +157,7 @@ def test_hardening_makes_what_n_calls_matter_more_opaque():
 
 
 def test_what_is_left_out_is_not_trained_on():
-    disjoint = make_trainer(settings_of("free", readings={"signal": "left_out"}))
+    disjoint = make_trainer(settings_of("free", readings={"target_views": "disjoint"}))
     all_views = make_trainer(settings_of("free"))
     assert set(all_views.ray_sampler.visible_pixels[:, 0].tolist()) == {0, 1, 2, 3}
     assert set(disjoint.ray_sampler.visible_pixels[:, 0].tolist()) == {1, 3}
@@ -187,9 +186,9 @@ def test_points_start_where_they_are_told_to():
 # --- sweeping ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("weights", "left"), [("inverse_square", 0.5), ("tent", 0.65)])
+@pytest.mark.parametrize(("weights", "left"), [("inverse_square", 0.5), ("trilinear", 0.65)])
 def test_a_sweep_changes_no_pixel(weights, left):
-    readings = PLAIN["readings"] | {"weights": weights}
+    readings = PLAIN["readings"] | {"interpolation": weights}
     trainer = make_trainer(settings("industnerf", grid_res=RES, **(PLAIN | {"readings": readings})))
     trainer.field.network = AnalyticNetwork()
     rays = sample_rays(trainer, 2000)
@@ -203,7 +202,7 @@ def test_a_sweep_changes_no_pixel(weights, left):
 
 
 def test_sweeping_free_points_skips_space_and_forgets_none():
-    trainer = make_trainer(settings_of("free", initial=1.0))
+    trainer = make_trainer(settings_of("free", density_bias=1.0))
     with torch.no_grad():
         trainer.field.raw[trainer.points.positions[:, 0] > -0.2] = -8.0
     rays = sample_rays(trainer, 2000)
@@ -216,7 +215,7 @@ def test_sweeping_free_points_skips_space_and_forgets_none():
 
 
 def test_what_points_learned_and_their_moments_follow_them():
-    trainer = make_trainer(settings_of("both", initial=1.0))
+    trainer = make_trainer(settings_of("both", density_bias=1.0))
     for _ in range(3):
         trainer.step()
     field, optimizer = trainer.field, trainer._optimizer
@@ -292,7 +291,7 @@ def train_and_resume(
 @pytest.mark.parametrize("halfway", [2, 5])  # before and after the first sweep
 def test_a_training_that_is_taken_up_again_is_the_same(kind, halfway, monkeypatch):
     monkeypatch.setattr(module, "REFRESH_INTERVAL", 4)
-    uninterrupted, restored = train_and_resume(settings_of(kind, initial=-5.9), halfway, 9)
+    uninterrupted, restored = train_and_resume(settings_of(kind, density_bias=-5.9), halfway, 9)
     assert restored.steps_done == uninterrupted.steps_done == 9
     assert torch.equal(uninterrupted.points.positions, restored.points.positions)
     for a, b in zip(uninterrupted.values(), restored.values(), strict=True):
@@ -303,7 +302,9 @@ def test_with_a_trained_encoder_that_sees_all_views_only_rounding_differs(monkey
     """Features of all views together or one by one; ten steps of Adam make more of it."""
     monkeypatch.setattr(module, "REFRESH_INTERVAL", 4)
     uninterrupted, restored = train_and_resume(
-        settings_of("trained", network={"every": 1, "views": 4}), 5, 9
+        settings_of("trained", network={"encoder_update_interval": 1, "encoder_update_views": 4}),
+        5,
+        9,
     )
     for a, b in zip(uninterrupted.values(), restored.values(), strict=True):
         torch.testing.assert_close(a, b, rtol=1e-3, atol=1e-3)
@@ -312,7 +313,11 @@ def test_with_a_trained_encoder_that_sees_all_views_only_rounding_differs(monkey
 def test_with_a_trained_encoder_no_view_is_staler_than_it_was():
     """Taken up again, every view is told by E as it is, where one of four was due: the loss is
     no worse for it, but for the scatter of a batch of 256 rays."""
-    config = settings_of("trained", network={"every": 2, "views": 1}, levels=[{"steps": 40}])
+    config = settings_of(
+        "trained",
+        network={"encoder_update_interval": 2, "encoder_update_views": 1},
+        levels=[{"steps": 40}],
+    )
     uninterrupted, restored = train_and_resume(config, 10, 40)
     last = [sum(t.step() for _ in range(5)) for t in (uninterrupted, restored)]
     assert last[1] < 1.3 * last[0]
@@ -320,7 +325,7 @@ def test_with_a_trained_encoder_no_view_is_staler_than_it_was():
 
 def test_points_that_were_skipped_stay_skipped():
     """Between sweeps points may become dense again where rays do not look; that is in the state."""
-    config = settings_of("free", initial=1.0)
+    config = settings_of("free", density_bias=1.0)
     uninterrupted = make_trainer(config)
     empty = uninterrupted.points.positions[:, 0] > 0
     with torch.no_grad():
@@ -353,7 +358,7 @@ def test_the_state_is_what_a_checkpoint_takes():
 
 
 def test_view_confidence_is_of_the_points_as_they_are():
-    trainer = make_trainer(settings_of("free", initial=2.0))
+    trainer = make_trainer(settings_of("free", density_bias=2.0))
     view_confidence = trainer.view_confidence()
     assert (
         view_confidence.confidence.shape == view_confidence.view.shape == trainer.values()[0].shape
@@ -366,71 +371,6 @@ def test_view_confidence_is_of_the_points_as_they_are():
 
 def test_a_single_view_that_is_left_out_is_said_to_be_too_few():
     """It would judge nothing and speak alone; before, drawing from no pixels failed in torch."""
-    config = settings(readings={"signal": "left_out"})
+    config = settings(readings={"target_views": "disjoint"})
     with pytest.raises(ReconstructionFailed, match="are there views enough"):
         run(make_posed_images(ball(18.0), 1, 32), config, 0)
-
-
-def make_sdf_trainer(raw: torch.Tensor) -> tuple[Trainer, Silhouettes]:
-    """A ball's, that starts from these distances at the points of the first grid."""
-    views, config = make_test_scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
-    silhouettes = make_silhouettes(views)
-    residuals = raw, torch.full((len(raw), 3), 0.5)
-    level_points = PointLevel(
-        initial_grid(grid_spacing(RES, 0), CPU), grid_spacing(RES, 0), residuals=residuals
-    )
-    field = Field(views, config)
-    return Trainer(
-        views, field, level_points, 0, config, torch.Generator(), silhouettes
-    ), silhouettes
-
-
-def test_a_relief_goes_on_from_the_last_levels_distances_and_nowhere_deeper_than_the_hull():
-    last = torch.linspace(-3, 3, len(initial_grid(grid_spacing(RES, 0), CPU)))
-    trainer, silhouettes = make_sdf_trainer(last)
-    hull = silhouettes.distance(trainer.points.positions) / grid_spacing(RES, 0)
-    expected = torch.maximum(last[trainer.points.order], hull)
-    assert torch.equal(trainer.field.raw.detach(), expected)
-
-
-def test_a_relief_starts_at_the_photo_hull_where_that_is_deeper_inside_than_the_hull():
-    class Inner(PhotoHull):
-        def __init__(self) -> None:
-            """Made of no photographs."""
-            self.believed = True
-
-        def distance(self, points: torch.Tensor) -> torch.Tensor:
-            return torch.full((len(points),), 2 * grid_spacing(RES, 0))
-
-    views, config = make_test_scene(ball(18.0), 6, 48), settings("industnerf_plus", grid_res=RES)
-    silhouettes = make_silhouettes(views)
-    level_points = PointLevel(initial_grid(grid_spacing(RES, 0), CPU), grid_spacing(RES, 0))
-    trainer = Trainer(
-        views,
-        Field(views, config),
-        level_points,
-        0,
-        config,
-        torch.Generator(),
-        silhouettes,
-        Inner(),
-    )
-    hull = silhouettes.distance(trainer.points.positions) / grid_spacing(RES, 0)
-    assert (hull < 2).any()
-    torch.testing.assert_close(trainer.field.raw.detach(), hull.clamp(min=2.0))
-
-
-def test_what_views_say_of_a_hard_surface_needs_no_space_where_only_a_soft_one_has_density(
-    monkeypatch,
-):
-    trainer, _ = make_sdf_trainer(torch.full((len(initial_grid(grid_spacing(RES, 0), CPU)),), -9.0))
-    assert trainer.settings.beta.render < trainer.beta()
-    filled = []
-    monkeypatch.setattr(trainer, "_fill", lambda which: filled.append(int(which.sum())))
-    everywhere = trainer.view_confidence()  # rays skip nothing yet
-    monkeypatch.undo()
-    skipping = trainer.view_confidence()
-    assert 0 < filled[0] < int((trainer.density() > 0).sum())
-    assert torch.equal(skipping.per_view, everywhere.per_view)
-    for name, value in vars(skipping.surface).items():
-        assert torch.equal(value, getattr(everywhere.surface, name)), name

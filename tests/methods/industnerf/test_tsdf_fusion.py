@@ -9,9 +9,9 @@ import torch
 
 from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, common_view_ball
+from industnerf.methods.industnerf.confidence import ObservedSurface, concatenate
+from industnerf.methods.industnerf.extraction import fuse_surface, render_depth_maps
 from industnerf.methods.industnerf.scene import PosedImages
-from industnerf.methods.industnerf.tsdf_fusion import fuse_surface, render_depth_maps
-from industnerf.methods.industnerf.view_confidence import ObservedSurface, concatenate
 from tests.methods.solids import cameras_around, rays
 
 DEFAULTS = load_params(Path(__file__).parents[3] / "params.yaml").method.industnerf
@@ -146,11 +146,11 @@ def test_nothing_sure_and_nothing_seen_are_no_points():
         assert len(fuse_surface(unconfident, make_posed_images(), SETTINGS, 0).points) == 0
 
 
-@pytest.mark.parametrize("longest", [24, 48])
-def test_depths_stand_in_the_pixels_whose_rays_they_are_on(longest):
+@pytest.mark.parametrize("image_px", [24, 48])
+def test_depths_stand_in_the_pixels_whose_rays_they_are_on(image_px):
     """Of images that are not square and are brought down; a ray through each pixel's center."""
     cameras = Cameras(CAMERAS.K, CAMERAS.c2w, 48, 32)
-    width, height = longest, longest * 32 // 48
+    width, height = image_px, image_px * 32 // 48
     small = CAMERAS.K.copy()
     small[:, 0] *= width / 48
     small[:, 1] *= height / 32
@@ -158,7 +158,7 @@ def test_depths_stand_in_the_pixels_whose_rays_they_are_on(longest):
     pixels = make_surface(cameras=reduced)
     is_confident = np.ones(len(pixels.view), bool)
     depth, projections = render_depth_maps(
-        pixels, is_confident, make_posed_images(cameras), longest
+        pixels, is_confident, make_posed_images(cameras), image_px
     )
     assert depth.shape == (40, height, width)
     assert projections.shape == (40, 3, 4)

@@ -33,7 +33,7 @@ def points_inside(silhouettes: Silhouettes, config) -> int:
 
 
 def plus_settings(grid_points: int):
-    return settings("industnerf_plus", grid_res=RES, grid_points=grid_points)
+    return settings("industnerf_plus", grid_res=RES, max_grid_points=grid_points)
 
 
 def test_no_more_points_than_asked_for_and_not_many_fewer(rod):
@@ -61,7 +61,7 @@ def test_a_grid_that_is_warmed_up_can_be_halved(rod):
     warm = {"steps": 5, "image_px": 32}
     for ratio in (1.5, 1.7, 2.0):
         requested = int(ratio * points_inside(rod, plus_settings(0)))
-        config = settings("industnerf_plus", grid_res=RES, grid_points=requested, warm_up=warm)
+        config = settings("industnerf_plus", grid_res=RES, max_grid_points=requested, warm_up=warm)
         assert adapt_resolution(config, rod).grid_res % 2 == 0
     with pytest.raises(BadParams, match="grid_res is 25, must be even"):
         settings("industnerf_plus", grid_res=25, warm_up=warm)
@@ -74,5 +74,5 @@ def test_light_reaches_as_deep_at_first_whatever_the_grid(rod):
 
 
 def test_without_silhouettes_nobody_knows_how_many_points_may_hold_matter():
-    with pytest.raises(BadParams, match=r"grid_points.*carve"):
-        settings("industnerf", grid_points=1000)
+    with pytest.raises(BadParams, match=r"max_grid_points.*silhouette_carving"):
+        settings("industnerf_plus", max_grid_points=1000, silhouette_carving=False)

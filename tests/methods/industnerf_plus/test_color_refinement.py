@@ -7,14 +7,15 @@ import pytest
 import torch
 
 from industnerf.errors import BadValue
-from industnerf.methods.industnerf.pipeline import (
-    Callback,
-    ReconstructionResult,
-    Reconstructor,
+from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult
+from industnerf.schema import IndustnerfPlusSettings
+from tests.methods.industnerf.results import (
+    SOLIDS,
+    RecordingCallback,
+    make_reconstructor,
+    result_bytes,
     run,
 )
-from industnerf.schema import IndustnerfSettings
-from tests.methods.industnerf.results import SOLIDS, RecordingCallback, result_bytes
 from tests.methods.industnerf.synthetic_scenes import make_posed_images, settings
 
 PX = 48
@@ -23,9 +24,17 @@ TRAIN_IMAGES = make_posed_images(SOLIDS["box"], 16, PX)
 HELD_OUT_IMAGES = make_posed_images(SOLIDS["box"], 5, PX)
 
 
-def make_settings(num_steps: int, **others) -> IndustnerfSettings:
-    small = {"grid_res": 16, "rays": 512, "surface_px": PX, "spacing": 0.03, "levels": LEVELS}
-    return settings("industnerf_plus", **small | others, recolor={"steps": num_steps, "rate": 0.05})
+def make_settings(num_steps: int, **others) -> IndustnerfPlusSettings:
+    small = {
+        "grid_res": 16,
+        "rays_per_step": 512,
+        "surface_px": PX,
+        "surface_spacing": 0.03,
+        "levels": LEVELS,
+    }
+    return settings(
+        "industnerf_plus", **small | others, color_refinement={"steps": num_steps, "lr": 0.05}
+    )
 
 
 def render_held_out(result: ReconstructionResult) -> np.ndarray:
@@ -55,7 +64,7 @@ def test_views_that_nobody_was_given_are_nearer_to_their_photographs(unrefined, 
 
 
 def test_the_surface_stays_where_it_is():
-    reconstructor = Reconstructor(TRAIN_IMAGES, make_settings(30), 1, Callback())
+    reconstructor = make_reconstructor(TRAIN_IMAGES, make_settings(30), Callback())
     while reconstructor.trainer.level == 0 or not reconstructor.is_finished:
         if reconstructor.trainer.level == 1:
             before = reconstructor.trainer.field.raw.detach().clone()
@@ -67,15 +76,15 @@ def test_the_surface_stays_where_it_is():
 
 
 def test_the_cloud_is_what_it_is_without(unrefined, refined):
-    for values in ("points", "colors", "confidence", "view", "candidates", "certainty"):
+    for values in ("points", "colors", "confidence", "view", "candidates", "candidate_confidence"):
         np.testing.assert_array_equal(getattr(refined[0], values), getattr(unrefined, values))
 
 
 def test_its_steps_are_told_and_counted(refined):
     result, callback = refined
-    assert callback.begun == [("level 0", 40), ("level 1", 0), ("colors", 30)]
-    assert result.first_steps == {"level 0": 0, "level 1": 40, "colors": 40}
-    assert result.steps == len(callback.losses) == len(callback.seen) == 70
+    assert callback.started_levels == [("level 0", 40), ("level 1", 0), ("colors", 30)]
+    assert result.level_starts == {"level 0": 0, "level 1": 40, "colors": 40}
+    assert result.steps == len(callback.losses) == len(callback.previews) == 70
     # ten rounds of 512 rays each: what they differ by from chance is a few percent
     assert np.mean(result.losses[-10:]) < 0.9 * np.mean(result.losses[40:50])
 
@@ -89,13 +98,12 @@ def test_a_run_goes_on_to_the_same_bytes(refined):
         np.testing.assert_array_equal(render_held_out(resumed), render_held_out(result))
 
 
-def test_without_steps_nothing_is_begun(unrefined):
-    assert unrefined.first_steps == {"level 0": 0, "level 1": 40}
+def test_without_steps_no_level_starts(unrefined):
+    assert unrefined.level_starts == {"level 0": 0, "level 1": 40}
 
 
 def test_colors_that_a_network_gives_cannot_be_learned_alone():
-    network_settings = settings("industnerf")
-    with pytest.raises(BadValue, match=r"recolor\.steps"):
-        replace(
-            network_settings, color_refinement=replace(network_settings.color_refinement, steps=1)
-        )
+    config = settings("industnerf_plus")
+    sdf = replace(config.sdf, enabled=False, init=replace(config.sdf.init, enabled=False))
+    with pytest.raises(BadValue, match=r"color_refinement\.steps"):
+        make_settings(1, network={"enabled": True}, sdf=sdf)

@@ -90,6 +90,6 @@ def test_a_relief_starts_at_the_hull_or_within_it(shift):
     hull = torch.linspace(-2, 2, 9)
     config = settings("industnerf_plus").sdf
     constraints = SdfConstraints(hull, torch.full((9, 6), -1), config)
-    assert torch.equal(constraints.initial_sdf(None), hull)
-    initial = constraints.initial_sdf(hull + shift)
+    assert torch.equal(constraints.initial_raw(None), hull)
+    initial = constraints.initial_raw(hull + shift)
     assert torch.equal(initial, hull + max(shift, 0.0))

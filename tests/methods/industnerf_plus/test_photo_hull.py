@@ -67,7 +67,13 @@ def test_where_the_photographs_say_nothing_it_is_the_visual_hull():
 def test_when_the_photographs_contradict_all_of_it_it_is_the_visual_hull():
     rgb = render_painted(CUP, CAMERAS, gray)[1]
     noise = np.random.default_rng(0).integers(0, 250, rgb.shape, np.uint8)
-    strict = {"threshold": 0.0, "outliers": 0.0, "footprint": 0.3, "facing": -0.9, "sweeps": 200}
+    strict = {
+        "color_threshold": 0.0,
+        "outlier_fraction": 0.0,
+        "voxel_footprint": 0.3,
+        "min_view_cosine": -0.9,
+        "max_sweeps": 200,
+    }
     hull = make_photo_hull(np.where(rgb < 255, noise, rgb), **strict)
     _, points = in_the_pocket()
     assert (hull.distance(points) < 0).all()

@@ -67,11 +67,11 @@ def test_filling_never_carves(carved):
     assert (after >= hull - 1e-5).all()
 
 
-@pytest.mark.parametrize(("believed", "left"), [(True, 3.0), (False, 2.6)])
-def test_where_the_photographs_are_not_believed_more_falls_back(believed, left):
+@pytest.mark.parametrize(("is_reliable", "expected"), [(True, 3.0), (False, 2.6)])
+def test_where_the_photographs_are_not_believed_more_falls_back(is_reliable, expected):
     hull, carved = torch.zeros(SIDE**3), torch.full((SIDE**3,), 4.0)
-    SdfConstraints(hull, NEIGHBORS, SETTINGS, is_reliable=believed).relax_to_initial(carved, 2.0)
-    assert carved.unique().item() == pytest.approx(left)
+    SdfConstraints(hull, NEIGHBORS, SETTINGS, is_reliable=is_reliable).relax_to_initial(carved, 2.0)
+    assert carved.unique().item() == pytest.approx(expected)
 
 
 def test_points_deeper_than_the_hull_stay_as_they_are():
@@ -80,20 +80,22 @@ def test_points_deeper_than_the_hull_stay_as_they_are():
 
 
 @given(CARVED, st.integers(1, 100))
-def test_what_is_outside_the_hull_stays_outside(moved, taken):
+def test_what_is_outside_the_hull_stays_outside(moved, steps_done):
     hull = torch.linspace(-3, 2, SIDE**3)
     distance = torch.from_numpy(4 - moved)
-    SdfConstraints(hull, NEIGHBORS, SETTINGS).constrain(distance, taken, 100)
+    SdfConstraints(hull, NEIGHBORS, SETTINGS).constrain(distance, steps_done, 100)
     assert (distance >= torch.where(hull > 0, hull, 3 * hull) - 1e-6).all()
     assert distance.abs().max() <= MAX_ABS_SDF
 
 
-@pytest.mark.parametrize(("taken", "filled"), [(45, False), (50, True), (51, False), (100, True)])
-def test_pits_are_filled_now_and_then_from_half_time_on(taken, filled):
+@pytest.mark.parametrize(
+    ("steps_done", "filled"), [(45, False), (50, True), (51, False), (100, True)]
+)
+def test_pits_are_filled_now_and_then_from_half_time_on(steps_done, filled):
     hull = torch.full((SIDE**3,), -2.0)
     distance = hull.clone()
     distance[flat_index(3, 3, 3)] = 1.0
-    SdfConstraints(hull, NEIGHBORS, SETTINGS).constrain(distance, taken, 100)
+    SdfConstraints(hull, NEIGHBORS, SETTINGS).constrain(distance, steps_done, 100)
     assert torch.equal(distance, hull) == filled
 
 
@@ -126,7 +128,7 @@ def test_steps_are_as_long_as_the_surface_is_soft():
 def test_it_starts_where_it_is_told_to_and_nowhere_deeper_than_the_hull(carved, raised):
     hull = torch.linspace(-3, 2, SIDE**3)
     start = hull + torch.from_numpy(carved) - torch.from_numpy(raised)
-    initial = SdfConstraints(hull, NEIGHBORS, SETTINGS, start).initial_sdf(None)
+    initial = SdfConstraints(hull, NEIGHBORS, SETTINGS, start).initial_raw(None)
     assert torch.equal(
         initial, torch.maximum(start.clamp(-SETTINGS.init.initial_max_depth, MAX_ABS_SDF), hull)
     )
@@ -138,7 +140,7 @@ def test_what_was_carved_falls_back_by_its_share_of_a_step_and_no_farther_than_t
 ):
     hull = torch.linspace(-3, 2, SIDE**3)
     constraints = SdfConstraints(hull, NEIGHBORS, SETTINGS, hull + torch.from_numpy(carved))
-    start = constraints.initial_sdf(None)
+    start = constraints.initial_raw(None)
     before = start + torch.from_numpy(moved) - 4
     after = before.clone()
     constraints.relax_to_initial(after, rate)

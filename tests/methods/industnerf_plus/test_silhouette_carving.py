@@ -35,13 +35,13 @@ def random_points(seed: int, count: int = 4000) -> torch.Tensor:
 
 @pytest.mark.parametrize("name", SOLIDS)
 @pytest.mark.parametrize("resolution", [24, 64])
-@pytest.mark.parametrize("slack", [0.0, 0.05])
-def test_no_point_of_the_solid_is_carved_away(name, resolution, slack):
+@pytest.mark.parametrize("margin", [0.0, 0.05])
+def test_no_point_of_the_solid_is_carved_away(name, resolution, margin):
     silhouettes = make_silhouettes(make_test_scene(SOLIDS[name], 12, resolution))
     points = random_points(0, 20_000)
     inside = torch.from_numpy(SOLIDS[name].signed_distance(points.numpy() * SCENE_RADIUS) <= 0)
     assert inside.sum() > 500
-    assert silhouettes.inside_hull(points, slack)[inside].all()
+    assert silhouettes.inside_hull(points, margin)[inside].all()
 
 
 def test_nothing_near_the_solid_is_carved_away_where_pixels_are_not_square():
@@ -49,12 +49,12 @@ def test_nothing_near_the_solid_is_carved_away_where_pixels_are_not_square():
     cameras = orbit_cameras(12, 24)
     K = cameras.K * [[1], [2], [1]]
     flat = replace(cameras, K=K, height=48)
-    solid, slack, points = SOLIDS["box"], 0.15, random_points(0, 20_000)
+    solid, margin, points = SOLIDS["box"], 0.15, random_points(0, 20_000)
     views = PosedImages(render_images(solid, flat), flat, np.ones((12, 3)), CENTER, SCENE_RADIUS)
     is_near = torch.from_numpy(
-        solid.signed_distance(points.numpy() * SCENE_RADIUS) <= slack * SCENE_RADIUS
+        solid.signed_distance(points.numpy() * SCENE_RADIUS) <= margin * SCENE_RADIUS
     )
-    assert make_silhouettes(make_scene(views, CPU)).inside_hull(points, slack)[is_near].all()
+    assert make_silhouettes(make_scene(views, CPU)).inside_hull(points, margin)[is_near].all()
 
 
 def test_outlines_are_those_of_the_images():
@@ -89,29 +89,29 @@ def cone_excess(points: np.ndarray, camera_centers: np.ndarray, radius: float) -
     return off_axis * np.cos(half_angle) - along * np.sin(half_angle)
 
 
-@pytest.mark.parametrize("slack", [0.0, 0.1])
-def test_a_ball_is_carved_to_its_cones(slack):
-    """Outside some cone by more than slack and 3 px: gone.  Inside all: kept."""
+@pytest.mark.parametrize("margin", [0.0, 0.1])
+def test_a_ball_is_carved_to_its_cones(margin):
+    """Outside some cone by more than margin and 3 px: gone.  Inside all: kept."""
     views = make_test_scene(ball(18.0), 12, 64)
     points = random_points(1)
     excess = cone_excess(
         points.numpy(), views.cameras.c2w[:, :3, 3].numpy(), 18.0 / SCENE_RADIUS
     ).max(axis=0)
-    kept = make_silhouettes(views).inside_hull(points, slack).numpy()
+    kept = make_silhouettes(views).inside_hull(points, margin).numpy()
     assert kept[excess < 0].all()
     # 1 px of grace; up to 1 px from the last pixel that has a share of the part to its outline,
     # and from the point to its own pixel's center; what is not taken to be deeper than it is
     # costs nothing, but one may be nearer the eye than the part: up to 0.8 of 4.1
     pixel = (DISTANCE + 0.8) / views.cameras.K[0, 0, 0].item()
-    assert not kept[excess > (slack + 3 * pixel) * 1.1].any()
-    assert (excess > (slack + 3 * pixel) * 1.1).sum() > 500
+    assert not kept[excess > (margin + 3 * pixel) * 1.1].any()
+    assert (excess > (margin + 3 * pixel) * 1.1).sum() > 500
 
 
 @given(SEEDS)
 def test_more_slack_keeps_more(seed):
     silhouettes = make_silhouettes(make_test_scene(ball(18.0), 4, 24))
     points = random_points(seed, 300)
-    kept = [silhouettes.inside_hull(points, slack) for slack in (0.0, 0.1, 0.3)]
+    kept = [silhouettes.inside_hull(points, margin) for margin in (0.0, 0.1, 0.3)]
     assert (kept[0] <= kept[1]).all()
     assert (kept[1] <= kept[2]).all()
 

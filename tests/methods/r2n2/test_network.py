@@ -33,7 +33,9 @@ def test_full_is_as_published(full):
     assert (full.image_px, full.channel_divisor, full.max_views) == (127, 1, 5)
     training = full.training
     assert (training.max_steps, training.batch_size, training.lr) == (60_000, 36, 1e-4)
-    assert training.lr_milestones == [pytest.approx(20 / 60, abs=1e-3)]  # by ten after 20 000 of 60 000
+    assert training.lr_milestones == [
+        pytest.approx(20 / 60, abs=1e-3)
+    ]  # by ten after 20 000 of 60 000
 
 
 def conv(kernel, dims, before, after):

@@ -46,7 +46,7 @@ def inputs_from(camera_centers):
 
 @pytest.fixture
 def predicted_points(monkeypatch, inputs, settings, state):
-    """`points(likely)`: what is made of these probabilities, in the unit cube."""
+    """`points(probabilities)`: the surface of these probabilities, in the unit cube."""
 
     def predicted_points(probabilities):
         monkeypatch.setattr(
@@ -89,7 +89,7 @@ def test_points_are_uniform_by_area(predicted_points):
 
 
 def test_a_net_that_sees_nothing_fails_with_a_reason(predicted_points):
-    with pytest.raises(ReconstructionFailed, match="sees matter nowhere"):
+    with pytest.raises(ReconstructionFailed, match="predictions of the network are empty"):
         predicted_points(np.full((32, 32, 32), 0.39))
 
 

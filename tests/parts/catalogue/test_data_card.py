@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.artifacts.split import SplitAssignment
 from industnerf.config import load_params
 from industnerf.parts.catalogue.data_card import render_card, write_card, write_sheet
@@ -24,8 +23,8 @@ from industnerf.parts.catalogue.entries import (
     CatalogueEntry,
     mesh_digest,
     read_catalogue,
+    to_part,
 )
-from industnerf.parts.catalogue.install import to_part
 from industnerf.parts.contact_sheet import CAPTION_LINES, LINE_PX, TILE_PX
 from industnerf.parts.measure import measure
 from industnerf.parts.split import assign_splits

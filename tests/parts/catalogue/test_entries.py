@@ -161,7 +161,8 @@ def test_the_stored_catalogue_holds_only_what_entries_hold():
 def test_reading_needs_no_cad_kernel():
     heavy = ("OCP", "build123d", "bd_warehouse", "py_gearworks", "manifold3d", "scipy", "torch")
     code = (
-        "import sys, industnerf.parts.catalogue.entries as c; c.load(c.catalogue()[0]);"
+        "import sys, industnerf.parts.catalogue.entries as c;"
+        "c.load_catalogue_mesh(c.read_catalogue()[0]);"
         f"print(*[name for name in {heavy} if name in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

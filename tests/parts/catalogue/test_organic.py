@@ -14,8 +14,11 @@ from industnerf.errors import BadPart
 from industnerf.geometry.raycast import RaycastingScene
 from industnerf.parts.catalogue.build import build_catalogue
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS, load_families
-from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
-from industnerf.parts.catalogue.install import install_catalogue_part
+from industnerf.parts.catalogue.entries import (
+    install_catalogue_part,
+    load_catalogue_mesh,
+    read_catalogue,
+)
 from industnerf.parts.catalogue.organic import FAMILIES
 from industnerf.parts.catalogue.organic.face_colors import assemble, color_faces, cut_along_contour
 from industnerf.parts.catalogue.organic.forms import level_set, sheet, solid, tube
@@ -99,7 +102,7 @@ def test_one_family_is_built_and_the_others_stay(tmp_path, monkeypatch):
     """Two cheap sculptures stand for the set."""
     names = {"organic": "organic-knot", "textured": "textured-fox"}
     few = {f: [s for s in FAMILIES[f] if s.id == part_id] for f, part_id in names.items()}
-    monkeypatch.setattr("industnerf.parts.catalogue.build.families_of", lambda name: few)
+    monkeypatch.setattr("industnerf.parts.catalogue.build.load_families", lambda name: few)
     monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
     console = Console(quiet=True)
     build_catalogue(console, "organic", None, tmp_path)
@@ -120,8 +123,9 @@ def test_one_family_is_built_and_the_others_stay(tmp_path, monkeypatch):
 def test_drawing_needs_no_cad_kernel():
     heavy = ("OCP", "build123d", "bd_warehouse", "py_gearworks", "torch")
     code = (
-        "import sys; from industnerf.parts.catalogue.part_builder import bake; from industnerf.parts.catalogue.catalogues import *;"
-        "bake(*drawable('organic', 'textured-fox'));"
+        "import sys; from industnerf.parts.catalogue.part_builder import build_part;"
+        "from industnerf.parts.catalogue.catalogues import *;"
+        "build_part(*find_recipe('organic', 'textured-fox'));"
         f"print(*[name for name in {heavy} if name in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

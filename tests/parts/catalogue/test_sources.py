@@ -6,19 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from industnerf.artifacts.appearance import UNSPECIFIED
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import UNSPECIFIED, Mesh
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue.sources import embedded_parts, user_parts
 from industnerf.parts.io.cad_files import file_ids, find_cad_files, require_path
 from industnerf.schema import RepairParams
 
-CLEAN = RepairParams(1e-6, 0.0, 0.0, 0.0, False, False, False, 0)
+REPAIR = RepairParams(1e-6, 0.0, 0.0, 0.0, False, False, False, 0)
 
 
 def params(**changes):
-    values = {"pattern": "**/*", "select": [], "split_bodies": False, "clean": CLEAN}
+    values = {"pattern": "**/*", "select": [], "split_bodies": False, "repair": REPAIR}
     return SimpleNamespace(**(values | changes))
 
 
@@ -110,10 +109,10 @@ def test_a_file_is_a_part(folder, read):
     tasks = parts(folder, read)
     assert [part.part_id for part in tasks] == ["a-b", "sub-c-step"]
     assert [part.settings for part in tasks] == [
-        ["a-b", "own", None, CLEAN],
-        ["sub-c-step", "sub", None, CLEAN],
+        ["a-b", "own", None, REPAIR],
+        ["sub-c-step", "sub", None, REPAIR],
     ]
-    assert tasks[0].make.args == (read / "a-b", "a-b", "own", None, CLEAN)
+    assert tasks[0].make.args == (read / "a-b", "a-b", "own", None, REPAIR)
     assert [path.name for path in tasks[0].files] == ["solids.json", "solids.npz"]
 
 

@@ -11,15 +11,13 @@ import pytest
 import trimesh
 from rich.console import Console
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, PartsFailed, SuiteError
 from industnerf.parts import __main__ as command_line
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
 from industnerf.parts.io.export import export
-from industnerf.parts.io.writers.mesh_formats import srgb_colors
-from industnerf.parts.io.writers.solid_shells import group_shells_by_solid
+from industnerf.parts.io.writers.mesh_formats import group_shells_by_solid, srgb_colors
 from industnerf.parts.validation import checks
 
 FOLDER = CATALOGUE_FOLDERS["organic"]
@@ -214,7 +212,7 @@ def test_a_part_that_fails_leaves_no_file_and_the_others_there(tmp_path, monkeyp
             raise BadParams("torn")
         return original(entry, folder)
 
-    monkeypatch.setattr("industnerf.parts.io.export.load", torn)
+    monkeypatch.setattr("industnerf.parts.io.export.load_catalogue_mesh", torn)
     with pytest.raises(PartsFailed, match=f"{PART}: torn\n1 parts could not be exported"):
         export(QUIET, "organic", [PART, "textured-fox"], "glb", tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["textured-fox.glb"]
@@ -330,7 +328,7 @@ def test_facets_keep_bodies_and_voids(tmp_path):
 @needs_cad
 @pytest.mark.slow
 def test_too_many_facets_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("industnerf.parts.io.writers.step.MOST_FACETS", 100)
+    monkeypatch.setattr("industnerf.parts.io.writers.step.MAX_FACETS", 100)
     with pytest.raises(PartsFailed, match="1956 facets, and a STEP file of more than 100"):
         export(QUIET, "organic", ["textured-fox"], "step", tmp_path)
     assert not list(tmp_path.iterdir())

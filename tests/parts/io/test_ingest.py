@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
-from industnerf.artifacts.part import load_mesh, load_part
+from industnerf.artifacts.part import UNSPECIFIED, Appearance, load_mesh, load_part
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.io.ingest import ingest, used_appearances

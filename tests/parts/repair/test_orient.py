@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.geometry.raycast import RaycastingScene
-from industnerf.parts.repair.orient import orient
-from industnerf.parts.repair.orientation_votes import ray_votes
+from industnerf.parts.repair.orient import fix_winding, ray_votes
 from industnerf.parts.validation.checks import back_face_share, bad_edges
 from tests.parts.repair.shapes import (
     ball,
@@ -23,11 +22,11 @@ from tests.solids import bow_tie
 
 def test_a_sound_solid_is_left_alone():
     solids = [box(), ball(3.0, (50, 0, 0))]
-    assert orient(solids, settings()) == (solids, [], [])
+    assert fix_winding(solids, settings()) == (solids, [], [])
 
 
 def test_an_inside_out_solid_is_turned():
-    [mesh], repairs, _ = orient([flipped(ball())], settings())
+    [mesh], repairs, _ = fix_winding([flipped(ball())], settings())
     assert volume(mesh) == pytest.approx(volume(ball()))
     assert repairs == [
         "faces turned: 320 of 320; of the rays from outside, 100.00% met a face from behind, "
@@ -40,7 +39,7 @@ def test_any_mixture_of_windings_comes_out_outward(share):
     rng = np.random.default_rng(int(100 * share))
     mesh = concatenated(ball(), tube(11.0, 14.0, 5.0))
     mixed = flipped(mesh, rng.random(len(mesh.faces)) < share)
-    [fixed], _, _ = orient([mixed], settings())
+    [fixed], _, _ = fix_winding([mixed], settings())
     np.testing.assert_array_equal(np.sort(fixed.faces), np.sort(mesh.faces))
     assert len(bad_edges(fixed.faces)) == 0
     assert volume(fixed) == pytest.approx(volume(mesh), rel=1e-12)
@@ -51,13 +50,13 @@ def hollow():
 
 
 def test_a_cavity_is_rightly_inside_out():
-    [mesh], repairs, _ = orient([hollow()], settings())
+    [mesh], repairs, _ = fix_winding([hollow()], settings())
     assert volume(mesh) == pytest.approx(64 - 8)
     assert repairs == []
 
 
 def test_a_hollow_solid_that_is_inside_out_is_turned_with_its_cavity():
-    [mesh], repairs, _ = orient([flipped(hollow())], settings())
+    [mesh], repairs, _ = fix_winding([flipped(hollow())], settings())
     assert volume(mesh) == pytest.approx(64 - 8)
     assert repairs[0].startswith("faces turned: 24 of 24")
 
@@ -66,7 +65,7 @@ def test_a_cavity_that_a_few_rays_reach_through_a_crack_stays_a_cavity():
     outer = ball(4.0, subdivisions=5)
     cracked = concatenated(select_faces(outer, slice(1, None)), flipped(box((2, 2, 2))))
     assert ray_votes(cracked).back[-12:].sum() > 0
-    [mesh], repairs, _ = orient([cracked], settings())
+    [mesh], repairs, _ = fix_winding([cracked], settings())
     np.testing.assert_array_equal(mesh.faces, cracked.faces)
     assert repairs == []
 
@@ -80,7 +79,7 @@ def test_a_ball_that_stands_alone_meets_the_rays_that_cauchy_promises():
 
 
 def test_a_hidden_solid_of_another_solid_is_judged_by_its_volume():
-    [_, inner], repairs, _ = orient([box((4, 4, 4)), flipped(box((2, 2, 2)))], settings())
+    [_, inner], repairs, _ = fix_winding([box((4, 4, 4)), flipped(box((2, 2, 2)))], settings())
     assert volume(inner) == pytest.approx(8)
     assert repairs == [
         "faces turned: 12 of 24; of the rays from outside, 0.00% met a face from behind, now 0.00%"
@@ -92,15 +91,15 @@ def test_a_sheet_seen_from_both_sides_stays_as_it_is():
     sheet = select_faces(plate, np.flatnonzero((plate.triangles[..., 2] > 0).all(axis=1)))
     assert len(sheet.faces) == 2
     for solids in ([sheet], [flipped(sheet)]):
-        assert orient(solids, settings()) == (solids, [], [])
+        assert fix_winding(solids, settings()) == (solids, [], [])
 
 
 def test_a_box_without_a_lid_shows_its_inside_and_is_not_turned():
     lidless = select_faces(box((4, 4, 4)), slice(0, 10))
-    [mesh], repairs, _ = orient([lidless], settings())
+    [mesh], repairs, _ = fix_winding([lidless], settings())
     np.testing.assert_array_equal(mesh.faces, lidless.faces)
     assert repairs == []
-    [mesh], repairs, _ = orient([flipped(lidless, [3])], settings())
+    [mesh], repairs, _ = fix_winding([flipped(lidless, [3])], settings())
     np.testing.assert_array_equal(mesh.faces, lidless.faces)
     assert len(repairs) == 1
 
@@ -111,7 +110,7 @@ def test_a_solid_that_crosses_itself_is_not_wound_alike_where_that_shows_its_ins
     assert ray_votes(outward).back.sum() == 0
     assert ray_votes(tie).back.sum() > 0
     solids = [outward]
-    assert orient(solids, settings()) == (solids, [], [])
+    assert fix_winding(solids, settings()) == (solids, [], [])
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -121,7 +120,7 @@ def test_no_mesh_comes_out_worse_than_it_went_in(seed):
     torn = select_faces(ball(1.0), rng.permutation(320)[:200])
     mesh = concatenated(scaled(bow_tie(), 0.3, rng.random(3)), torn)
     mesh = flipped(mesh, rng.random(len(mesh.faces)) < rng.random())
-    [after], _, _ = orient([mesh], settings())
+    [after], _, _ = fix_winding([mesh], settings())
     votes, before = ray_votes(after), ray_votes(mesh)
     assert votes.back.sum() <= before.back.sum()
     np.testing.assert_array_equal(votes.front + votes.back, before.front + before.back)
@@ -141,16 +140,16 @@ def test_votes_find_the_share_that_the_check_finds():
 def test_the_finish_of_a_turned_face_stays_with_it():
     mesh = flipped(ball(), slice(0, 80))
     mesh.finish[:80] = 3
-    [fixed], _, _ = orient([mesh], settings())
+    [fixed], _, _ = fix_winding([mesh], settings())
     np.testing.assert_array_equal(fixed.finish, mesh.finish)
     np.testing.assert_array_equal(np.sort(fixed.faces), np.sort(mesh.faces))
 
 
 def test_it_can_be_left_out():
     solids = [flipped(box())]
-    assert orient(solids, settings(orient=False)) == (solids, [], [])
+    assert fix_winding(solids, settings(fix_winding=False)) == (solids, [], [])
 
 
 def test_a_cavity_of_mixed_windings_becomes_a_cavity():
-    [mesh], _, _ = orient([flipped(hollow(), [0, 1, 2, 12, 13, 20])], settings())
+    [mesh], _, _ = fix_winding([flipped(hollow(), [0, 1, 2, 12, 13, 20])], settings())
     assert volume(mesh) == pytest.approx(64 - 8)

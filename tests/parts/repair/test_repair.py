@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from industnerf.artifacts.part import Mesh
 from industnerf.errors import BadPart
-from industnerf.parts.repair import orientation_votes, repair_mesh
+from industnerf.parts.repair import orient, repair_mesh
 from industnerf.parts.validation.checks import area_mm2
 from tests.parts.repair.shapes import (
     ball,
@@ -39,8 +39,8 @@ def triangles(meshes):
 @pytest.fixture(autouse=True)
 def few_rays(monkeypatch):
     """Faces of these solids are large; a tenth of the rays does."""
-    monkeypatch.setattr(orientation_votes, "NUM_BEAMS", 30)
-    monkeypatch.setattr(orientation_votes, "RAYS_PER_SIDE", 48)
+    monkeypatch.setattr(orient, "NUM_BEAMS", 30)
+    monkeypatch.setattr(orient, "RAYS_PER_SIDE", 48)
 
 
 @pytest.mark.parametrize("name", SOLIDS)
@@ -131,7 +131,7 @@ def test_whatever_the_defects_the_solid_comes_back(case):
     # area times the diagonal, which is at most 30 volumes here.
     tolerance = 1e-5 if "crack" in kinds else 1e-12
     assert volume(cleaned.mesh) == pytest.approx(volume(original), rel=tolerance)
-    second = repair_mesh([cleaned.mesh], settings(speck_area=0.0))
+    second = repair_mesh([cleaned.mesh], settings(small_component_area=0.0))
     assert second.repairs == ()
     np.testing.assert_array_equal(second.mesh.faces, cleaned.mesh.faces)
 

@@ -126,7 +126,7 @@ def test_cleaning_a_clean_part_finds_nothing(path):
     solids = read(path)
     once = repair_mesh(solids, settings())
     twice = repair_mesh(
-        [once.mesh], settings(speck_area=0.0)
+        [once.mesh], settings(small_component_area=0.0)
     )  # one solid now: specks were protected
     assert twice.repairs == ()
     np.testing.assert_array_equal(twice.mesh.faces, once.mesh.faces)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from industnerf.parts.repair.containment import ContainmentTree, winding_number
-from industnerf.parts.repair.shells import find_shells
+from industnerf.parts.repair.shells import ContainmentTree, find_shells, winding_number
 from tests.parts.repair.shapes import ball, box, concatenated, flipped, select_faces, tube, volume
 
 

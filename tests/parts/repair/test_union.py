@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from industnerf.parts.repair import overlaps
-from industnerf.parts.repair.bodies import closed_bodies
-from industnerf.parts.repair.overlaps import find_overlaps
-from industnerf.parts.repair.union import boolean_union
+from industnerf.parts.repair import union
+from industnerf.parts.repair.union import boolean_union, closed_bodies, find_overlaps
 from industnerf.parts.validation.checks import area_mm2, bad_edges, count_bodies
 from tests.parts.repair.shapes import (
     ball,
@@ -18,7 +16,7 @@ from tests.parts.repair.shapes import (
     volume,
 )
 
-UNION = settings(union=True)
+UNION = settings(boolean_union=True)
 PLATE, BAR = box((4, 4, 1), finish=1), box((1, 1, 4), (0.1, 0.2, 0.3), finish=2)  # share 1 mm^3
 
 
@@ -28,8 +26,8 @@ def test_two_boxes_that_cross_are_found_and_left(solids):
     assert unchanged is solids
     assert repairs == []
     assert defects == [
-        "overlapping pairs of bodies: 1, by up to 25.0% of the smaller (parts.repair.boolean_union unites "
-        "them)"
+        "overlapping pairs of bodies: 1, by up to 25.0% of the smaller (parts.repair.boolean_union "
+        "unites them)"
     ]
 
 
@@ -78,6 +76,6 @@ def test_a_united_body_leaves_the_others_as_they_were():
 
 @pytest.mark.parametrize("clean_settings", [settings(), UNION])
 def test_more_pairs_than_can_be_looked_at_are_counted(monkeypatch, clean_settings):
-    monkeypatch.setattr(overlaps, "MAX_PAIRS", 2)
+    monkeypatch.setattr(union, "MAX_PAIRS", 2)
     _, _, defects = boolean_union([box(), box(), box((1, 1, 1))], clean_settings)
     assert defects[-1] == "pairs of bodies not searched for overlap: 1, beyond the first 2"

@@ -60,7 +60,7 @@ def test_a_closed_solid_keeps_vertices_nearer_than_the_tolerance():
 def test_a_part_that_is_a_point_beside_one_far_vertex_is_refused():
     mesh = triangle_soup(ball(1e-9, subdivisions=3))
     mesh.vertices[0] = 1.0
-    with pytest.raises(BadPart, match=r"one vertex lies so far off .* parts\.clean\.weld"):
+    with pytest.raises(BadPart, match=r"one vertex lies so far off .* parts\.repair\.weld"):
         weld([mesh], settings(weld=1e-6))
 
 

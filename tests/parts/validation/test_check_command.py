@@ -60,17 +60,17 @@ def test_every_file_gets_its_verdict(folder):
     assert {name: row["verdict"] for name, row in rows.items()} == {
         "bad.stl": "refused",
         "good.stl": "usable",
-        "open.ply": "usable with remarks",
+        "open.ply": "usable with warnings",
     }
     assert rows["bad.stl"]["refused"].startswith("no STL")  # the name is said once
     assert rows["good.stl"]["size_mm"] == "30; 20; 10"
     assert rows["good.stl"]["unit"] == "mm, assumed"
     assert rows["open.ply"]["open_edges"] == "3"
-    assert "open edges: 3" in rows["open.ply"]["remaining"]
+    assert "open edges: 3" in rows["open.ply"]["residual_defects"]
     assert float(rows["good.stl"]["seconds"]) > 0
     assert float(rows["good.stl"]["peak_mb"]) > 0
-    assert "1 refused, 1 usable, 1 usable with remarks" in text
-    for line in ("bad.stl: refused: no STL", "good.stl: usable\n", "    remains: open edges: 3"):
+    assert "1 refused, 1 usable, 1 usable with warnings" in text
+    for line in ("bad.stl: refused: no STL", "good.stl: usable\n", "    defect: open edges: 3"):
         assert line in text
 
 
@@ -80,10 +80,10 @@ def test_the_sheet_has_a_tile_for_every_file(folder, monkeypatch):
         checking, "write_contact_sheet", lambda given, path, columns: tiles.extend(given)
     )
     run([folder], folder / "out")
-    assert [(tile.caption.split("\n"), tile.picture is None) for tile in tiles] == [
+    assert [(tile.caption.split("\n"), tile.image is None) for tile in tiles] == [
         (["bad.stl", "refused"], True),
         (["good.stl", "usable"], False),
-        (["open.ply", "usable with remarks"], False),
+        (["open.ply", "usable with warnings"], False),
     ]
 
 

@@ -44,7 +44,7 @@ def stages(finished_run, tmp_path_factory):
         names = ("parts", "views", "split.json", "truth", "states")
         parts, views, split, truth, states = (str(data / name) for name in names)
         clouds, scores = (str(folder / name / NAME) for name in ("clouds", "scores"))
-        method_paths = (split, f"{states}/{NAME}", clouds)
+        method_paths = (split, states, clouds)
         reconstruct.main(cfg("reconstruct"), NAME, parts, views, *method_paths)
         evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
         input_paths = (str(data / "solids"), parts, views, split, truth, states)

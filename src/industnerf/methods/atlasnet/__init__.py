@@ -1,7 +1,7 @@
-"""AtlasNet: a surface as squares of paper that a net bends, seen from one photograph.
+"""AtlasNet: a surface as patches that a network deforms, from one photograph.
 
 Groueix et al., "A Papier-Mache Approach to Learning 3D Surface Generation" (2018), as the authors'
-second code has it.  It sees one view at a time, so that several views give several answers.
+second code has it.  It sees one view at a time, so that several views give several predictions.
 What differs: parts fill the unit cube, not the unit ball; no mirror images; fewer parts by far;
 batch norms keep their statistics in the last of the three trainings.
 """
@@ -18,7 +18,7 @@ def fit(
     examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
 ) -> ModelState:
     """Weights of the image encoder and the decoder, after three trainings."""
-    # late: a report that names the method need not wait for torch
+    # late: torch is slow to import
     from industnerf.methods.atlasnet.run import train_phases
 
     return train_phases(examples, settings, seed, scratch)
@@ -27,9 +27,8 @@ def fit(
 def reconstruct(
     inputs: MethodInputs, settings: AtlasNetSettings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """An answer to each of `settings.answers` views, evenly chosen."""
-    from industnerf.learning.axis_alignment import axis_rotations
-    from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
+    """A prediction from each of `settings.eval_views` views, evenly chosen."""
+    from industnerf.learning.views import axis_rotations, evenly_spaced_indices, resize_images
     from industnerf.methods.atlasnet.run import predict_clouds
     from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 

@@ -1,4 +1,4 @@
-"""What is shown to the nets, and the loss of what they make of it."""
+"""Training data and losses of both trainings: of points, and of images."""
 
 from collections.abc import Sequence
 
@@ -34,7 +34,7 @@ class AtlasNetDataset:
     def autoencoder_loss(
         self, net: AtlasNet, part_indices: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
-        """Loss of the auto-encoder: to give back the points that it is shown."""
+        """Loss of the auto-encoder: to reproduce its input points."""
         rotations = self.view_sampler.rotations_of(
             part_indices, self.view_sampler.sample_views(part_indices, rng)
         )
@@ -44,7 +44,7 @@ class AtlasNetDataset:
     def image_loss(
         self, net: AtlasNet, part_indices: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
-        """Loss of points guessed from one view of each part, drawn at random."""
+        """Loss of points predicted from one random view of each part."""
         images, rotations = self.view_sampler.sample_images(net, part_indices, rng)
         return self._loss(net, images, self._points(part_indices, rotations, rng), rng)
 

@@ -1,4 +1,4 @@
-"""AtlasNet's decoder, and the encoder of points that teaches it.
+"""AtlasNet's decoder, and the encoder of points that it is first trained with.
 
 As in the authors' second code, which differs from the paper: all of a patch's layers but the first
 have one width, and nothing bounds where its points may be.
@@ -86,14 +86,12 @@ class PointNet(nn.Module):
 
 
 class AtlasNet(nn.Module):
-    """An encoder, of points or of pictures, and the decoder that both share."""
+    """An encoder, of points or of images, and the decoder that both share."""
 
     def __init__(self, encoder: nn.Module, decoder: Decoder) -> None:
         super().__init__()
         self.encoder, self.decoder = encoder, decoder
-        self.has_frozen_batch_norm = (
-            False  # batch norms keep their statistics while all else learns
-        )
+        self.has_frozen_batch_norm = False  # batch norms keep their statistics in training
 
     def train(self, mode: bool = True) -> "AtlasNet":
         """For training or for evaluation; frozen batch norms are always for evaluation.
@@ -118,5 +116,5 @@ def build_decoder(settings: AtlasNetSettings) -> Decoder:
 
 
 def build_image_encoder(settings: AtlasNetSettings) -> ResNet18:
-    """A new encoder of pictures."""
+    """A new encoder of images."""
     return ResNet18(settings.latent_dim, settings.encoder_width)

@@ -1,4 +1,4 @@
-"""Three trainings, and what the net says of a photograph after them."""
+"""AtlasNet's three trainings, and its prediction from photographs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
 from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
+from industnerf.geometry.sampling import sample_surface
 from industnerf.learning.augment import images_to_tensor
 from industnerf.learning.training import TrainResult, model_state, train, train_val_split
 from industnerf.learning.weights import load_arrays, torch_seed
@@ -23,19 +24,18 @@ from industnerf.methods.atlasnet.network import (
     build_decoder,
     build_image_encoder,
 )
-from industnerf.methods.atlasnet.patches import grid, sample_patches
 from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings, TrainingSettings
 from industnerf.seeds import generator, seed_for
 
 PHASES = ("auto_encoder", "encoder", "together")
-LAST_PHASE_LR_FACTOR = 0.1  # of the last phase, where all that has learned already learns on
+LAST_PHASE_LR_FACTOR = 0.1  # of the last phase, which fine-tunes all weights
 
 
 def train_phases(
     examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
 ) -> ModelState:
-    """The net for pictures, trained as published: training/launcher.py of the authors' code."""
+    """The network for images, trained as published: training/launcher.py of the authors' code."""
     torch.set_num_threads(1)  # folds are what runs side by side
     dataset = AtlasNetDataset(examples, settings, generator(seed, "lessons"))
     autoencoder, net = new_nets(settings, seed)
@@ -55,19 +55,19 @@ def train_phases(
         )
 
     phases = [phase("auto_encoder", autoencoder)]
-    # its weights alone: the statistics of its batch norms follow what the new encoder says
+    # its weights alone: the statistics of its batch norms follow the new encoder
     net.decoder.requires_grad_(False)
     phases.append(phase("encoder", net))
     net.decoder.requires_grad_(True)
-    # A batch of few parts has statistics of its own: a net that learns to live with those may
-    # answer far off with the running ones.  In the end it learns with the ones it answers with.
+    # A batch of few parts has statistics of its own, and a network trained with those may predict
+    # far off with the running ones.  So the last phase trains with the ones it predicts with.
     net.has_frozen_batch_norm = True
     phases.append(phase("together", net))
     return merged_state(net, settings, len(split[0]), phases)
 
 
 def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]:
-    """One that reads points and one that reads pictures; they share their decoder."""
+    """One that encodes points and one that encodes images; they share their decoder."""
     with torch_seed(seed):
         decoder = build_decoder(settings)
         nets = [AtlasNet(PointNet(settings.latent_dim), decoder)]
@@ -96,7 +96,7 @@ def phase_settings(settings: AtlasNetSettings) -> list[TrainingSettings]:
 def merged_state(
     net: nn.Module, settings: AtlasNetSettings, num_parts: int, phases: list[TrainResult]
 ) -> ModelState:
-    """What is kept of a net and of its trainings, one after the other."""
+    """The state of a network after its trainings, one after the other."""
     starts = np.cumsum([0] + [one.steps for one in phases])
     combined = TrainResult(
         int(starts[-1]),
@@ -122,9 +122,9 @@ def predict_clouds(
     state: ModelState,
     seed: int,
 ) -> list[Float[np.ndarray, "points 3"]]:
-    """The answer to each image: area-uniform points of all patches, in the unit cube.
+    """The prediction from each image: area-uniform points of all patches, in the unit cube.
 
-    What the net gives for an image is points @ its turn.
+    The network predicts points @ rotation.
     """
     torch.set_num_threads(1)
     net = AtlasNet(build_image_encoder(settings), build_decoder(settings)).to(device()).eval()
@@ -146,3 +146,28 @@ def _vertices(
 ) -> Float[np.ndarray, "{patches} n 3"]:
     points = net(image[None], squares[None, :, None].expand(patches, -1, -1, -1))
     return points.view(patches, -1, 3).cpu().numpy().astype(np.float64)
+
+
+def grid(side: int) -> tuple[Float[np.ndarray, "n 2"], Int[np.ndarray, "m 3"]]:
+    """`side`^2 regular points of the unit square, its border included, and its triangles."""
+    u, v = np.meshgrid(*2 * [np.linspace(0, 1, side)], indexing="ij")
+    corner = np.arange(side * side).reshape(side, side)
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    faces = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+    return np.stack([u.ravel(), v.ravel()], axis=1), faces
+
+
+def sample_patches(
+    vertices: Float[np.ndarray, "patches n 3"],
+    faces: Int[np.ndarray, "m 3"],
+    count: int,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "count 3"]:
+    """`count` area-uniform points of all patches together, which share their triangles.
+
+    Patches may overlap; where they do there are more points, for nothing tells which one to drop.
+    """
+    vertex_offsets = np.arange(len(vertices))[:, None, None] * vertices.shape[1]
+    return sample_surface(
+        vertices.reshape(-1, 3), (faces + vertex_offsets).reshape(-1, 3), count, rng
+    )[0]

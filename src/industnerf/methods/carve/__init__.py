@@ -13,7 +13,7 @@ from industnerf.photohull.voxel_grid import unit_frame_cameras
 from industnerf.schema import CarveSettings
 
 BLUR = 1.0  # cells; standard deviation that smooths the stairs of what was carved
-SURFACE_OFFSET = 0.3  # cells that the last consistent cell stands out, like a pixel that is touched
+SURFACE_OFFSET = 0.3  # cells that the last consistent cell stands out, see BOUNDARY_OFFSET_PX
 PADDING = 4  # cells kept about the hull; the blur's kernel ends there
 
 
@@ -39,7 +39,7 @@ def reconstruct(
             f"no surface: of {result.hull.sum()} cells {result.solid.sum()} are left; a larger "
             "method.carve.color_threshold takes less off"
         )
-    messages = carving_warnings(result, settings, "the answer is the visual hull")
+    messages = carving_warnings(result, settings, "the result is the visual hull")
     return Reconstruction(rig.center + rig.radius_mm * points, warnings=messages)
 
 

@@ -17,7 +17,10 @@ from industnerf.methods.hull.silhouettes import distance_images
 from industnerf.methods.hull.surface import SEGMENT_LENGTH, sample_hull_surface
 from industnerf.schema import HullRgbSettings, HullSettings
 
-HINT = "; it is seen where a pixel differs from the background by more than method.hull_rgb.background_tolerance"
+HINT = (
+    "; it is seen where a pixel differs from the background by more than "
+    "method.hull_rgb.background_tolerance"
+)
 
 
 def reconstruct_from_masks(

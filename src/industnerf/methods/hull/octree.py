@@ -15,9 +15,9 @@ from jaxtyping import Float32, Int16, Int32, UInt8
 
 from industnerf.methods.hull.silhouettes import Silhouettes, bilinear
 
-ROOT_PX = 8.0  # side of the first cells: beyond NEAR px from an outline nothing is known
-MIN_ROOT_CELLS = 32  # the first cells are at least so many a side: see REACH
-BATCH_SIZE = 1024  # families tested together, so that their arrays stay in the cache
+ROOT_PX = 8.0  # side of the first cells: distances are exact to MAX_DISTANCE_PX alone
+MIN_ROOT_CELLS = 32  # the first cells are at least so many a side: see MAX_CELL_DISTANCE
+BATCH_SIZE = 1024  # parents tested together, so that their arrays stay in the cache
 OCTANTS = np.indices((2, 2, 2)).reshape(3, -1).T.astype(np.int16)
 ALL_CHILDREN = np.uint8(255)
 
@@ -43,7 +43,7 @@ class OctreeNodes:
 def refine(silhouettes: Silhouettes, cell_px: float, margin_sides: float) -> OctreeNodes:
     """Families whose children project to at most `cell_px` in the nearest view.
 
-    A verdict on a cell holds for the points within `apron` sides of a last child around it too.
+    The class of a cell holds for points within `margin_sides` sides of a last child around it.
     """
     cells_across = 2 / (cell_px * silhouettes.pixel_size)  # the region of interest in last children
     subdivisions = max(0, int(np.log2(min(ROOT_PX / cell_px, cells_across / MIN_ROOT_CELLS))))
@@ -60,7 +60,7 @@ def refine(silhouettes: Silhouettes, cell_px: float, margin_sides: float) -> Oct
 
 
 def root_cells(cells_across: int) -> Int16[np.ndarray, "n 3"]:
-    """Of `across`^3 cells that tile the cube around the unit ball, those that may meet it."""
+    """Of `cells_across`^3 cells that tile the cube around the unit ball, those that may meet it."""
     cells = np.indices((cells_across,) * 3, np.int16).reshape(3, -1).T
     centers = (cells + 0.5) * (2 / cells_across) - 1
     return cells[np.linalg.norm(centers, axis=1) <= 1 + np.sqrt(3) / cells_across]
@@ -115,14 +115,14 @@ def classify_cells(
     offsets: Float32[np.ndarray, "8 3"],
     radius: np.float32,
 ) -> tuple[UInt8[np.ndarray, "n"], UInt8[np.ndarray, "n"]]:
-    """Which of the balls of `radius` about `middles` + `offsets` are outside, which are open."""
+    """Which of the balls of `radius` about `centers` + `offsets` are outside, which are open."""
     matrix = silhouettes.projection[view]
     parent_pixels = centers @ matrix[:, :3].T + matrix[:, 3]
     child_offsets = offsets @ matrix[:, :3].T
     u, v, depth = (np.add.outer(parent_pixels[:, i], child_offsets[:, i]).ravel() for i in range(3))
     u /= depth
     v /= depth
-    # outside: distance < -stretch * radius / (least depth in the ball)
+    # outside: distance < -max_focal_px * radius / (least depth in the ball)
     depth -= radius
     distance = bilinear(silhouettes.distance[view], u, v) * depth
     reach = silhouettes.max_focal_px[view] * radius

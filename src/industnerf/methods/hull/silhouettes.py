@@ -23,11 +23,9 @@ MAX_CELL_DISTANCE = 1.2  # no cell in use has its center farther than this from 
 class Silhouettes:
     """What all views know of the region of interest."""
 
-    distance: Float32[np.ndarray, "views h w"]  # px, never more than NEAR either way
+    distance: Float32[np.ndarray, "views h w"]  # px, at most MAX_DISTANCE_PX either way
     projection: Float32[np.ndarray, "views 3 4"]  # (x, y, z, 1) to (u d, v d, d), d the depth
-    max_focal_px: Float32[
-        np.ndarray, "views"
-    ]  # a step s at the depth d spans at most stretch s / d px
+    max_focal_px: Float32[np.ndarray, "views"]  # a step s at depth d spans at most this * s / d px
     pixel_size: float  # the step that spans a pixel of the nearest view at the ball's near end
     center: Float[np.ndarray, "3"]  # of the region of interest, mm
     radius_mm: float
@@ -36,7 +34,7 @@ class Silhouettes:
 def distance_images(
     mask: Bool[np.ndarray, "views h w"], cameras: Cameras, dilation_px: float
 ) -> Silhouettes:
-    """Distance images of `mask`, whose outlines run `grown_px` outside the part's."""
+    """Distance images of `mask`, whose outlines run `dilation_px` outside the part's."""
     center, radius_mm = common_view_ball(cameras)
     K = cameras.K.copy()
     K[:, :2, 2] -= 0.5
@@ -57,7 +55,7 @@ def distance_images(
 def bilinear(
     image: Float32[np.ndarray, "h w"], u: Float32[np.ndarray, "n"], v: Float32[np.ndarray, "n"]
 ) -> Float32[np.ndarray, "n"]:
-    """`image` between its pixels' centers; outside its frame it goes on as it ends."""
+    """`image` at (u, v), bilinear between pixel centers; outside, its border continues."""
     height, width = image.shape
     u, v = u.clip(0, width - 1.001), v.clip(0, height - 1.001)
     left, top = u.astype(np.int32), v.astype(np.int32)

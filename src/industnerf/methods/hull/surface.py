@@ -68,7 +68,7 @@ def silhouette_distance(
 ) -> Float32[np.ndarray, "ends n"]:
     """About how deep the points lie in the hull, negative outside; exact in sign.
 
-    Only the views that the child (8 * family + octant) is open in are asked; of the others the
+    Only the views that the child (8 * parent + octant) is open in are evaluated; in the others the
     points are inside.
     """
     min_depth = np.full(points.shape[:2], np.inf, np.float32)

@@ -1,14 +1,19 @@
-"""IndustNeRF, the paper's method: a point cloud whose radiance re-renders the source views.
+"""IndustNeRF, the paper's method: a point cloud with a radiance field that re-renders its views.
 
-`industnerf` is the paper; `industnerf_plus` the same code with other settings, which also takes
-the background's color; `industnerf_depth` is given depth beside the images, which the paper names
-as future work; `industnerf_shared` has an E that learned from other parts; `nerf` is a baseline,
-again with other settings: free densities and colors at the nodes of a grid.  The flow of figure 2,
-a file a step: levels (3.1, 3.2), sources and field (4), training (3.3), witnesses and extraction
-(3.4); `run` strings them together.
+The files read as section 3 does:
+
+    3.1  scene, position_encoding, encoder, projection, pooling, source_features, network, field
+    3.2  point_levels, density_pdf, refine
+    3.3  ray_sampler, losses, optimizer, trainer, rerender
+    3.4  confidence, extraction
+    all  pipeline, on one part; pretraining, on several; variant, the hooks of `industnerf_plus`
+
+Three more methods are the same code: `industnerf_depth` is given depth maps, which the paper names
+as future work; `industnerf_shared` has E and N pretrained on other parts; `nerf` is a baseline of
+free densities and colors at the nodes of a grid.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,53 +34,50 @@ from industnerf.methods.base import (
     Scope,
     load_inputs,
 )
-from industnerf.schema import IndustnerfSettings
+from industnerf.schema import IndustnerfSettings, IndustnerfSharedSettings
 from industnerf.seeds import seed_for
 
 
 def reconstruct(
     inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
-    """The paper's method, or the plain baseline: images and cameras, nothing else."""
-    return _reconstruct(inputs, settings, seed)
-
-
-def reconstruct_plus(
-    inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
-) -> Reconstruction:
-    """The same, told of the color behind the part."""
-    return _reconstruct(inputs, settings, seed, background=inputs.background)
+    """The paper's method, or the plain baseline: from images and cameras alone."""
+    return run_on_inputs(_load_run(), inputs, settings, seed)
 
 
 def reconstruct_depth(
     inputs: MethodInputs, settings: IndustnerfSettings, state: None, seed: int
 ) -> Reconstruction:
-    """The paper's method, given depth as well."""
-    return _reconstruct(inputs, settings, seed, depth=inputs.depth_mm)
+    """The paper's method, given depth maps as well."""
+    return run_on_inputs(_load_run(), inputs, settings, seed, depth=inputs.depth_mm)
 
 
 def fit(
-    examples: Sequence[Example], settings: IndustnerfSettings, seed: int, scratch: Path
+    examples: Sequence[Example], settings: IndustnerfSharedSettings, seed: int, scratch: Path
 ) -> ModelState:
-    """E and N's start, from the images of some of `examples`: by hash, whatever they look like."""
+    """E and N, trained on the images of some of `examples`, which are chosen by hash."""
     from industnerf.methods.industnerf.pretraining import pretrain
 
     ordered = sorted(examples, key=lambda example: seed_for(0, "school", example.part_id))
     chosen = ordered[: settings.pretraining.parts]
-    inputs = [
-        load_inputs(METHODS["industnerf_shared"], example_inputs.part, example_inputs.views)
-        for example_inputs in chosen
-    ]
-    return pretrain(
-        [_posed_images(example_inputs) for example_inputs in inputs], settings, seed, scratch
-    )
+    method = METHODS["industnerf_shared"]
+    inputs = [load_inputs(method, example.part, example.views) for example in chosen]
+    return pretrain([_posed_images(each) for each in inputs], settings, seed, scratch)
 
 
 def reconstruct_shared(
-    inputs: MethodInputs, settings: IndustnerfSettings, state: ModelState, seed: int
+    inputs: MethodInputs, settings: IndustnerfSharedSettings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """The paper's method with an E that has learned from other parts, and N's start."""
-    return _reconstruct(inputs, settings, seed, pretrained=state.arrays)
+    """The paper's method, from E and N that were pretrained on other parts; E is kept."""
+    run = partial(_load_run(), pretrained=state.arrays)
+    return run_on_inputs(run, inputs, settings, seed)
+
+
+def _load_run() -> Callable[..., Any]:
+    # late: a report that names the method need not wait for torch
+    from industnerf.methods.industnerf.pipeline import run
+
+    return run
 
 
 def _posed_images(
@@ -87,19 +89,17 @@ def _posed_images(
     return PosedImages(inputs.rgb, inputs.cameras, background, center, radius, depth)
 
 
-def _reconstruct(
+def run_on_inputs(
+    run: Callable[..., Any],
     inputs: MethodInputs,
     settings: IndustnerfSettings,
     seed: int,
     *,
     background: np.ndarray | None = None,
     depth: np.ndarray | None = None,
-    pretrained: Mapping[str, np.ndarray] | None = None,
 ) -> Reconstruction:
-    # late: a report that names the method need not wait for torch
-    from industnerf.methods.industnerf.pipeline import run
-
-    result = run(_posed_images(inputs, background, depth), settings, seed, pretrained=pretrained)
+    """What `pipeline.run`, or that of a variant, makes of a part's declared inputs."""
+    result = run(_posed_images(inputs, background, depth), settings, seed)
     return Reconstruction(
         result.points.astype(np.float64),
         result.colors,
@@ -119,7 +119,7 @@ def _reconstruct(
 def _held_out_renderer(
     inputs: MethodInputs, result: Any, background: np.ndarray | None
 ) -> Callable[[], Renderings] | None:
-    """Draws the views that nobody was given, before the mean of the backgrounds that are known."""
+    """Renders the held-out views, over the mean background of the training views."""
     if not len(inputs.held_out):
         return None
     color = result.background if background is None else background
@@ -130,13 +130,6 @@ def _held_out_renderer(
 METHODS = {
     "industnerf": Method(
         "industnerf", Scope.PART, frozenset({Input.RGB}), reconstruct, is_stochastic=True
-    ),
-    "industnerf_plus": Method(
-        "industnerf_plus",
-        Scope.PART,
-        frozenset({Input.RGB, Input.BACKGROUND}),
-        reconstruct_plus,
-        is_stochastic=True,
     ),
     "industnerf_depth": Method(
         "industnerf_depth",

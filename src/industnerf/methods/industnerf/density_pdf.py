@@ -1,7 +1,7 @@
-"""Coarse to fine: the grid's densities as a distribution, eqs. (5)-(9), and draws from it.
+"""Section 3.2, eqs. (5)-(9): the density grid as a distribution, and inverse transform sampling.
 
 Axes of a grid are x, y, z; its cell (i, j, k) spans [i, i+1] x [j, j+1] x [k, k+1].  Everything
-is in float64, for cells of very unequal densities share one sum.  Readings R5 and R6.
+is in float64, because cells of very unequal densities share one sum.  Readings R5 and R6.
 """
 
 from typing import assert_never
@@ -21,11 +21,11 @@ def sampling_density(
     visibility: Float[Tensor, "x y z"],
     reading: SamplingDensityReading,
 ) -> Float[Tensor, "x y z"]:
-    """What eq. (5) is fed.
+    """The density of eq. (5).  Reading R6.
 
-    sigma: the density, as printed; the inside of a solid, which no view sees and nothing
-    trains, then draws most of the points, and still the result is better on dev parts.
-    visible: times `visibility`, in [0, 1].
+    density: sigma, as printed; most points are then sampled inside the solid, where no view sees
+    them, and still the result is better on dev parts.
+    visible_density: sigma times `visibility`, in [0, 1].
     """
     match reading:
         case "density":
@@ -39,12 +39,13 @@ def sampling_density(
 def pdf(sigma: Float[Tensor, "x y z"]) -> DensityGrid:
     """Eq. (5): each cell's share of the density.
 
-    ReconstructionFailed if a density is negative or not finite, or if all are zero.
+    Raises ReconstructionFailed if a density is negative or not finite, or if all are zero.
     """
     invalid_count = int((~(sigma.isfinite() & (sigma >= 0))).sum())
     if invalid_count:
         raise ReconstructionFailed(
-            f"{invalid_count} of {sigma.numel()} densities are negative or not finite: no distribution"
+            f"{invalid_count} of {sigma.numel()} densities are negative or not finite: they are no "
+            "distribution"
         )
     density = sigma.double()
     if not density.any():
@@ -55,7 +56,7 @@ def pdf(sigma: Float[Tensor, "x y z"]) -> DensityGrid:
 
 
 def effective_cells(sigma: Float[Tensor, "x y z"]) -> float:
-    """How many cells the draws are spread over: (sum p)^2 / sum p^2, n if n have equal shares."""
+    """Effective number of cells, (sum p)^2 / sum p^2: n if n cells have equal shares."""
     p = pdf(sigma)
     return 1 / float((p**2).sum())
 
@@ -114,9 +115,9 @@ def inverse_transform_sample(
 def invert_cdf(
     cdf: Float64[Tensor, "n r"], u: Float64[Tensor, "n"]
 ) -> tuple[Int64[Tensor, "n"], Float64[Tensor, "n"]]:
-    """The cell that `u` of a row's mass reaches into, and how far, as a share of the cell.
+    """The cell in which the share `u` of a row's mass is reached, and where in the cell, in [0, 1].
 
-    Rows of `upto` are the mass of each cell and of all before it; the last need not be 1.
+    Rows of `cdf` are cumulative masses; the last need not be 1.
     """
     total = cdf[:, -1]
     # 1, or what rounds to it, belongs to the last cell with mass

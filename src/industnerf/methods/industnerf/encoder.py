@@ -1,7 +1,7 @@
-"""E of the paper's 3.1: a small convolutional network from a view to its feature map.
+"""Section 3.1, F = E(I): a small convolutional network from a view to its feature map.
 
-Kernels of stride 2 have even sides.  An odd one would be centered on the first of the two pixels
-that it stands for, and two of them would shift the features by 1.5 px against the image.
+Kernels of stride 2 have even sides.  Odd ones would be centered on the first of two pixels, and
+two of them would shift the features by 1.5 px against the image.
 """
 
 from typing import final
@@ -15,12 +15,12 @@ STRIDE = 4  # px of the image on each side of a texel
 
 @final
 class Encoder(nn.Module):
-    """Two convolutions of stride 2 with `width` channels, then one to `features` channels.
+    """Two convolutions of stride 2 with `width` channels, then one to `feature_channels`.
 
-    They look at how the image differs from its background and have no biases: background is 0,
-    whatever they learn.  With `rgb_skip` the image itself, averaged over each texel, follows as
-    3 more channels, and its contrast to the background, the largest of the three, as a fourth.
-    The initial weights come from torch's global generator.
+    The input is the difference of the image from its background, and there are no biases, so
+    features of background are 0.  With `rgb_skip`, four more channels follow: the image averaged
+    over each texel, and its largest difference from the background.  The initial weights come
+    from torch's global generator.
     """
 
     def __init__(self, feature_channels: int, width: int, rgb_skip: bool) -> None:
@@ -36,10 +36,10 @@ class Encoder(nn.Module):
     def forward(
         self, images: Float[Tensor, "v 3 h w"], background: Float[Tensor, "*one_or_v 3 1 1"]
     ) -> Float[Tensor, "v c th tw"]:
-        """Features of images in [0, 1], a texel for every 4 x 4 px.
+        """Feature maps of images in [0, 1], a texel for every 4 x 4 px.
 
-        A side that is no multiple of 4 px is first stretched to the next one, so that the
-        texels cover the image exactly, as `sample_features` takes it.
+        A side that is no multiple of 4 px is first stretched to the next one, so the texels cover
+        the image exactly, as `sample_features` assumes.
         """
         images = resize_to_stride(images)
         difference = images - background

@@ -1,7 +1,4 @@
-"""What a step asks of the rays that it looked at: the error of their pixels, which is the paper's.
-
-The others are additions, and 0 where their weight is.
-"""
+"""Section 3.3, training losses: the photometric loss (R10), which is the paper's, and additions."""
 
 import torch
 from jaxtyping import Float32
@@ -13,37 +10,30 @@ from industnerf.rendering.render import RenderOutput
 def photometric_loss(
     output: RenderOutput, background: Float32[Tensor, "r 3"], target: Float32[Tensor, "r 3"]
 ) -> Float32[Tensor, ""]:
-    """Mean squared error of the re-rendered pixels before their background, R10."""
+    """Mean squared error of the re-rendered pixels, composited over their background; R10."""
     return ((output.composite_over(background) - target) ** 2).mean()
 
 
 def opacity_regularizer(
     output: RenderOutput, opacity_weight: float, binary_opacity_weight: float
 ) -> Float32[Tensor, ""] | float:
-    """Of fields that re-render alike, rather the emptier one, and the one without veils.
+    """Penalties on opacity, and on opacity between 0 and 1.
 
-    Matter of the background's color anywhere outside the part is as good as none; a thin
-    veil of black before a white background is as good as gray.
+    They settle what the images leave open: matter of the background's color outside the part, and
+    thin black fog before a white background, which looks like gray.
     """
     if not (opacity_weight or binary_opacity_weight):
         return 0.0
-    opacity_loss = opacity_weight * (1 - output.transmittance).mean()
-    return (
-        opacity_loss
-        + binary_opacity_weight * (output.transmittance * (1 - output.transmittance)).mean()
-    )
+    transmittance = output.transmittance
+    opacity_loss = opacity_weight * (1 - transmittance).mean()
+    return opacity_loss + binary_opacity_weight * (transmittance * (1 - transmittance)).mean()
 
 
-def depth_loss(
-    output: RenderOutput, measured_depth: Float32[Tensor, "r"] | None, weight: float
-) -> Float32[Tensor, ""] | float:
-    """How far what is seen is from the readings of depth, if there are any; 0 is no reading.
+def depth_loss(output: RenderOutput, measured_depth: Float32[Tensor, "r"]) -> Float32[Tensor, ""]:
+    """Mean absolute error of the rendered depth; rays of measured depth 0 count as exact.
 
-    Light that passes where there is a surface counts as a radius of the region of interest.
+    Light that passes a measured surface counts as an error of 1, the radius of the unit ball.
     """
-    if measured_depth is None:
-        return 0.0
-    depth_error = (1 - output.transmittance) * (
-        output.depth - measured_depth
-    ).abs() + output.transmittance
-    return weight * torch.where(measured_depth > 0, depth_error, 0.0).mean()
+    error = (output.depth - measured_depth).abs()
+    error = (1 - output.transmittance) * error + output.transmittance
+    return torch.where(measured_depth > 0, error, 0.0).mean()

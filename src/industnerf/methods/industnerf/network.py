@@ -1,4 +1,4 @@
-"""N of eq. (4): from a point's features and encoding to density and color.  Reading R4."""
+"""Section 3.1, N of eq. (4): from features and encoding to density and color.  Reading R4."""
 
 import math
 from itertools import pairwise
@@ -12,18 +12,19 @@ from torch.nn.utils import prune
 
 from industnerf.schema.readings import ActivationReading
 
-COLOR_EPS = 0.02  # colors start this far from 0 and 1, where no gradient leads away
-EXP_OFFSET = math.exp(-6)  # what `cut_exp` takes off: raw values of -6 and less have no density
+COLOR_EPS = 0.02  # initial colors keep this far from 0 and 1, where the gradient vanishes
+EXP_OFFSET = math.exp(-6)  # of `truncated_exp`: raw values of -6 and less have no density
 
 
 @final
 class Network(nn.Module):
-    """A perceptron with `layers` hidden layers of `hidden` units, and a straight way past them.
+    """An MLP with `hidden_layers` layers of `hidden_dim` units, and a linear skip connection.
 
-    The straight way learns soon what a single input tells, such as that a view sees background.
-    It and the last layer start at zero weights: every point has the raw density `initial` and the
-    color that it is given.  The other initial weights come from torch's global generator.  Raw
-    densities count `gain` times, for they range farther than outputs of a network easily do.
+    The skip connection soon learns what a single input tells, such as that a view sees background.
+    It and the last layer start at zero weights: every point starts with raw density
+    `density_bias` and the color that it is given.  The other initial weights come from torch's
+    global generator.  Raw density is the output times `density_scale`, because it ranges farther
+    than outputs of an MLP easily do.
     """
 
     def __init__(
@@ -50,26 +51,26 @@ class Network(nn.Module):
         self._density_scale = density_scale
 
     def prune(self, fraction: float) -> None:
-        """The `share` of all weights that are the smallest are 0 from now on; biases stay."""
+        """Set this fraction of all weights, the smallest, to 0 for good; biases stay."""
         layers = [(layer, "weight") for layer in self.modules() if isinstance(layer, nn.Linear)]
         prune.global_unstructured(layers, prune.L1Unstructured, amount=fraction)
 
     @property
     def num_pruned(self) -> int:
-        """How many weights are 0 for good."""
+        """Number of pruned weights."""
         masks = [mask for name, mask in self.named_buffers() if name.endswith("_mask")]
         return sum(int((mask == 0).sum()) for mask in masks)
 
     def mlp_parameters(self) -> list[nn.Parameter]:
-        """All but those of the straight way."""
+        """All parameters but those of the skip connection."""
         return [*self.body.parameters(), *self.head.parameters()]
 
     def forward(
         self, inputs: Float[Tensor, "n i"], colors: Float[Tensor, "n 3"]
     ) -> tuple[Float[Tensor, "n"], Float[Tensor, "n 3"]]:
-        """N of eq. (4), of pi(F, P, X) and PosE side by side.
+        """N of eq. (4): raw density, for `activate`, and color in (0, 1).
 
-        Raw density, for `activate`, and color in (0, 1), which starts at `colors`.
+        `inputs` are pi(F, P, X) and PosE side by side; the color starts at `colors`.
         """
         raw = self.head(self.body(inputs)) + self.skip(inputs)
         return raw[:, 0] * self._density_scale, (raw[:, 1:] + colors.logit(eps=COLOR_EPS)).sigmoid()
@@ -78,16 +79,15 @@ class Network(nn.Module):
 def activate(
     raw: Float[Tensor, "*n"], reading: ActivationReading, length_unit: float, max_raw_density: float
 ) -> Float[Tensor, "*n"]:
-    """Density (1/length) of raw density; what follows is in 1/`unit`, a length.
+    """Density in 1/length, of raw density in 1/`length_unit`.  Reading R4.
 
-    distance  raw * unit, a signed distance and a length: rendering makes a density of it.
-    cut_exp  max(exp(min(raw, ceiling)) - exp(-6), 0): exactly 0 for raw <= -6.
-    relu     max(raw, 0).
-    softplus log(1 + exp(raw)): positive everywhere (until it underflows), so that the paper's
-             "points with sigma > 0" are all points.
+    sdf            raw * length_unit: a signed distance, which the renderer turns into a density.
+    truncated_exp  max(exp(min(raw, max_raw_density)) - exp(-6), 0): exactly 0 for raw <= -6.
+    relu           max(raw, 0).
+    softplus       log(1 + exp(raw)): positive everywhere (until it underflows), so the paper's
+                   "points with sigma > 0" are all points.
 
-    Where a density is cut, above the `ceiling` of cut_exp and at 0, it has no gradient in its own
-    raw value.
+    Where a density is clamped it has no gradient in its own raw value.
     """
     match reading:
         case "sdf":

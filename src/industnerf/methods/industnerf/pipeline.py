@@ -1,4 +1,4 @@
-"""The whole method on one part: figure 2 of the paper, from posed images to a cloud."""
+"""Sections 3.1 to 3.4 on one part, figure 2 of the paper: from posed images to a point cloud."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float32, Int16, UInt8
+from jaxtyping import Float32, Int16, UInt8
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
@@ -15,8 +15,9 @@ from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras
 from industnerf.learning.weights import load_arrays, torch_seed
+from industnerf.methods.industnerf.confidence import ViewConfidence
 from industnerf.methods.industnerf.extraction import extract_point_cloud
-from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.field import Field, SharedModules
 from industnerf.methods.industnerf.point_levels import (
     WARM_UP,
     PointLevel,
@@ -24,35 +25,27 @@ from industnerf.methods.industnerf.point_levels import (
     initial_grid,
     level_name,
 )
-from industnerf.methods.industnerf.refine import refine_points
-from industnerf.methods.industnerf.rerender import rerender
-from industnerf.methods.industnerf.scene import PosedImages, make_scene, torch_cameras
-from industnerf.methods.industnerf.shared_modules import SharedModules
+from industnerf.methods.industnerf.rerender import Background, render_views
+from industnerf.methods.industnerf.scene import PosedImages, make_scene
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.methods.industnerf.view_confidence import ViewConfidence
-from industnerf.methods.industnerf_plus.adaptive_resolution import adapt_resolution, hull_margin
-from industnerf.methods.industnerf_plus.color_refinement import refine_colors
-from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
-from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
+from industnerf.methods.industnerf.variant import Variant
 from industnerf.schema import IndustnerfSettings
-
-Background = Float[np.ndarray, "views 3"]
 
 
 class Callback:
-    """Told how the work goes on; does nothing with it.  Subclass it, and override what you want."""
+    """Hooks on the progress of a run, which do nothing; subclass it and override some."""
 
     def on_warning(self, message: str) -> None:
-        """Something about the images that their owner should know."""
+        """A problem with the images that does not stop the run."""
 
     def on_level_start(self, level: str, steps: int) -> None:
-        """`steps` steps follow."""
+        """A level of so many steps begins."""
 
     def on_step_end(self, loss: Float32[Tensor, ""]) -> None:
-        """One of them is done; to read its loss is to wait for the device."""
+        """A step is done; to read its loss is to wait for the device."""
 
     def wants_preview(self) -> bool:
-        """Whether `preview` is to be called."""
+        """Whether `on_preview` is to be called."""
         return False
 
     def on_preview(
@@ -61,16 +54,16 @@ class Callback:
         """A source view and its re-rendering."""
 
     def wants_checkpoint(self) -> bool:
-        """Whether `checkpoint` is to be called; asked after steps that a run can go on from."""
+        """Whether `on_checkpoint` is to be called; asked after steps that a run can resume from."""
         return False
 
     def on_checkpoint(self, state: dict[str, Any]) -> None:
-        """Tensors, numbers and texts that `run` can resume from."""
+        """`state` is of tensors, numbers and texts, for `run` to resume from."""
 
 
 @dataclass(frozen=True)
 class ReconstructionResult:
-    """The cloud in the frame and unit of the cameras, and how it came about."""
+    """The cloud in the frame and unit of the cameras, and what it is made from."""
 
     points: Float32[np.ndarray, "n 3"]
     colors: UInt8[np.ndarray, "n 3"]
@@ -78,13 +71,13 @@ class ReconstructionResult:
     view: Int16[np.ndarray, "n"]
     steps: int
     num_parameters: int
-    candidates: Float32[np.ndarray, "m 3"]  # every point with a density, as the views were asked
-    candidate_confidence: Float32[np.ndarray, "m"]  # their confidence
+    candidates: Float32[np.ndarray, "m 3"]  # the points that have a density
+    candidate_confidence: Float32[np.ndarray, "m"]  # (13)
     losses: list[float]  # of every step
-    level_starts: dict[str, int]  # of every level, and of the colors alone
-    background: Background  # behind the part, view by view
-    render_views: Callable[[Cameras, Background], Renderings]  # the field from other cameras
-    warnings: tuple[str, ...] = ()  # on the images
+    level_starts: dict[str, int]  # first step of each level
+    background: Background  # color behind the part, view by view
+    render_views: Callable[[Cameras, Background], Renderings]  # from any cameras
+    warnings: tuple[str, ...] = ()  # about the images
 
 
 def run(
@@ -94,13 +87,15 @@ def run(
     callback: Callback | None = None,
     resume: dict[str, Any] | None = None,
     pretrained: Mapping[str, np.ndarray] | None = None,
+    make_variant: type[Variant] = Variant,
 ) -> ReconstructionResult:
-    """Reconstruct one part from its images; `learned` are the weights that E and N start from.
+    """Reconstruct one part from its images; `pretrained` are initial weights of E and N.
 
     Raises ReconstructionFailed if a field becomes empty.  Same seed, same bytes on a CPU.
     """
     torch.set_num_threads(1)  # parts are what runs side by side
-    reconstructor = Reconstructor(posed, settings, seed, callback or Callback(), pretrained)
+    callback = callback or Callback()
+    reconstructor = Reconstructor(posed, settings, seed, callback, pretrained, make_variant)
     if resume:
         reconstructor.restore(resume)
     while not reconstructor.is_finished:
@@ -110,7 +105,7 @@ def run(
 
 
 class Reconstructor:
-    """A run between two of its steps; `run` takes them all."""
+    """The state of a run between two steps; `run` takes them all."""
 
     def __init__(
         self,
@@ -119,20 +114,13 @@ class Reconstructor:
         seed: int,
         callback: Callback,
         pretrained: Mapping[str, np.ndarray] | None = None,
+        make_variant: type[Variant] = Variant,
     ) -> None:
         self._posed, self._callback, self._seed = posed, callback, seed
         self.scene = make_scene(posed, device())
-        self._silhouettes = None
-        if settings.silhouette_carving:
-            self._silhouettes = Silhouettes(self.scene, settings.background_tolerance)
-            settings = adapt_resolution(settings, self._silhouettes)
-        self._settings = settings
-        self._photo_hull, self._warnings = None, ()
-        if settings.sdf.init.enabled:
-            outlines = self._silhouettes.outlines()
-            self._photo_hull = PhotoHull(posed, outlines, settings.sdf.init)
-            self._warnings = self._photo_hull.warnings
-        for message in self._warnings:
+        self._variant = make_variant(self.scene, posed, settings)
+        self._settings = settings = self._variant.settings
+        for message in self._variant.warnings:
             callback.on_warning(message)
         self._generator = torch.Generator().manual_seed(seed)
         with torch_seed(seed):
@@ -149,10 +137,8 @@ class Reconstructor:
         )
 
     def _make_trainer(self, points: PointLevel) -> Trainer:
-        """The training of this level, of the points that are not carved away."""
-        if self._silhouettes:
-            hull_margin_length = hull_margin(self._settings) * points.spacing
-            points = points.select(self._silhouettes.inside_hull(points.points, hull_margin_length))
+        """The trainer of this level."""
+        points = self._variant.initial_points(points)
         if not len(points.points):
             raise ReconstructionFailed(
                 f"no point is left of {level_name(self._level)}: is the part inside the region of "
@@ -165,12 +151,11 @@ class Reconstructor:
             self._level,
             self._settings,
             self._generator,
-            self._silhouettes,
-            self._photo_hull,
+            self._variant.constraints,
         )
 
     def train(self) -> None:
-        """Take the steps of this level that are left."""
+        """Take the remaining steps of this level."""
         name = level_name(self._level)
         self._level_starts.setdefault(name, len(self._losses))
         self._callback.on_level_start(name, self.trainer.num_steps - self.trainer.steps_done)
@@ -179,40 +164,37 @@ class Reconstructor:
             if self.trainer.is_checkpointable and self._callback.wants_checkpoint():
                 self._callback.on_checkpoint(self.state())
 
-    def _refine_colors(self) -> None:
-        """Short enough to be taken anew by who goes on from a checkpoint."""
-        self._level_starts["colors"] = len(self._losses)
-        self._callback.on_level_start("colors", self._settings.color_refinement.steps)
-        for loss in refine_colors(self.trainer):
-            self._record_step(loss)
-
     def _record_step(self, loss: Float32[Tensor, ""]) -> None:
-        """A step is done."""
+        """Keep the loss of a step, and call back."""
         self._losses.append(loss)
         self._callback.on_step_end(loss)
         if self._callback.wants_preview():
             self._callback.on_preview(*self._render_preview())
 
     def advance_level(self) -> None:
-        """Hear what the views say of the level's points; go on to the next level, or finish.
-
-        To finish is to learn the colors once more, where `recolor` asks for it.
-        """
+        """Compute the confidence of the level's points, and refine them or finish."""
         self.is_finished = self._level == len(self._settings.levels) - 1
-        if (
-            self.is_finished or not self.trainer.sdf_constraints
-        ):  # which is refined without a word of theirs
+        if self.is_finished or self._variant.refines_by_confidence:
             self.view_confidence = self.trainer.view_confidence()
-        if self.is_finished and self._settings.color_refinement.steps:
-            self._refine_colors()
-        if not self.is_finished:
-            next_points = refine_points(self.trainer, self.view_confidence, self._generator)
-            self._prune()
-            self._level += 1
-            self.trainer = self._make_trainer(next_points)
+        if self.is_finished:
+            self._finish()
+            return
+        points = self._variant.refine(self.trainer, self.view_confidence, self._generator)
+        self._prune()
+        self._level += 1
+        self.trainer = self._make_trainer(points)
+
+    def _finish(self) -> None:
+        """Take the variant's last steps; a run that resumes takes all of them anew."""
+        num_steps, losses = self._variant.after_training(self.trainer)
+        if num_steps:
+            self._level_starts["colors"] = len(self._losses)
+            self._callback.on_level_start("colors", num_steps)
+        for loss in losses:
+            self._record_step(loss)
 
     def _prune(self) -> None:
-        """Once, when the first points have been learned from."""
+        """Prune N once, after the first level."""
         fraction, network = self._settings.network.prune_fraction, self._field.network
         if fraction and network is not None and not network.num_pruned:
             network.prune(fraction)
@@ -239,7 +221,7 @@ class Reconstructor:
             self._level_starts,
             self.scene.background.cpu().numpy().astype(float),
             partial(render_views, self.trainer, self._posed),
-            self._warnings,
+            self._variant.warnings,
         )
 
     def _to_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:
@@ -247,7 +229,7 @@ class Reconstructor:
         return world.astype(np.float32)
 
     def _loss_values(self) -> list[float]:
-        """The losses so far."""
+        """Losses of the steps so far."""
         return [loss.item() for loss in self._losses]
 
     def _render_preview(self) -> tuple[np.ndarray, np.ndarray]:
@@ -257,43 +239,30 @@ class Reconstructor:
         return self._posed.rgb[0], rendering.rgb[0]
 
     def state(self) -> dict[str, Any]:
-        """All that the rest of the run depends on."""
+        """All that the rest of the run depends on, for `restore`."""
         return {
             "level": self._level,
             "losses": self._loss_values(),
-            "first_steps": self._level_starts,
+            "level_starts": self._level_starts,
             "generator": self._generator.get_state(),
-            "training": self.trainer.state(),
+            "trainer": self.trainer.state(),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from `state`, whose tensors may lie on the CPU."""
+        """Continue from `state`, whose tensors may be on the CPU."""
         self._level = state["level"]
         self._losses = [torch.tensor(loss) for loss in state["losses"]]
-        self._level_starts = state["first_steps"]
+        self._level_starts = state["level_starts"]
         if self._level > self._first_level:
-            self._prune()  # which weights, its state says
-        trainer_state, torch_device = state["training"], self.scene.images.device
-        points, view_weights = trainer_state["points"].to(torch_device), trainer_state["trust"]
+            self._prune()  # its state has the masks
+        trainer_state, torch_device = state["trainer"], self.scene.images.device
+        points, view_weights = (
+            trainer_state["points"].to(torch_device),
+            trainer_state["view_weights"],
+        )
         view_weights = None if view_weights is None else view_weights.to(torch_device)
         self.trainer = self._make_trainer(
             PointLevel(points, trainer_state["spacing"], view_weights=view_weights)
         )
         self.trainer.restore(trainer_state)
         self._generator.set_state(state["generator"])
-
-
-def render_views(
-    trainer: Trainer, posed: PosedImages, cameras: Cameras, background: Background
-) -> Renderings:
-    """The field of `training` from `cameras`, before `background`, depth in the cameras' unit.
-
-    Color and opacity as soft as it was learned, but for space that is empty for the hard surface,
-    which is skipped as it was when colors were learned.  Depth is that of its surface, as hard as
-    this is looked for, and of the soft one in pixels that pass the hard one by.
-    """
-    torch_device = trainer.points.positions.device
-    background_colors = torch.tensor(background, dtype=torch.float32, device=torch_device)
-    render_cameras = torch_cameras(cameras, posed.center, posed.radius, torch_device)
-    renderer = trainer.fine_renderer(trainer.beta())
-    return rerender(render_cameras, background_colors, renderer, *trainer.values(), posed.radius)

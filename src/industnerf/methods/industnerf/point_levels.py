@@ -1,4 +1,7 @@
-"""From coarse to fine: the first grid (3.1), and the points that refine it (3.2)."""
+"""Sections 3.1 and 3.2, levels of points: the initial grid X = S(r), and how cells divide.
+
+All lengths are in the unit frame, where the region of interest is the unit ball.
+"""
 
 from dataclasses import dataclass
 
@@ -9,14 +12,20 @@ from pykdtree.kdtree import KDTree
 from torch import Tensor
 
 from industnerf.methods.industnerf.density_pdf import inverse_transform_sample, latin_hypercube
+from industnerf.schema import IndustnerfSettings, LevelSettings, WarmUpSettings
 from industnerf.schema.readings import SamplePositionReading
 
 WARM_UP = -1  # the level before the first: every eighth point of its grid
 
 
 def level_name(level: int) -> str:
-    """As people are told of it."""
+    """The level's name in messages and histories."""
     return "warm-up" if level == WARM_UP else f"level {level}"
+
+
+def level_settings(settings: IndustnerfSettings, level: int) -> LevelSettings | WarmUpSettings:
+    """The settings of a level, or of the warm-up."""
+    return settings.warm_up if level == WARM_UP else settings.levels[level]
 
 
 def grid_spacing(grid_res: int, level: int) -> float:
@@ -26,14 +35,13 @@ def grid_spacing(grid_res: int, level: int) -> float:
 
 @dataclass(frozen=True)
 class PointLevel:
-    """The points of a level, how far apart they are, and what they take over from the last."""
+    """The points of a level, and what they take over from the last level."""
 
     points: Float32[Tensor, "m 3"]
-    spacing: float
-    residuals: tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]] | None = None
-    view_weights: Float32[Tensor, "v m"] | None = (
-        None  # (13), as each view had it of the nearest point
-    )
+    spacing: float  # distance of neighboring points
+    residuals: tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]] | None = None  # raw, rgb
+    # (13) of the nearest point of the last level, view by view
+    view_weights: Float32[Tensor, "v m"] | None = None
 
     def select(self, index: Bool[Tensor, "m"] | Int64[Tensor, "k"]) -> "PointLevel":
         """These of the points, in this order."""
@@ -94,7 +102,7 @@ def subdivide(points: Float32[Tensor, "m 3"], spacing: float) -> Float32[Tensor,
 def within_radius(
     points: Float32[Tensor, "m 3"], mask: Bool[Tensor, "m"], radius: float
 ) -> Bool[Tensor, "m"]:
-    """Which points have a chosen one within `reach`."""
+    """Which points have one of those in `mask` within `radius`."""
     if not mask.any():
         return mask
     positions = points.double().cpu().numpy()

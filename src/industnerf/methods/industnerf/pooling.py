@@ -1,4 +1,4 @@
-"""How the features of several source views join before eq. (4).  Reading R3.
+"""Section 3.1, pi(F, P, X) of eq. (4) of several source views.  Reading R3.
 
 The paper writes (4) for one view.  Here a point's features are pooled over the views that it
 projects into.
@@ -11,20 +11,18 @@ from torch import Tensor
 from industnerf.schema.readings import ViewPoolingReading
 
 STATISTICS: dict[ViewPoolingReading, tuple[str, ...]] = {
-    "confidence_weighted": ("mean", "variance", "least", "greatest"),
-    "all": ("mean", "variance", "least", "greatest"),
+    "confidence_weighted": ("mean", "variance", "min", "max"),
+    "all": ("mean", "variance", "min", "max"),
     "mean_variance": ("mean", "variance"),
     "mean": ("mean",),
     "argmax_confidence": ("mean",),
-    "max": ("greatest",),
+    "max": ("max",),
 }
-MIN_VIEW_WEIGHT = (
-    0.02  # how much a view counts of which nothing is known, beside one of confidence 1
-)
+MIN_VIEW_WEIGHT = 0.02  # of a view of confidence 0, where one of confidence 1 has 1.02
 
 
 def pooled_channels(channels: int, reading: ViewPoolingReading) -> int:
-    """How many columns `pool` returns for features of so many."""
+    """Columns of `pool` for features of so many channels."""
     return len(STATISTICS[reading]) * channels + 1
 
 
@@ -33,20 +31,18 @@ def pooling_weights(
     view_weights: Float[Tensor, "v n"] | None,
     reading: ViewPoolingReading,
 ) -> Float[Tensor, "v n 1"]:
-    """How much each view counts for each point; of sum 1, or 0 for a point in no view.
+    """Weight of each view for each point, of sum 1, or 0 for a point in no view.  Reading R3.
 
-    confident: as much as the view was sure of the point, (13), when the last level was done.
-    surest: the one that was the surest, and no other.  Otherwise all count alike.
-    As long as no view has been asked, all are equally sure; the surest is then the first.
+    confidence_weighted: by the view's confidence (13) in the point after the last level.
+    argmax_confidence: all of it to the view of the highest confidence.  Otherwise equal weights.
+    Without `view_weights` all confidences are equal; the highest is then that of the first view.
     """
-    view_weights = (
-        torch.ones(valid.shape, device=valid.device) if view_weights is None else view_weights
-    )
-    weights = valid * (
-        view_weights + MIN_VIEW_WEIGHT
-        if reading in ("confidence_weighted", "argmax_confidence")
-        else torch.ones_like(view_weights)
-    )
+    if view_weights is None:
+        view_weights = torch.ones(valid.shape, device=valid.device)
+    if reading in ("confidence_weighted", "argmax_confidence"):
+        weights = valid * (view_weights + MIN_VIEW_WEIGHT)
+    else:
+        weights = valid * torch.ones_like(view_weights)
     if reading == "argmax_confidence":
         best_view = weights.argmax(dim=0, keepdim=True)
         weights = torch.zeros_like(weights).scatter_(0, best_view, weights.gather(0, best_view))
@@ -60,12 +56,11 @@ def pool(
     weights: Float[Tensor, "v n 1"],
     reading: ViewPoolingReading,
 ) -> Float[Tensor, "n p"]:
-    """pi(F, P, X) of eq. (4) where views are many: each point's features over its valid views.
+    """pi(F, P, X) of eq. (4), pooled: each point's features over its valid views.
 
-    Of every channel the weighted mean and variance, the least and the greatest, or some of these;
-    the last column is the share of valid views.  A point in no view gets zeros.
-
-    `felt` has the gradient.
+    Of every channel the weighted mean and variance, minimum and maximum, or some of these; the
+    last column is the share of valid views.  A point in no view gets zeros.  There is no
+    gradient: see `attach_gradient`.
     """
     mean, mean_square = torch.zeros_like(features[0]), torch.zeros_like(features[0])
     minimum, maximum = torch.full_like(mean, torch.inf), torch.full_like(mean, -torch.inf)
@@ -86,8 +81,8 @@ def pool(
     statistics = {
         "mean": mean,
         "variance": (mean_square - mean**2).clamp(min=0),  # below 0 by rounding only
-        "least": minimum,
-        "greatest": maximum,
+        "min": minimum,
+        "max": maximum,
     }
     valid_fraction = valid.to(features.dtype).mean(dim=0)[:, None]
     columns = [statistics[name].masked_fill(valid_fraction == 0, 0) for name in STATISTICS[reading]]
@@ -101,10 +96,10 @@ def attach_gradient(
     weights: Float[Tensor, "v n 1"],
     reading: ViewPoolingReading,
 ) -> Float[Tensor, "n p"]:
-    """`pooled` as it is, with the gradient that it has in the features of some of its views.
+    """`pooled` unchanged, with its gradient in the features of some of the views.
 
-    `pooled` is what `pool` says of all views; `fresh`, `valid` and `weights` are of those that
-    are to have a gradient.  The others then need no memory for one.
+    `pooled` is the result of `pool` on all views; `fresh`, `valid` and `weights` are those of the
+    views with a gradient.  The others need no memory for one.
     """
     names = STATISTICS[reading]
     columns = dict(zip(names, pooled[:, :-1].split(fresh.shape[2], dim=1), strict=True))
@@ -116,7 +111,7 @@ def attach_gradient(
                 return (weights * masked).sum(dim=0)
             case "variance":  # d/df of sum w (f - mean)^2, to which the mean adds nothing
                 return (weights * (masked - columns["mean"]) ** 2).sum(dim=0)
-            case _:  # least, greatest: of whoever has it
+            case _:  # min, max: of the views that have it
                 return (masked * (valid[..., None] & (fresh == columns[name]))).sum(dim=0)
 
     gradient_terms = torch.cat([gradient_term(name) for name in names], dim=1)

@@ -1,12 +1,11 @@
-"""PosE, eqs. (1)-(3): what the network is told of where a point is.  Readings R1 and R2.
+"""Section 3.1, PosE, eqs. (1)-(3): positional encoding of the points.  Readings R1 and R2.
 
-The printed form sin(a x + b 6j/C) has one frequency only: all of an axis's channels lie in the
-span of sin(a x) and cos(a x), so the encoding has rank 6 whatever C is.  Meant is the encoding
-of Point-NN, sin(a x / b^(6j/C)), with `magnitude` a and `base` b.
+The printed form sin(alpha x + beta 6j/C) has one frequency: all channels of an axis lie in the
+span of sin(alpha x) and cos(alpha x), so the encoding has rank 6 whatever C is.  Meant is the
+encoding of Point-NN, sin(alpha x / beta^(6j/C)).
 
-Its shortest wave is 2 pi / a long.  On a grid, spacings of more than pi / a alias: the first
-channels then look like slow waves that are not there.  So a <= pi / spacing, which for r points
-on each side of [-1, 1] is about 1.5 r.
+Its shortest wavelength is 2 pi / alpha.  On a grid, spacings above pi / alpha alias.  So alpha is
+at most pi / spacing, which for r points on each side of [-1, 1] is about 1.5 r.
 """
 
 import math
@@ -24,10 +23,10 @@ from industnerf.schema.readings import EncodingFrameReading, PositionEncodingRea
 def encoding_coordinates(
     points: Float[Tensor, "n 3"], c2w: Float[Tensor, "4 4"], reading: EncodingFrameReading
 ) -> Float[Tensor, "n 3"]:
-    """The coordinates that are encoded, one row a point.
+    """The coordinates to encode, a row a point.  Reading R2.
 
-    camera: the points in the camera's frame, as 3.1 says in words.  world: the points as they
-    are.  pose: eq. (4) to the letter, PosE(P) of the camera's center, alike for all points.
+    camera: the points in the camera's frame, as the text of 3.1 has it.  world: the points.
+    camera_center: eq. (4) to the letter, PosE(P) of the camera's center, equal for all points.
     """
     match reading:
         case "camera":
@@ -41,7 +40,7 @@ def encoding_coordinates(
 
 
 def encoding_channels(channels: int, reading: PositionEncodingReading) -> int:
-    """How many columns `encode` returns.  BadParams unless the paper's C is a multiple of 6."""
+    """Columns of `encode_positions`.  Raises BadParams unless C is a multiple of 6."""
     if reading == "identity":
         return 3
     if channels < 6 or channels % 6:
@@ -61,9 +60,9 @@ def encode_positions(
 ) -> Float[Tensor, "n c"]:
     """Eqs. (1)-(3): channels [2j] and [2j + 1] of an axis are sine and cosine of one phase.
 
-    The phases of x, with j = 0 .. C/6 - 1:  intended  magnitude x / base^(6j/C);
-    printed  magnitude x + base 6j/C;  nerf  2^j pi x, without magnitude and base.
-    identity: no encoding, the coordinates themselves.  Axes follow one another: x, y, z.
+    Reading R1, the phases of x with j = 0 .. C/6 - 1:  intended: alpha x / beta^(6j/C);
+    printed: alpha x + beta 6j/C;  nerf: 2^j pi x;  identity: the coordinates, not encoded.
+    The columns are those of x, then y, then z.
     """
     out_channels = encoding_channels(channels, reading)
     if reading == "identity":

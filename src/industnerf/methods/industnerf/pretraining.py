@@ -1,7 +1,7 @@
-"""E and N's start, learned from the images of other parts: reading R14 `shared`.
+"""Section 3.1, E and N pretrained on the images of other parts: reading R14 `pretrained`.
 
-One E and one N re-render several parts side by side, each on the points of its own warm-up.  The
-signal is the paper's: no mesh is looked at, of the part itself not even an image.
+One E and one N are trained to re-render several parts, each on its own warm-up points.  The loss
+is the paper's; no mesh is used, and no image of the part to reconstruct.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from industnerf.device import device
 from industnerf.learning import checkpoint
 from industnerf.learning.training import has_converged
 from industnerf.learning.weights import state_arrays, torch_seed
-from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.field import Field, SharedModules
 from industnerf.methods.industnerf.point_levels import (
     WARM_UP,
     PointLevel,
@@ -26,47 +26,43 @@ from industnerf.methods.industnerf.point_levels import (
     initial_grid,
 )
 from industnerf.methods.industnerf.scene import NerfScene, PosedImages, make_scene
-from industnerf.methods.industnerf.shared_modules import SharedModules
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.schema import IndustnerfSettings
+from industnerf.schema import IndustnerfSharedSettings
 from industnerf.seeds import seed_for
 
 
 def pretrain(
-    training_parts: Sequence[PosedImages], settings: IndustnerfSettings, seed: int, scratch: Path
+    training_parts: Sequence[PosedImages],
+    settings: IndustnerfSharedSettings,
+    seed: int,
+    scratch: Path,
 ) -> ModelState:
-    """The weights of E and N after `settings.school`; goes on after the last term in `scratch`.
+    """Weights of E and N after all epochs; resumes from the last one stored in `scratch`.
 
     Raises ReconstructionFailed if the field of a part becomes empty.
     """
     torch.set_num_threads(1)  # folds are what runs side by side
-    pretraining_settings = _with_divided_lr(settings, len(training_parts))
+    settings = _with_divided_lr(settings, len(training_parts))
     scenes = [make_scene(posed, device()) for posed in training_parts]
-    shared_modules, losses = _new_modules(scenes[0], pretraining_settings, seed), []
-    checkpoint_path = scratch / "school.pt"
+    shared_modules, losses = _new_modules(scenes[0], settings, seed), []
+    checkpoint_path = scratch / "pretraining.pt"
     checkpointed = checkpoint.load(checkpoint_path)
     if checkpointed is not None:
-        shared_modules.load_state_dict(checkpointed["pair"])
+        shared_modules.load_state_dict(checkpointed["modules"])
         losses = checkpointed["losses"]
-    while len(losses) < pretraining_settings.pretraining.epochs:
-        losses.append(
-            _train_epoch(
-                shared_modules,
-                scenes,
-                pretraining_settings,
-                seed_for(seed, "term", str(len(losses))),
-            )
-        )
-        checkpoint.save(checkpoint_path, {"pair": shared_modules.state_dict(), "losses": losses})
-    return _model_state(
-        shared_modules, losses, len(training_parts), pretraining_settings.warm_up.steps
-    )
+    while len(losses) < settings.pretraining.epochs:
+        epoch_seed = seed_for(seed, "term", str(len(losses)))
+        losses.append(_train_epoch(shared_modules, scenes, settings, epoch_seed))
+        checkpoint.save(checkpoint_path, {"modules": shared_modules.state_dict(), "losses": losses})
+    return _model_state(shared_modules, losses, len(training_parts), settings.warm_up.steps)
 
 
-def _with_divided_lr(settings: IndustnerfSettings, num_parts: int) -> IndustnerfSettings:
-    """E learns here, at its rate divided by the number of parts: each of them takes a step of it.
+def _with_divided_lr(
+    settings: IndustnerfSharedSettings, num_parts: int
+) -> IndustnerfSharedSettings:
+    """The settings with E trained, at its learning rate divided by the number of parts.
 
-    What a part's views were encoded to goes stale with every step of E, whoever takes it.
+    Every part takes a step of E, and each step makes the encoded views of all parts staler.
     """
     readings = replace(settings.readings, encoder="per_part")
     lr = settings.network.encoder_lr / num_parts
@@ -74,7 +70,7 @@ def _with_divided_lr(settings: IndustnerfSettings, num_parts: int) -> Industnerf
     return replace(settings, readings=readings, network=network)
 
 
-def _new_modules(scene: NerfScene, settings: IndustnerfSettings, seed: int) -> SharedModules:
+def _new_modules(scene: NerfScene, settings: IndustnerfSharedSettings, seed: int) -> SharedModules:
     with torch_seed(seed):
         return SharedModules(Field(scene, settings).to(device()))
 
@@ -82,10 +78,10 @@ def _new_modules(scene: NerfScene, settings: IndustnerfSettings, seed: int) -> S
 def _train_epoch(
     shared_modules: SharedModules,
     scenes: Sequence[NerfScene],
-    settings: IndustnerfSettings,
+    settings: IndustnerfSharedSettings,
     seed: int,
 ) -> list[float]:
-    """The mean loss over the parts at every step of a warm-up that all of them take together."""
+    """Mean loss over the parts at every step of a warm-up that they take side by side."""
     generator = torch.Generator().manual_seed(seed)
     trainers = [_make_trainer(shared_modules, scene, settings, generator) for scene in scenes]
     return [fmean(trainer.step() for trainer in trainers) for _ in range(settings.warm_up.steps)]
@@ -94,7 +90,7 @@ def _train_epoch(
 def _make_trainer(
     shared_modules: SharedModules,
     scene: NerfScene,
-    settings: IndustnerfSettings,
+    settings: IndustnerfSharedSettings,
     generator: torch.Generator,
 ) -> Trainer:
     spacing = grid_spacing(settings.grid_res, WARM_UP)
@@ -127,6 +123,6 @@ def _model_state(
         train_history=History(
             np.arange(len(all_losses)),
             np.array(all_losses),
-            {f"term {epoch}": end - steps_per_epoch for epoch, end in enumerate(ends)},
+            {f"epoch {epoch}": end - steps_per_epoch for epoch, end in enumerate(ends)},
         ),
     )

@@ -1,4 +1,4 @@
-"""Points in a camera's frame and in its image, and features of the image at them.
+"""Section 3.1, points in a camera's frame and in its image, and pi(F, P, X) of eq. (4).
 
 Conventions of `geometry.cameras`, in torch: OpenCV axes, pixel (0, 0) is the top-left corner,
 the first center is (0.5, 0.5).  Lengths are in any one unit.
@@ -22,7 +22,7 @@ def project(
 ) -> tuple[Float[Tensor, "n 2"], Float[Tensor, "n"]]:
     """Pixel coordinates (px) and depth (z in the camera frame) of world points.
 
-    A point of depth 0 has no pixel: its coordinates are not finite, and `in_view` says no.
+    A point of depth 0 has no pixel: its coordinates are not finite, and `is_in_view` is false.
     """
     camera = world_to_camera(points, c2w)
     homogeneous = camera @ K.T
@@ -42,9 +42,9 @@ def sample_features(
 ) -> Float[Tensor, "n c"]:
     """pi(F, P, X) of eq. (4): features at `uv`, bilinear between the texels' centers.
 
-    `uv` are px of the image, `width` x `height` its size.  The feature map may be coarser: it
-    covers the whole image, and each texel its share.  Beyond the outermost centers, and outside
-    the image, the border goes on, so every value is finite.
+    `uv` are px of the image, `width` x `height` its size.  The feature map covers the whole image
+    at any resolution.  Outside the outermost centers the border is repeated, so every value is
+    finite.
     """
     size = torch.tensor([width, height], dtype=uv.dtype, device=uv.device)
     # grid_sample counts the image from -1 to 1, from edge to edge if corners are not aligned

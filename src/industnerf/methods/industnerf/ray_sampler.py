@@ -1,6 +1,10 @@
-"""Which pixels are looked at, and at what resolution: the training signal, R10."""
+"""Section 3.3, target views: the rays R = R(P) through their pixels, and the pixels' colors.
+
+Reading R10: re-rendering the views is the only training signal.
+"""
 
 from copy import copy
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Bool, Float32, Int64
@@ -9,17 +13,28 @@ from torch.nn.functional import adaptive_avg_pool2d, adaptive_max_pool2d, max_po
 
 from industnerf.geometry.cameras import reduced_size
 from industnerf.methods.industnerf.projection import project
-from industnerf.methods.industnerf.scene import NerfScene, TorchCameras
+from industnerf.methods.industnerf.scene import NerfScene, TorchCameras, source_target_split
 from industnerf.rendering.render import Rays
+from industnerf.schema.readings import TargetViewsReading
 
-DEPTH_EDGE = 0.02  # of the unit ball: readings of one pixel that differ more are of an edge
+DEPTH_EDGE = 0.02  # unit lengths: depths within a pixel that differ more are of an edge
+
+
+@dataclass(frozen=True)
+class RayBatch:
+    """Some rays, and what rendering them should give."""
+
+    rays: Rays
+    target: Float32[Tensor, "r 3"]
+    background: Float32[Tensor, "r 3"]
+    measured_depth: Float32[Tensor, "r"] | None  # along the ray; 0: not measured
 
 
 class RaySampler:
-    """The images of a scene at one resolution, and those of their pixels that can show points.
+    """The images of a scene at one resolution, and those of their pixels that can see points.
 
-    A pixel beside the `footprint` of all cloud points sees nothing but background, whatever
-    their densities and colors: there is nothing to learn from it.
+    A pixel outside the `footprint` of the cloud points sees background whatever they hold, so
+    there is nothing to learn from it.
     """
 
     def __init__(self, scene: NerfScene, mask: Bool[Tensor, "n h w"]) -> None:
@@ -36,15 +51,22 @@ class RaySampler:
         )
 
     def with_mask(self, mask: Bool[Tensor, "n h w"]) -> "RaySampler":
-        """The same images, of which the pixels of another footprint are looked at."""
+        """A sampler of the same images and of other pixels."""
         sampler = copy(self)
         sampler.visible_pixels = mask.nonzero()
         return sampler
 
+    def sample(self, count: int, noise: float, generator: torch.Generator) -> RayBatch:
+        """The rays of random pixels; `noise` is the standard deviation of that of their colors."""
+        pixels, offsets = self.sample_pixels(count, generator)
+        rays, colors, background = self.rays(pixels, offsets)
+        target = add_noise(colors, noise, generator)
+        return RayBatch(rays, target, background, self.ray_depths(pixels, rays))
+
     def sample_pixels(
         self, count: int, generator: torch.Generator
     ) -> tuple[Int64[Tensor, "r 3"], Float32[Tensor, "r"]]:
-        """Random pixels (view, row, column), and how far each one's samples are shifted."""
+        """Random pixels (view, row, column), and the offset in [0, 1) of each ray's samples."""
         indices = torch.randint(len(self.visible_pixels), (count,), generator=generator)
         offsets = torch.rand(count, generator=generator)
         indices, offsets = (
@@ -55,14 +77,14 @@ class RaySampler:
     def rays(
         self, pixels: Int64[Tensor, "r 3"], offsets: Float32[Tensor, "r"]
     ) -> tuple[Rays, Float32[Tensor, "r 3"], Float32[Tensor, "r 3"]]:
-        """The rays through these pixels, their colors, and the background behind them."""
+        """The rays through the centers of these pixels, their colors, and the background."""
         view, row, column = pixels.unbind(1)
         uv = (torch.stack([column, row], dim=1) + 0.5) * self._scale
         rays = self._cameras.rays(view, uv, offsets)
         return rays, self.colors[view, row, column], self._background[view]
 
     def ray_depths(self, pixels: Int64[Tensor, "r 3"], rays: Rays) -> Float32[Tensor, "r"] | None:
-        """How far along its ray each pixel's reading of depth is; 0 or None: there is none."""
+        """Measured depth of each pixel as distance along its ray; 0 or None: not measured."""
         if self._depth_maps is None:
             return None
         view, row, column = pixels.unbind(1)
@@ -73,14 +95,14 @@ class RaySampler:
 def add_noise(
     colors: Float32[Tensor, "*any"], std: float, generator: torch.Generator
 ) -> Float32[Tensor, "*any"]:
-    """`colors` with fresh noise of this standard deviation; 0 draws nothing."""
+    """`colors` plus Gaussian noise of this standard deviation; 0 draws no random number."""
     if not std:
         return colors
     return colors + std * torch.randn(colors.shape, generator=generator).to(colors)
 
 
 def downsample_images(scene: NerfScene, height: int, width: int) -> Float32[Tensor, "n h w 3"]:
-    """The images in [0, 1], each pixel the mean of those that it stands for."""
+    """The images in [0, 1], scaled down by averaging."""
     resized = [
         adaptive_avg_pool2d(image.permute(2, 0, 1).float() / 255, (height, width)).permute(1, 2, 0)
         for image in scene.images
@@ -91,7 +113,7 @@ def downsample_images(scene: NerfScene, height: int, width: int) -> Float32[Tens
 def downsample_depth(
     depth: Float32[Tensor, "n h w"], height: int, width: int
 ) -> Float32[Tensor, "n sh sw"]:
-    """Mean depth of the pixels that each one stands for; 0 unless all are of one surface."""
+    """Depth maps, scaled down by averaging; 0 unless all pixels averaged are of one surface."""
     size = (height, width)
     farthest, nearest = adaptive_max_pool2d(depth, size), -adaptive_max_pool2d(-depth, size)
     is_one_surface = (nearest > 0) & (farthest - nearest < DEPTH_EDGE)
@@ -101,9 +123,9 @@ def downsample_depth(
 def footprint(
     points: Float32[Tensor, "m 3"], spacing: float, cameras: TorchCameras, image_px: int
 ) -> Bool[Tensor, "n h w"]:
-    """Pixels whose rays may pass a point nearer than `spacing`, from every camera.
+    """Pixels whose rays may pass within `spacing` of a point, for every camera.
 
-    Points up to `spacing` in front of the camera, and those behind it, are not looked for.
+    Points behind the camera or within `spacing` of it are left out.
     """
     width, height = reduced_size(cameras.width, cameras.height, image_px)
     masks = torch.zeros(len(cameras), height, width, dtype=torch.bool, device=points.device)
@@ -119,6 +141,20 @@ def footprint(
     return masks
 
 
+def target_footprint(
+    points: Float32[Tensor, "m 3"],
+    spacing: float,
+    cameras: TorchCameras,
+    image_px: int,
+    reading: TargetViewsReading,
+) -> Bool[Tensor, "n h w"]:
+    """`footprint` in the target views of R10; empty in the others."""
+    visible = footprint(points, spacing, cameras, image_px)
+    target_pixels, target_views = torch.zeros_like(visible), source_target_split(reading).target
+    target_pixels[target_views] = visible[target_views]
+    return target_pixels
+
+
 def projected_radius(
     offsets: Float32[Tensor, "m 2"],
     depth: Float32[Tensor, "m"],
@@ -126,9 +162,9 @@ def projected_radius(
     radius: float,
     max_px: int,
 ) -> int:
-    """How far from their centers, along either axis, the images of balls of `radius` end, px.
+    """Largest extent (px, along either axis) of the images of balls of `radius` from their centers.
 
-    `off` is where the centers are, from the principal point.  A point moved by (dx, dz) moves by
+    `offsets` are the centers' pixels from the principal point.  A point moved by (dx, dz) moves by
     f (z dx - x dz) / (z (z + dz)): with radius r, by f r sqrt(1 + (x/z)^2) / (z - r) at most.
     """
     slant = (1 + (offsets / focal) ** 2).sqrt()
@@ -137,12 +173,10 @@ def projected_radius(
 
 
 def dilate(uv: Float32[Tensor, "m 2"], height: int, width: int, radius: int) -> Bool[Tensor, "h w"]:
-    """Pixels that are at most `reach` rows and columns from one of the points `uv`, px."""
+    """Pixels at most `radius` rows and columns from one of the points `uv`, px."""
     column, row = (uv.floor() + radius).unbind(1)
-    padded_height, padded_width = (
-        height + 2 * radius,
-        width + 2 * radius,
-    )  # points beside the image reach into it
+    # points beside the image reach into it
+    padded_height, padded_width = height + 2 * radius, width + 2 * radius
     inside = (column >= 0) & (column < padded_width) & (row >= 0) & (row < padded_height)
     mask = torch.zeros(1, padded_height, padded_width, device=uv.device)
     mask[0, row[inside].long(), column[inside].long()] = 1

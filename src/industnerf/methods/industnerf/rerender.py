@@ -1,15 +1,35 @@
-"""Pictures of the finished field from any camera: the held-out views of Table 2, previews."""
+"""Images of the trained field from any camera: the held-out views of Table 2, and previews."""
 
 import numpy as np
 import torch
-from jaxtyping import Float32
+from jaxtyping import Float, Float32
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
+from industnerf.geometry.cameras import Cameras
 from industnerf.methods.industnerf.ray_sampler import footprint
-from industnerf.methods.industnerf.scene import TorchCameras
+from industnerf.methods.industnerf.scene import PosedImages, TorchCameras, torch_cameras
+from industnerf.methods.industnerf.trainer import Trainer
 from industnerf.rendering.render import Renderer
 from industnerf.rendering.sdf_density import density
+
+Background = Float[np.ndarray, "views 3"]
+
+
+def render_views(
+    trainer: Trainer, posed: PosedImages, cameras: Cameras, background: Background
+) -> Renderings:
+    """The trained field from `cameras`, over `background`; depth is in the cameras' unit.
+
+    Color and opacity are as soft as trained, but for space that is empty for the hard surface,
+    which is skipped.  Depth is that of the hard surface, and of the soft one in pixels that the
+    hard one does not cover.
+    """
+    torch_device = trainer.points.positions.device
+    background_colors = torch.tensor(background, dtype=torch.float32, device=torch_device)
+    render_cameras = torch_cameras(cameras, posed.center, posed.radius, torch_device)
+    renderer = trainer.fine_renderer(trainer.beta())
+    return rerender(render_cameras, background_colors, renderer, *trainer.values(), posed.radius)
 
 
 @torch.no_grad()
@@ -21,9 +41,9 @@ def rerender(
     rgb: Float32[Tensor, "m 3"],
     radius: float,
 ) -> Renderings:
-    """Color, opacity, and depth along z in the unit of `radius`, which is that of the unit ball.
+    """Color, opacity, and depth along z; `radius` is the unit ball's, and sets the unit of depth.
 
-    Depth is 0 where no surface is met.
+    Depth is 0 where there is no surface.
     """
     n, height, width = len(cameras), cameras.height, cameras.width
     color = background[:, None, None].expand(n, height, width, 3).clone()

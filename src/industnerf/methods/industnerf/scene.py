@@ -1,7 +1,11 @@
-"""The posed images in a frame of their own: the region of interest is the unit ball."""
+"""The input of section 3.1: views and camera poses (I, P), in the unit frame.
+
+In the unit frame the region of interest is the unit ball.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import assert_never
 
 import numpy as np
 import torch
@@ -11,11 +15,12 @@ from torch.nn.functional import normalize
 
 from industnerf.geometry.cameras import Cameras
 from industnerf.rendering.render import Rays
+from industnerf.schema.readings import TargetViewsReading
 
 
 @dataclass(frozen=True)
 class PosedImages:
-    """What the method works on, in any unit."""
+    """Images and cameras as the user gives them, in any unit."""
 
     rgb: UInt8[np.ndarray, "n h w 3"]
     cameras: Cameras
@@ -42,7 +47,7 @@ class TorchCameras:
 
     @cached_property
     def _pixel_to_ray(self) -> Float32[Tensor, "n 3 3"]:
-        """From homogeneous pixel coordinates to directions: found once, for every step asks."""
+        """From homogeneous pixel coordinates to ray directions."""
         return self.c2w[:, :3, :3] @ torch.linalg.inv(self.K)
 
     def rays(
@@ -51,7 +56,7 @@ class TorchCameras:
         uv: Float32[Tensor, "r 2"],
         offsets: Float32[Tensor, "r"],
     ) -> Rays:
-        """Through the pixel coordinates `uv` (px) of the views `view`."""
+        """Rays through the pixel coordinates `uv` (px) of the views `view`."""
         homogeneous = torch.cat([uv, torch.ones_like(uv[:, :1])], dim=1)
         directions = normalize(
             torch.einsum("rij,rj->ri", self._pixel_to_ray[view], homogeneous), dim=1
@@ -87,26 +92,46 @@ class NerfScene:
 
 
 def make_scene(posed: PosedImages, device: torch.device) -> NerfScene:
-    """`posed` in the unit frame; a background that is not given is the median of the borders."""
+    """`posed` in the unit frame, its background estimated where none is given."""
     images = torch.from_numpy(np.ascontiguousarray(posed.rgb)).to(device)
-    given_background = posed.background
-    background = (
-        estimate_background(images)
-        if given_background is None
-        else torch.tensor(given_background, dtype=torch.float32, device=device)
-    )
     cameras = torch_cameras(posed.cameras, posed.center, posed.radius, device)
-    depth = None if posed.depth is None else torch.from_numpy(posed.depth / posed.radius)
-    return NerfScene(
-        images, cameras, background, None if depth is None else depth.float().to(device)
-    )
+    if posed.background is None:
+        background = estimate_background(images)
+    else:
+        background = torch.tensor(posed.background, dtype=torch.float32, device=device)
+    depth = None
+    if posed.depth is not None:
+        depth = torch.from_numpy(posed.depth / posed.radius).float().to(device)
+    return NerfScene(images, cameras, background, depth)
 
 
 def estimate_background(images: UInt8[Tensor, "n h w 3"]) -> Float32[Tensor, "n 3"]:
-    """The median color of each image's outermost pixels.
+    """Median color of the border pixels of each image, in [0, 1].
 
-    The paper does not say what is behind the part.  A source image shows it at its border, for
-    all of the part is in frame: this is taken from the images alone.
+    The paper does not say what is behind the part.  All of the part is in frame, so the border of
+    an image shows the background.
     """
     sides = [images[:, 0], images[:, -1], images[:, :, 0], images[:, :, -1]]
     return torch.cat(sides, dim=1).float().median(dim=1).values / 255
+
+
+@dataclass(frozen=True)
+class SourceTargetSplit:
+    """Which views are source views and which are target views, as slices of all."""
+
+    source: slice  # N sees their features
+    target: slice  # their pixels are the training signal
+
+
+def source_target_split(reading: TargetViewsReading) -> SourceTargetSplit:
+    """Reading R10.
+
+    same_as_source: every view is both.  disjoint: every other view is a target, the rest sources.
+    """
+    match reading:
+        case "same_as_source":
+            return SourceTargetSplit(slice(None), slice(None))
+        case "disjoint":
+            return SourceTargetSplit(slice(0, None, 2), slice(1, None, 2))
+        case _:
+            assert_never(reading)

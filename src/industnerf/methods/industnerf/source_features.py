@@ -1,6 +1,10 @@
-"""What N is told of a point: pooled features of the source views (R3) and PosE (R1, R2)."""
+"""Section 3.1, the inputs of N in eq. (4): pi(F, P, X), pooled over the source views, and PosE.
+
+Readings R1 to R3 and R14.
+"""
 
 from collections.abc import Iterator
+from typing import assert_never
 
 import torch
 from jaxtyping import Bool, Float32, Int64
@@ -22,47 +26,59 @@ from industnerf.methods.industnerf.position_encoding import (
 from industnerf.methods.industnerf.projection import is_in_view, project, sample_features
 from industnerf.methods.industnerf.ray_sampler import add_noise, downsample_images
 from industnerf.methods.industnerf.scene import NerfScene
-from industnerf.methods.industnerf.view_split import encoder_mode
 from industnerf.schema import IndustnerfSettings
+from industnerf.schema.readings import EncoderReading
 
 GRAY = 0.5
 
 
-class SourceFeatures(nn.Module):
-    """E, the source views, and what they say of the points that were placed last.
+def is_encoder_trained(reading: EncoderReading) -> bool | None:
+    """Reading R14: whether E is trained on the part's own images; None: there is no E.
 
-    A step need not encode every image anew: E learns through the few views that are refreshed,
-    and the features of the others stay as they were last computed.
+    pretrained: E has learned from other parts, and is kept.  frozen: E keeps its initial weights.
+    """
+    match reading:
+        case "per_part":
+            return True
+        case "pretrained" | "frozen":
+            return False
+        case "none":
+            return None
+        case _:
+            assert_never(reading)
+
+
+class SourceFeatures(nn.Module):
+    """E, the source views, and the inputs of N at the points that were set last.
+
+    Encoding all images at every step is expensive.  Each step encodes a few of them anew, and E
+    learns through these; the features of the others are those that were computed last.
     """
 
     def __init__(self, scene: NerfScene, settings: IndustnerfSettings) -> None:
         super().__init__()
         self._scene = scene
-        self._network_settings = settings.network
-        self._readings = settings.readings
-        mode = encoder_mode(settings.readings.encoder)
-        self._position_only, self._image_noise = not mode.enabled, settings.image_noise
-        self.is_trainable = mode.trainable  # whether E is trained at all
-        self.encoder = Encoder(
-            self._network_settings.feature_channels,
-            self._network_settings.encoder_width,
-            self._network_settings.rgb_skip,
-        )
-        self.encoder.requires_grad_(mode.trainable)
+        self._network_settings, self._readings = settings.network, settings.readings
+        is_trained = is_encoder_trained(settings.readings.encoder)
+        self._position_only, self._image_noise = is_trained is None, settings.image_noise
+        self.is_trainable = bool(is_trained)
+        network = settings.network
+        self.encoder = Encoder(network.feature_channels, network.encoder_width, network.rgb_skip)
+        self.encoder.requires_grad_(self.is_trainable)
         encoding_width = encoding_channels(
-            self._network_settings.encoding_channels, self._readings.position_encoding
+            network.encoding_channels, self._readings.position_encoding
         )
         pooled_width = pooled_channels(self.encoder.out_channels, self._readings.view_pooling)
         self.out_channels = encoding_width + (0 if self._position_only else pooled_width)
 
     def __len__(self) -> int:
-        """How many views speak."""
+        """Number of source views."""
         return len(self._scene)
 
     def set_points(self, points: Float32[Tensor, "m 3"], spacing: float = 0.0) -> None:
-        """From now on speak of these points; all views count alike.
+        """Compute the inputs at these points from now on; all views have equal weights.
 
-        They are `spacing` apart; 0: they are to be told all that the images show.
+        Images are scaled down to the points' `spacing`; 0: they are used at full resolution.
         """
         self._points, self._images = points, self._resized_images(spacing)
         coordinates = encoding_coordinates(
@@ -82,10 +98,10 @@ class SourceFeatures(nn.Module):
         self._pool_weighted(None)
 
     def _resized_images(self, spacing: float) -> Float32[Tensor, "v 3 h w"]:
-        """The images in [0, 1], so large that a texel of E stands for about `spacing`.
+        """The images in [0, 1], at the size where a texel of E is about `spacing` wide.
 
-        The unit ball is about as wide as the frame.  Between points there is nothing to be told,
-        and E would see in an image four times too large what it can not in those of later levels.
+        The unit ball is about as wide as the frame.  So E sees the same share of the spacing at
+        every level.
         """
         cameras = self._scene.cameras
         image_px = round(STRIDE * 2 / spacing) if spacing else max(cameras.width, cameras.height)
@@ -93,7 +109,7 @@ class SourceFeatures(nn.Module):
         return downsample_images(self._scene, height, width).permute(0, 3, 1, 2)
 
     def recompute_features(self) -> None:
-        """Have every view told by E as it is now."""
+        """Encode every view with E as it is now."""
         if not self._position_only:
             self._features, _ = self._sample_all_views()
             self._pool()
@@ -103,7 +119,7 @@ class SourceFeatures(nn.Module):
         return self._sample_views(torch.arange(len(self._scene)))
 
     def set_view_weights(self, view_weights: Float32[Tensor, "v m"]) -> None:
-        """From now on trust each view as far as it was sure of the points; reading R3."""
+        """Weight each view by its confidence (13) in the points; reading R3."""
         if not self._position_only:
             self._pool_weighted(view_weights)
 
@@ -116,7 +132,7 @@ class SourceFeatures(nn.Module):
         self._pooled = pool(self._features, self._valid, self._weights, reading)
 
     def select_points(self, indices: Int64[Tensor, "k"]) -> None:
-        """From now on speak of these of the points, in this order."""
+        """Keep only these of the points, in this order."""
         self._points, self._encoding = self._points[indices], self._encoding[indices]
         if not self._position_only:
             self._features, self._valid = self._features[:, indices], self._valid[:, indices]
@@ -126,7 +142,7 @@ class SourceFeatures(nn.Module):
     def refresh_views(
         self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
     ) -> None:
-        """Encode these views anew; the next `forward` can be differentiated in E."""
+        """Encode these views anew; the next `forward` has a gradient in E."""
         fresh, valid = self._sample_views(views, generator)
         self._features[views] = fresh.detach()
         self._pool()
@@ -134,7 +150,7 @@ class SourceFeatures(nn.Module):
         self._pooled = attach_gradient(self._pooled, fresh, valid, weights, reading)
 
     def forward(self) -> Float32[Tensor, "m c"]:
-        """The inputs of N in eq. (4); the graph of a refreshed view is there for one step only."""
+        """Inputs of N in eq. (4); after a call, those of refreshed views lose their gradient."""
         pooled = [] if self._position_only else [self._pooled]
         inputs = torch.cat([self._encoding, *pooled], dim=1)
         if pooled:
@@ -143,23 +159,22 @@ class SourceFeatures(nn.Module):
 
     @torch.no_grad()
     def pooled_colors(self) -> Float32[Tensor, "m 3"]:
-        """That the views see where the points are: pooled as features are; gray if N is not told.
+        """Colors of the views at the points, pooled as features are; gray where N has none.
 
-        N's colors start there.  From gray, a thin black veil before white is learned sooner
-        than an opaque surface of the right color.
+        N's colors start from them.  From gray, a thin dark fog before a white background fits the
+        images sooner than an opaque surface of the right color.
         """
         if self._position_only or not self._network_settings.rgb_skip:
             return torch.full_like(self._points, GRAY)
-        return self._pooled[
-            :, self._network_settings.feature_channels : self._network_settings.feature_channels + 3
-        ]
+        first = self._network_settings.feature_channels
+        return self._pooled[:, first : first + 3]
 
     def _sample_views(
         self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
     ) -> tuple[Float32[Tensor, "v m c"], Bool[Tensor, "v m"]]:
-        """pi(F, P, X) of these views, and whether a point is in the view at all.
+        """pi(F, P, X) of these views, and whether each point is in view.
 
-        With a generator the images are noisier than they are, if E is to learn from noisier ones.
+        With a generator, `image_noise` is added to the images.
         """
         cameras, sampled, valid = self._scene.cameras, [], []
         for view, features in zip(views.tolist(), self.encode_views(views, generator), strict=True):
@@ -173,10 +188,7 @@ class SourceFeatures(nn.Module):
     def encode_views(
         self, views: Int64[Tensor, "v"], generator: torch.Generator | None = None
     ) -> Iterator[Float32[Tensor, "c th tw"]]:
-        """F = E(I), view by view, of images as coarse as the points.
-
-        On a GPU of all at once; else one has to fit into a cache.
-        """
+        """F = E(I), view by view: in one batch on a GPU, one at a time on a CPU."""
         images = [self._images[view][None] for view in views.tolist()]
         if generator is not None:
             images = [add_noise(image, self._image_noise, generator) for image in images]

@@ -1,6 +1,9 @@
-"""Learning the field of one level: re-rendering the source views is the only signal, R10."""
+"""Section 3.3: training the field of one level on the photometric loss of its re-rendered views.
 
-from dataclasses import dataclass
+Reading R10: re-rendering the views is the only training signal.
+"""
+
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -9,45 +12,36 @@ from jaxtyping import Bool, Float32, Int64
 from torch import Tensor
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.methods.industnerf.beta_schedule import beta_at, level_settings, training_progress
+from industnerf.methods.industnerf.confidence import ViewConfidence, compute_view_confidence
 from industnerf.methods.industnerf.field import Field
 from industnerf.methods.industnerf.losses import depth_loss, opacity_regularizer, photometric_loss
-from industnerf.methods.industnerf.optimizer import FieldAdam
+from industnerf.methods.industnerf.optimizer import (
+    Constraints,
+    FieldAdam,
+    beta_at,
+    training_progress,
+)
 from industnerf.methods.industnerf.point_levels import (
     PointLevel,
     grid_spacing,
     level_name,
+    level_settings,
     within_radius,
 )
-from industnerf.methods.industnerf.ray_sampler import RaySampler, add_noise, footprint
+from industnerf.methods.industnerf.ray_sampler import (
+    RayBatch,
+    RaySampler,
+    footprint,
+    target_footprint,
+)
 from industnerf.methods.industnerf.scene import NerfScene
-from industnerf.methods.industnerf.view_confidence import ViewConfidence, compute_view_confidence
-from industnerf.methods.industnerf.view_split import source_target_split
-from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
-from industnerf.methods.industnerf_plus.sdf_constraints import SdfConstraints, grid_neighbors
-from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
 from industnerf.rendering.points import PointGrid
-from industnerf.rendering.render import Renderer, RenderOutput
+from industnerf.rendering.render import Renderer, RenderOutput, make_renderer
 from industnerf.rendering.sdf_density import density
 from industnerf.schema import IndustnerfSettings
 
-REFRESH_INTERVAL = (
-    20  # steps from one look at all points, and at all views, to the next; one at the end
-)
-VISIBILITY_MARGIN = (
-    1.0  # first spacings beyond the hull: no pixel that is farther tells anything new
-)
-MAX_KEPT_FRACTION = 0.9  # of the points; if more are needed, sorting out the rest is not worth it
-
-
-@dataclass(frozen=True)
-class RayBatch:
-    """What was seen along some rays, and what should have been."""
-
-    output: RenderOutput
-    background: Float32[Tensor, "r 3"]
-    target: Float32[Tensor, "r 3"]
-    measured_depth: Float32[Tensor, "r"] | None  # depth along the ray, where a sensor reads one
+REFRESH_INTERVAL = 20  # steps between updates of all points and all views; one more at the end
+MAX_KEPT_FRACTION = 0.9  # of the points; to take out fewer is not worth sorting the rest
 
 
 class Trainer:
@@ -61,109 +55,91 @@ class Trainer:
         level: int,
         settings: IndustnerfSettings,
         generator: torch.Generator,
-        silhouettes: Silhouettes | None = None,
-        photo_hull: PhotoHull | None = None,
+        make_constraints: Callable[[PointLevel, PointGrid], Constraints] | None = None,
     ) -> None:
         self.field, self.spacing, self.settings = field, points.spacing, settings
         self._scene, self.level, self._generator = scene, level, generator
         self.steps_done = 0
-        positions = points.points
-        hull_distance = (
-            silhouettes.distance(positions) / self._length_unit if settings.sdf.enabled else None
-        )
-        self._build_renderers(positions)
-        self._visible_points = (
-            positions if hull_distance is None else positions[hull_distance < VISIBILITY_MARGIN]
-        )
+        self._build_renderers(points.points)
+        self.constraints = Constraints()
+        if make_constraints is not None:
+            self.constraints = make_constraints(points, self.points)
+        self._visible_points = self.constraints.visible_points(points.points, self.points.order)
         points = points.select(self.points.order)
         self._view_weights = points.view_weights
-        self.sdf_constraints = (
-            None
-            if hull_distance is None
-            else self._make_sdf_constraints(hull_distance[self.points.order], photo_hull)
-        )
         raw, rgb = points.residuals or (None, None)
-        raw = self.sdf_constraints.initial_sdf(raw) if self.sdf_constraints else raw
+        raw = self.constraints.initial_raw(raw)
         self.field.set_points(points.points, raw, rgb, points.view_weights, spacing=points.spacing)
         self._update_beta()
         self._optimizer = FieldAdam(field)
 
     @property
     def num_steps(self) -> int:
-        """How many this level takes."""
+        """Number of steps of this level."""
         return level_settings(self.settings, self.level).steps
 
     @property
     def image_px(self) -> int:
-        """The longer side of the images that this level looks at."""
+        """Longer side of the images that this level is trained on."""
         return level_settings(self.settings, self.level).image_px
 
     def _build_renderers(self, points: Float32[Tensor, "m 3"]) -> None:
-        """Sort the points into cells, for two renderers that look at them; none is known empty."""
+        """Sort the points into cells, for the renderer of the training and the fine one."""
         settings = self.settings
         support_radius, half_extent = settings.neighbor_radius * self.spacing, 1 + self.spacing
         self.points = PointGrid(
             points, support_radius, settings.neighbors, settings.readings.interpolation
         )
         box = (-half_extent,) * 3, (half_extent,) * 3
-        self.renderer = Renderer(
-            self.points, *box, settings.step_size * self.spacing, settings.early_stop_transmittance
+        self.renderer = make_renderer(
+            settings.renderer,
+            self.points,
+            *box,
+            settings.step_size * self.spacing,
+            settings.early_stop_transmittance,
         )
-        self._fine_renderer = Renderer(
+        self._fine_renderer = make_renderer(
+            settings.renderer,
             self.points,
             *box,
             settings.fine_step_size * self.spacing,
             settings.early_stop_transmittance,
         )
-        # which points had a density when it was last looked for
+        # as of the last update; at first no point is known to be empty
         self.has_density = torch.ones(len(points), dtype=torch.bool, device=points.device)
 
     @cached_property
     def ray_sampler(self) -> RaySampler:
-        """The images, at the resolution that is learned from; found when first asked for."""
+        """The images at the resolution of this level, and the pixels that can see its points."""
         return RaySampler(self._scene, self._visible_pixels(self._visible_points))
 
     def _visible_pixels(self, points: Float32[Tensor, "m 3"]) -> Bool[Tensor, "v h w"]:
-        """The pixels of judging views that can show any of the points."""
-        visible = footprint(points, self.points.support_radius, self._scene.cameras, self.image_px)
-        target_pixels = torch.zeros_like(visible)
-        target_views = source_target_split(self.settings.readings.target_views).target
-        target_pixels[target_views] = visible[target_views]
-        if not target_pixels.any():
+        """The pixels of the target views that can see any of the points."""
+        radius, reading = self.points.support_radius, self.settings.readings.target_views
+        pixels = target_footprint(points, radius, self._scene.cameras, self.image_px, reading)
+        if not pixels.any():
             raise ReconstructionFailed(
-                f"no source view can show a point of {level_name(self.level)}: are there views "
+                f"no target view can see a point of {level_name(self.level)}: are there views "
                 "enough, and do their cameras agree on where the part is?"
             )
-        return target_pixels
-
-    def _make_sdf_constraints(
-        self, hull_distance: Float32[Tensor, "m"], photo_hull: PhotoHull | None
-    ) -> SdfConstraints:
-        points = self.points.positions
-        neighbors, settings = grid_neighbors(points, self.spacing), self.settings.sdf
-        if photo_hull is None:
-            return SdfConstraints(hull_distance, neighbors, settings)
-        initial_distance = photo_hull.distance(points) / self._length_unit
-        return SdfConstraints(
-            hull_distance, neighbors, settings, initial_distance, photo_hull.is_reliable
-        )
+        return pixels
 
     @property
     def _length_unit(self) -> float:
-        """That raw values are counted in: the first level's spacing."""
+        """The unit of raw values: the first level's spacing."""
         return grid_spacing(self.settings.grid_res, 0)
 
     def _update_beta(self) -> None:
-        """Bring the softness of the surface to where it is after the steps taken."""
+        """Set the softness of the surface to its value after the steps done."""
         if self.settings.readings.density_activation == "sdf":
             self.field.beta = self.beta()
             self.renderer.beta = self.field.beta * self._length_unit
 
     def fine_renderer(self, beta: float) -> Renderer:
-        """What looks at the field once it is learned, with a surface so soft, in first spacings.
+        """The renderer of the trained field, with a surface of softness `beta`, in first spacings.
 
-        As the last step had it for colors, which is what was learned: seen aslant, a soft surface
-        is nearer than a hard one.  The median is that of `softness.shown`, whatever the colors'.
+        Colors are rendered as soft as they were trained: seen at an angle, a soft surface is
+        nearer than a hard one.  The median depth is always that of softness `beta.render`.
         """
         if self.settings.readings.density_activation == "sdf":
             self._fine_renderer.beta = beta * self._length_unit
@@ -171,18 +147,18 @@ class Trainer:
         return self._fine_renderer
 
     def beta(self) -> float:
-        """Of the surface after the steps taken, in first spacings."""
+        """Softness of the surface after the steps done, in first spacings."""
         return beta_at(self.settings, self._progress())
 
     def _progress(self) -> float:
         return training_progress(self.settings, self.level, self.steps_done)
 
     def _prune_empty(self) -> None:
-        """Skip space that is empty; points that have nothing near them leave the set.
+        """Skip empty space; of a field with N, drop the points that have no density near them.
 
-        No pixel changes by it: a point is left out only where it and all points that are ever
-        weighed together with it have no density.  Raises ReconstructionFailed if none has any:
-        from there no gradient leads back.
+        No pixel changes by it: a point is dropped only if it and all points that are ever
+        interpolated with it have no density.  Raises ReconstructionFailed if no point has a
+        density: then none has a gradient.
         """
         sigma = self.density()
         self._raise_if_empty(sigma)
@@ -197,8 +173,8 @@ class Trainer:
     def _raise_if_empty(self, sigma: Float32[Tensor, "m"]) -> None:
         if not (sigma > 0).any():
             raise ReconstructionFailed(
-                f"the field is empty after {self.steps_done} steps of {level_name(self.level)}: do the "
-                "images show anything but background?"
+                f"the field is empty after {self.steps_done} steps of {level_name(self.level)}: do "
+                "the images show anything but background?"
             )
 
     def _set_has_density(self, has_density: Bool[Tensor, "m"]) -> None:
@@ -206,9 +182,10 @@ class Trainer:
         self.points.update_occupancy(has_density)
 
     def _select_points(self, mask: Bool[Tensor, "m"]) -> Int64[Tensor, "k"]:
-        """Take the other points out of the set; the optimizer goes on with these where it was.
+        """Drop the other points, with their moments in the optimizer.
 
-        Returns which they are, in their new order: fewer points have other cells to sort by.
+        Returns the indices of the kept points in their new order: fewer points are sorted into
+        other cells.
         """
         remaining = self.points.positions[mask]
         self._build_renderers(remaining)
@@ -220,83 +197,58 @@ class Trainer:
         return indices
 
     def step(self) -> Float32[Tensor, ""]:
-        """One step of Adam; returns the mean squared error of the pixels it looked at.
+        """Take one step of Adam; returns the mean squared error of its pixels.
 
-        Who reads that number waits for the device, which may otherwise be some steps behind.
+        To read that number is to wait for the device, which may be some steps behind.
         """
-        self._optimizer.set_lrs(self._progress(), self._sdf_lr() if self.sdf_constraints else None)
+        beta, settings = self.beta(), self.settings
+        self._optimizer.set_lrs(self._progress(), self.constraints.lr(beta))
         self._update_beta()
-        if self._is_encoder_step():
-            self.field.source_features.refresh_views(self._random_views(), self._generator)
-        batch = self.render_batch(*self.field())
-        output = batch.output
-        loss = photometric_loss(output, batch.background, batch.target)
-        self._optimizer.zero_grad()
-        regularizer = opacity_regularizer(
-            output, self.settings.opacity_weight, self.settings.binary_opacity_weight
+        self.field.refresh_views(self.steps_done, self._generator)
+        output, batch = self.render_batch(*self.field())
+        photometric = photometric_loss(output, batch.background, batch.target)
+        loss = photometric + opacity_regularizer(
+            output, settings.opacity_weight, settings.binary_opacity_weight
         )
-        (
-            loss
-            + regularizer
-            + depth_loss(output, batch.measured_depth, self.settings.depth_weight)
-        ).backward()
+        if batch.measured_depth is not None:
+            loss = loss + settings.depth_weight * depth_loss(output, batch.measured_depth)
+        self._optimizer.zero_grad()
+        loss.backward()
         self._optimizer.step()
         self.field.clamp_parameters()
-        if self.sdf_constraints:
-            self.sdf_constraints.relax_to_initial(self.field.raw, self._sdf_lr())
-            self.sdf_constraints.constrain(self.field.raw, self.steps_done + 1, self.num_steps)
+        self.constraints.project(self.field, beta, self.steps_done + 1, self.num_steps)
         self.steps_done += 1
         if self._is_refresh_step:
             self._prune_empty()
             self.field.recompute_features()
-        return loss.detach()
+        return photometric.detach()
 
-    def render_batch(self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]) -> RayBatch:
-        """Look along the rays of `rays` random pixels at points that hold these."""
-        pixel_indices, offsets = self.ray_sampler.sample_pixels(
-            self.settings.rays_per_step, self._generator
+    def render_batch(
+        self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]
+    ) -> tuple[RenderOutput, RayBatch]:
+        """Render `rays_per_step` random pixels of points with these values and colors."""
+        settings = self.settings
+        batch = self.ray_sampler.sample(
+            settings.rays_per_step, settings.image_noise, self._generator
         )
-        rays, target, background = self.ray_sampler.rays(pixel_indices, offsets)
-        output = self.renderer.render(rays, values, rgb)
-        target = add_noise(target, self.settings.image_noise, self._generator)
-        return RayBatch(
-            output, background, target, self.ray_sampler.ray_depths(pixel_indices, rays)
-        )
-
-    def _sdf_lr(self) -> float:
-        """Of distances, in this step."""
-        return self.sdf_constraints.lr(self.beta())
-
-    def _is_encoder_step(self) -> bool:
-        source_features = self.field.source_features
-        return bool(
-            source_features
-            and source_features.is_trainable
-            and self.steps_done % self.settings.network.encoder_update_interval == 0
-        )
-
-    def _random_views(self) -> Tensor:
-        num_views = len(self.field.source_features)
-        return torch.randperm(num_views, generator=self._generator)[
-            : self.settings.network.encoder_update_views
-        ]
+        return self.renderer.render(batch.rays, values, rgb), batch
 
     @torch.no_grad()
     def values(self) -> tuple[Tensor, Tensor]:
-        """What the renderer is given of the points, as they are now: densities or distances."""
+        """Densities (reading `sdf`: distances) and colors of the points, as they are now."""
         return self.field()
 
     @torch.no_grad()
     def density(self) -> Tensor:
-        """Of the points, as they are now."""
+        """Densities of the points, as they are now."""
         return density(self.field()[0], self.renderer.beta)
 
     def view_confidence(self) -> ViewConfidence:
-        """What the source views say of the points: the last level's finely, others' as trained.
+        """Section 3.4: confidence of the source views in the points, of the last level finely.
 
         Raises ReconstructionFailed if no point has a density.
         """
-        self._update_beta()  # as soft as after the last step, whether it was taken just now or not
+        self._update_beta()  # a restored trainer has not taken the last step itself
         is_last_level = self.level == len(self.settings.levels) - 1
         renderer = self.fine_renderer(self.settings.beta.render) if is_last_level else self.renderer
         image_px = self.settings.surface_px if is_last_level else self.image_px // 2
@@ -313,40 +265,36 @@ class Trainer:
 
     @property
     def is_checkpointable(self) -> bool:
-        """Whether `state` is all that a later step depends on.
+        """Whether `state` is all that later steps depend on.
 
-        While E learns it is only just after all views were told by E as it is: `restore` has them
-        told so, and between two such looks some are told by an E of some steps ago.
+        `restore` encodes all views with E as it is.  While E is trained that is what they are
+        just after all views were recomputed, not between.
         """
-        source_features = self.field.source_features
-        return not (source_features and source_features.is_trainable) or self._is_refresh_step
+        return self._is_refresh_step or not self.field.is_encoder_trainable
 
     @property
     def _is_refresh_step(self) -> bool:
-        """Whether the last step ended with a look at all points and all views."""
+        """Whether the last step ended with an update of all points and all views."""
         return self.steps_done % REFRESH_INTERVAL == 0 or self.steps_done == self.num_steps
 
     def state(self) -> dict[str, Any]:
-        """All that a later step depends on, but what E made of the views: see `can_stop`."""
+        """All that later steps depend on, but for the encoded views: see `is_checkpointable`."""
         return {
-            "taken": self.steps_done,
+            "steps_done": self.steps_done,
             "points": self.points.positions,
             "spacing": self.spacing,
-            "trust": self._view_weights,
-            "filled": self.has_density,
+            "view_weights": self._view_weights,
+            "has_density": self.has_density,
             "field": self.field.state_dict(),
-            "adam": self._optimizer.state_dict(),
+            "optimizer": self._optimizer.state_dict(),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on from `state`, which was taken of the same points.
-
-        What the source views say is not in it, but encoded anew, every view by E as it is now.
-        """
-        self.steps_done = state["taken"]
+        """Continue from `state`, which is of the same points; encodes all views anew."""
+        self.steps_done = state["steps_done"]
         self.field.load_state_dict(state["field"])
         if self.field.source_features:
             self.field.source_features.recompute_features()
-        self._optimizer.load_state_dict(state["adam"])
-        self._set_has_density(state["filled"].to(self.points.positions.device))
+        self._optimizer.load_state_dict(state["optimizer"])
+        self._set_has_density(state["has_density"].to(self.points.positions.device))
         self._update_beta()

@@ -1,6 +1,6 @@
-"""How fine the first grid is, for `industnerf_plus`: a long part fills little of its ball.
+"""Resolution of the first grid, for parts that fill little of their bounding ball.
 
-An addition to the paper, whose r is the same for all parts (3.1).
+In the paper r is the same for all parts (3.1).
 """
 
 from dataclasses import replace
@@ -8,16 +8,18 @@ from dataclasses import replace
 from industnerf.methods.industnerf.point_levels import grid_spacing, initial_grid
 from industnerf.methods.industnerf_plus.sdf_constraints import HULL_MARGIN
 from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
-from industnerf.schema import IndustnerfSettings
+from industnerf.schema import IndustnerfPlusSettings
 
 MAX_REFINEMENT = 2.0  # times as fine as `grid_res`
 
 
-def adapt_resolution(settings: IndustnerfSettings, silhouettes: Silhouettes) -> IndustnerfSettings:
-    """`settings` with a larger `grid_res` if then still no more than `grid_points` may hold matter.
+def adapt_resolution(
+    settings: IndustnerfPlusSettings, silhouettes: Silhouettes
+) -> IndustnerfPlusSettings:
+    """`settings` with the largest `grid_res` of at most `max_grid_points` points in the hull.
 
-    Of the m points that may at r, there are (r' / r)^3 m at r' if they fill a volume, less if they
-    are a skin.  The surface is as soft at first as it would have been: light reaches as deep.
+    If m points are in it at r, there are at most (r' / r)^3 m at r'.  `beta.start` is scaled, so
+    that the surface is as soft in the unit frame as before.
     """
     if not settings.max_grid_points:
         return settings
@@ -33,6 +35,6 @@ def adapt_resolution(settings: IndustnerfSettings, silhouettes: Silhouettes) -> 
     return replace(settings, grid_res=grid_res, beta=replace(settings.beta, start=beta_start))
 
 
-def hull_margin(settings: IndustnerfSettings) -> float:
-    """How many spacings beyond the hull points are kept."""
+def hull_margin(settings: IndustnerfPlusSettings) -> float:
+    """How far beyond the hull points are kept, in spacings."""
     return HULL_MARGIN if settings.sdf.enabled else 0.9

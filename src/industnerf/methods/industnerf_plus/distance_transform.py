@@ -1,4 +1,4 @@
-"""The distance transform of images and lattices."""
+"""The Euclidean distance transform of images and grids."""
 
 import torch
 from edt import edt
@@ -10,9 +10,9 @@ CHECK_INTERVAL = 64  # steps after which a GPU is asked whether more can bring a
 
 
 def distance_transform(mask: Bool[Tensor, "n *cells"]) -> Float32[Tensor, "n *cells"]:
-    """How far each cell is from the nearest chosen one of its image, in cells.
+    """Exact distance of each cell from the nearest one in the mask of its image, in cells.
 
-    Euclidean and exact; where nothing is chosen, the sum of the image's sides.
+    Where the mask is empty, the sum of the image's sides.
     """
     if mask.is_cuda:
         chunks = mask.split(max(1, CHUNK_CELLS // mask[0].numel()))
@@ -25,7 +25,7 @@ def distance_transform(mask: Bool[Tensor, "n *cells"]) -> Float32[Tensor, "n *ce
 
 
 def separable_edt(mask: Bool[Tensor, "n *cells"]) -> Float32[Tensor, "n *cells"]:
-    """The same, but infinite where nothing is chosen: for a GPU, on which `edt` does not run.
+    """The same, but infinite where the mask is empty: for a GPU, on which `edt` does not run.
 
     Squares separate: d^2(i, j) = min_k ((i - k)^2 + min_l (j - l)^2), l over the chosen (k, l).
     """

@@ -1,11 +1,8 @@
-"""A surface on a grid twice as fine, for `industnerf_plus`: what the next level starts from.
+"""Refinement of a surface: the points of the next level are in the cells beside it.
 
-Light ends near a surface, so only the cells beside one are divided; the finer points hold what
-lies between the coarser ones.  The hull is known more finely than any grid: `Relief.within` cuts
-the finer points by it, and grooves that fell between the coarser ones are there.  Matter that fell
-between them is not: nothing brings it back.
-
-An addition to the paper, whose finer points are drawn (3.2).
+Light ends near a surface, so only the cells beside one are subdivided.  The visual hull is known
+more finely than any grid; `SdfConstraints.initial_raw` cuts the finer distances by it, so grooves
+between the coarser points appear.  Matter between them does not: nothing brings it back.
 """
 
 import torch
@@ -30,10 +27,9 @@ def subdivide_narrow_band(
     rgb: Float32[Tensor, "m 3"],
     spacing: float,
 ) -> PointLevel:
-    """The points beside the surface, in eight each.
+    """The cells beside the surface, subdivided in eight.
 
-    Distances are linear between the points, as the renderer has them; colors are those of the
-    points that were divided.
+    Distances are trilinear between the old points; colors are those of the subdivided ones.
     """
     cells = round(2 / spacing)
     distances = densify(points, distance, cells)
@@ -48,7 +44,7 @@ def subdivide_narrow_band(
 def densify(
     points: Float32[Tensor, "m 3"], distance: Float32[Tensor, "m"], cells: int
 ) -> Float32[Tensor, "r r r"]:
-    """Distances on all of [-1, 1]^3; a cell without a point has that of the nearest with one."""
+    """Distances on all of [-1, 1]^3; an empty cell has that of the nearest cell with a point."""
     has_point = grid_mean(points, torch.ones_like(distance), cells) > 0
     _, nearest = distance_transform_edt(~has_point.cpu().numpy(), return_indices=True)
     x, y, z = torch.from_numpy(nearest).long().to(points.device)
@@ -56,7 +52,7 @@ def densify(
 
 
 def narrow_band_mask(distance: Float32[Tensor, "r r r"], radius: int) -> Bool[Tensor, "r r r"]:
-    """Cells with one of the other sign among those that are up to `reach` from them."""
+    """Cells that have one of the other sign within `radius` cells."""
     solid = (distance < 0).float()[None]
     window = 2 * radius + 1
     has_sign_nearby = max_pool3d(torch.cat([solid, 1 - solid]), window, stride=1, padding=radius)

@@ -1,4 +1,4 @@
-"""How far outside the photo hull points are: where `industnerf_plus` starts, an addition."""
+"""Signed distance of points from the photo hull, which the surface starts at."""
 
 from dataclasses import replace
 
@@ -15,14 +15,12 @@ from industnerf.photohull import carve_space, carving_warnings
 from industnerf.photohull.voxel_grid import unit_frame_cameras_about
 from industnerf.schema import SpaceCarvingSettings
 
-# Cells a side.  The schema's BLOCKS has them too, but no schema counts in a key of the store.
+# Cells a side.  `CARVING_GRID_RES` of the schema has them too, but no schema is in a store key.
 MIN_GRID_RES, GRID_RES_MULTIPLE = 32, 8
 
 
 class PhotoHull:
-    """What the photographs leave of the hull; the hull itself, where they are not believed or
-    leave nothing.
-    """
+    """The visual hull, carved by the photographs; the hull itself where these leave nothing."""
 
     def __init__(
         self,
@@ -42,9 +40,9 @@ class PhotoHull:
         self._depth = np.minimum(carving.depth, remaining_depth)
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
-        """How far each point is outside, in the scene's unit; < 0 inside.
+        """Signed distance of each point, in the unit frame; < 0 inside.
 
-        What is deep inside is said to be too near to the surface: see `lattice.depth_in_hull`.
+        Deep inside it is too small in magnitude.
         """
         cell_size = 2 / len(self._depth)
         grid_coordinates = (points.cpu().numpy() + 1) / cell_size - 0.5
@@ -55,10 +53,10 @@ class PhotoHull:
 
 
 def limit_grid_res(settings: SpaceCarvingSettings, image_px: float) -> SpaceCarvingSettings:
-    """`ways` with cells of two pixels or more, where `px` span the region of interest.
+    """`settings` with cells of at least two pixels; the region of interest is `image_px` wide.
 
-    But never fewer than COARSEST a side: below 64 px cells are smaller.  The colors within a
-    pixel are averaged: of smaller cells each view would show another mean.
+    There are at least MIN_GRID_RES cells a side.  A pixel averages the colors within it, so of
+    smaller cells each view would show another mean.
     """
     max_grid_res = int(image_px / 2) // GRID_RES_MULTIPLE * GRID_RES_MULTIPLE
     return replace(settings, grid_res=min(settings.grid_res, max(MIN_GRID_RES, max_grid_res)))

@@ -1,35 +1,37 @@
-"""A surface inside the visual hull, for `industnerf_plus`: points hold distances, not densities.
+"""Signed distances inside the visual hull: the points hold distances instead of densities.
 
-Every point starts at its signed distance from the hull, or from the photo hull, so that the first
-surface is theirs, and is soft: light reaches far inside.  While it hardens, what the images
-contradict is carved.  Deep inside the photo hull all points start alike (`start.deepest`): a point
-that started at its true depth would have to be carved through all of it.
+Every point starts at its signed distance from the visual hull, or from the photo hull, so the
+first surface is that of the hull.  It is soft at first: light reaches far inside.  While it
+hardens, training carves what the images contradict.  Deep inside the photo hull all points start
+at the same depth (`initial_max_depth`): from its true depth a point could not be carved in time.
 
-    carved = max(0, distance - that of the hull)
+    carved depth = max(0, distance - distance from the hull)
 
-Inside, a point may be `slack` times as deep as the hull has it, which is carved by nothing.
+A point may lie `max_depth_factor` times as deep inside as it does in the hull.
 
-Of a plain face most images contradict neither the face nor a hollow in it: what nothing keeps
-carving falls back to where it started; faster, if the photographs are not believed (`photohull`).
-Such hollows are shallow.  What is carved deeper inside the visual hull than `back_within` stays
-carved: it is a pocket.
+Of a plain face most images contradict neither the face nor a shallow hollow in it.  So what
+training does not keep carving relaxes to where it started; faster if the photo hull is not
+reliable.  What is carved deeper inside the visual hull than `relax_max_depth` stays: it is a
+pocket.
 
-An addition to the paper, after VolSDF -- Yariv et al. (2021).  Lengths are in spacings of the
-first level.
+After VolSDF -- Yariv et al. (2021).  Lengths are in spacings of the first level.
 """
 
 import torch
 from jaxtyping import Float32, Int64
 from torch import Tensor
 
+from industnerf.methods.industnerf.field import Field
+from industnerf.methods.industnerf.optimizer import Constraints
 from industnerf.schema import SdfSettings
 
-HULL_MARGIN = 2.0  # of the level's own, beyond the hull: points needed there to say where it ends
-MAX_ABS_SDF = 9.0  # distances are kept within this: nothing is learned from larger ones
+HULL_MARGIN = 2.0  # spacings of the level: points beyond the hull that show where it ends
+VISIBILITY_MARGIN = 1.0  # pixels farther outside the hull than this tell nothing new
+MAX_ABS_SDF = 9.0  # distances are clamped to this
 
 
-class SdfConstraints:
-    """The constraints that distances on a grid learn under."""
+class SdfConstraints(Constraints):
+    """The constraints of signed distances at the points of a grid."""
 
     def __init__(
         self,
@@ -55,27 +57,36 @@ class SdfConstraints:
         )
 
     def lr(self, beta: float) -> float:
-        """Of Adam: a soft surface may move far."""
+        """Learning rate of the distances: a soft surface may move far."""
         return self._settings.lr * beta
 
-    def initial_sdf(self, distance: Float32[Tensor, "m"] | None) -> Float32[Tensor, "m"]:
-        """To start from: the start's distances, or `distance` and nowhere deeper than the hull."""
-        return (
-            self._initial_distance
-            if distance is None
-            else torch.maximum(distance, self.hull_distance)
-        )
+    def visible_points(
+        self, points: Float32[Tensor, "m 3"], order: Int64[Tensor, "m"]
+    ) -> Float32[Tensor, "v 3"]:
+        """Those near the hull or inside."""
+        is_visible = torch.empty_like(self._is_shallow)
+        is_visible[order] = self.hull_distance < VISIBILITY_MARGIN
+        return points[is_visible]
+
+    def initial_raw(self, raw: Float32[Tensor, "m"] | None) -> Float32[Tensor, "m"]:
+        """The initial distances, or those of the last level, cut by the hull."""
+        return self._initial_distance if raw is None else torch.maximum(raw, self.hull_distance)
+
+    def project(self, field: Field, beta: float, steps_done: int, num_steps: int) -> None:
+        """Relax, clamp and filter the distances after a step."""
+        self.relax_to_initial(field.raw, self.lr(beta))
+        self.constrain(field.raw, steps_done, num_steps)
 
     @torch.no_grad()
     def relax_to_initial(self, distance: Float32[Tensor, "m"], lr: float) -> None:
-        """Of what was carved near the hull a little is undone: a share of a step at `rate`."""
+        """Undo a little of what was carved near the hull: a share `relax_rate` of a step."""
         relaxed = torch.maximum(distance - self._relax_rate * lr, self._initial_distance)
         is_relaxed = (distance > self._initial_distance) & self._is_shallow
         distance.copy_(torch.where(is_relaxed, relaxed, distance))
 
     @torch.no_grad()
     def constrain(self, distance: Float32[Tensor, "m"], steps_done: int, steps: int) -> None:
-        """Back inside the hull; now and then, and at the end, without pits."""
+        """Clamp the distances to the hull; at some steps, and at the last, filter out pits."""
         distance.copy_(torch.maximum(distance, self._min_distance)).clamp_(
             -MAX_ABS_SDF, MAX_ABS_SDF
         )
@@ -83,7 +94,7 @@ class SdfConstraints:
             distance.copy_(median_filter(distance, self.hull_distance, self._neighbors))
 
     def _is_filter_step(self, steps_done: int, steps: int) -> bool:
-        """Whether pits are filled after so many of the `steps`."""
+        """Whether the median filter runs after so many of the `steps`."""
         interval = self._settings.median_filter_interval
         if not interval:
             return False
@@ -97,10 +108,10 @@ def median_filter(
     hull_distance: Float32[Tensor, "m"],
     neighbors: Int64[Tensor, "m 6"],
 ) -> Float32[Tensor, "m"]:
-    """Nowhere carved more than in the median of the point and the six beside it.
+    """Limit the carved depth to the median of the point and its six neighbors.
 
-    A slot one point wide has five of the seven and stays.  A hole one point wide is the chance
-    of a pixel that no color fits: it is filled.
+    A slot one point wide is carved at five of the seven and stays.  A hole one point wide is
+    filled: it comes from single pixels that no color fits.
     """
     carved_depth = (distance - hull_distance).clamp(min=0)
     neighbor_depth = torch.where(
@@ -111,7 +122,7 @@ def median_filter(
 
 
 def grid_neighbors(points: Float32[Tensor, "m 3"], spacing: float) -> Int64[Tensor, "m 6"]:
-    """Which points lie one `spacing` before and behind each along the axes; -1: none does."""
+    """Indices of the points one `spacing` from each, in both directions of the axes; -1: none."""
     index = ((points - points.amin(0)) / spacing).round().long() + 1
     size = index.amax(0) + 2
     table = torch.full((int(size.prod()),), -1, device=points.device)

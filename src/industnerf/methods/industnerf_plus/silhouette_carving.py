@@ -1,4 +1,4 @@
-"""Free space from background pixels: an addition to the paper, for `industnerf_plus`."""
+"""Silhouettes of the part in all views, and the visual hull that they bound."""
 
 import numpy as np
 import torch
@@ -14,7 +14,7 @@ MAX_DISTANCE = 2.0  # beyond the region of interest, and of any view
 
 
 class Silhouettes:
-    """Where each view shows the part (`part_in`), and how far off its outline each pixel is, px."""
+    """The foreground of each view, and the distance (px) of each pixel from its outline."""
 
     def __init__(self, scene: NerfScene, tolerance: float) -> None:
         self._cameras, self._focal = scene.cameras, scene.cameras.K[:, [0, 1], [0, 1]].amax(dim=1)
@@ -29,11 +29,11 @@ class Silhouettes:
 
     @property
     def device(self) -> torch.device:
-        """Where points must be."""
+        """The device of the points."""
         return self._distance_outside.device
 
     def outlines(self) -> Float32[np.ndarray, "n h w"]:
-        """As `geometry.silhouettes.outlines` of the part, of what is known already."""
+        """Signed distance (px) of each pixel from the outline, as `geometry.silhouettes` has it."""
         return (
             (-self._signed_distance)
             .clamp(0.5 - MAX_DISTANCE_PX, MAX_DISTANCE_PX - 0.5)
@@ -42,11 +42,11 @@ class Silhouettes:
         )
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
-        """How far each point is outside the visual hull, in the scene's unit; < 0 inside.
+        """Signed distance of each point from the visual hull, in the unit frame; < 0 inside.
 
-        The most that any view says: how far the silhouette's outline is from the point's pixel,
-        at the point's depth and at the longer of two focal lengths, so at least that far.  Views
-        that do not have the point in frame say nothing.
+        A lower bound: the maximum over the views of the distance of the point's pixel from the
+        outline, at the point's depth and the longer focal length.  Views that do not have the
+        point in frame are left out.
         """
         hull_distance = torch.full_like(points[:, 0], -torch.inf)
         height, width = self._distance_outside.shape[1:]
@@ -65,10 +65,10 @@ class Silhouettes:
         return hull_distance.clamp(-MAX_DISTANCE, MAX_DISTANCE)
 
     def inside_hull(self, points: Float32[Tensor, "m 3"], margin: float) -> Bool[Tensor, "m"]:
-        """False for points that some view sees before background, farther than `slack` from it.
+        """False for points that some view sees more than `margin` outside its silhouette.
 
-        `slack` is a length in the scene's unit: cells that reach into the silhouette stay.  So
-        does what is within a pixel of it: an outline may cover a pixel, and not its center.
+        `margin` is a length in the unit frame.  One pixel more is allowed, because an outline may
+        cover a pixel and not its center.
         """
         kept = torch.arange(len(points), device=points.device)
         for K, c2w, focal, view_distance_outside in zip(

@@ -1,6 +1,6 @@
-"""The mean of all parts learned from, whatever the pictures show.
+"""The mean of all training parts, whatever the images show.
 
-What a net must beat to deserve its name -- Tatarchenko et al., "What Do Single-view 3D
+A baseline of networks -- Tatarchenko et al., "What Do Single-view 3D
 Reconstruction Networks Learn?" (2019), section 3.
 """
 

@@ -1,8 +1,7 @@
 """Occupancy Networks: whether a point is inside the part, given one photograph of it.
 
 Mescheder et al., "Occupancy Networks: Learning 3D Reconstruction in Function Space" (2019), with
-its released code.  `network` is the net, `lesson` what it is taught, `mise` how a surface is found
-in what it says.  The encoder starts at random: published weights cannot be had offline.
+its released code.  The encoder starts at random: published weights cannot be had offline.
 """
 
 from collections.abc import Sequence
@@ -17,7 +16,7 @@ def fit(
     examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
 ) -> ModelState:
     """The weights that are best on the validation parts."""
-    # late: a report that names the method need not wait for torch
+    # late: torch is slow to import
     from industnerf.methods.occupancy.run import fit
 
     return fit(examples, settings, seed, scratch)
@@ -26,7 +25,7 @@ def fit(
 def reconstruct(
     inputs: MethodInputs, settings: OccupancySettings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """One answer for each of `settings.answers` views: points of the surface that it shows."""
+    """One prediction from each of `settings.eval_views` views: points of its surface."""
     from industnerf.methods.occupancy.run import reconstruct
 
     return reconstruct(inputs, settings, state, seed)

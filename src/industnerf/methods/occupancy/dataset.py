@@ -1,4 +1,4 @@
-"""What the net is taught: photographs of parts, and which points of space are inside them."""
+"""Training data: photographs of parts, and points of space with their occupancy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class OccupancyDataset:
     def of(
         examples: Sequence[Example], settings: OccupancySettings, rng: np.random.Generator
     ) -> "OccupancyDataset":
-        """Read the photographs, and find out which points are inside."""
+        """Read the photographs, and sample points and their occupancy."""
         pools = [
             sample_occupancy(*example.mesh, settings.points_per_part, settings.padding, rng)
             for example in examples
@@ -43,7 +43,7 @@ class OccupancyDataset:
     def loss(
         self, net: OccupancyNet, part_indices: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
-        """Binary cross entropy, nats: summed over the points, mean over the parts `which`.
+        """Binary cross entropy, nats: summed over the points, mean over the parts.
 
         One view of each, and points drawn anew each time.
         """

@@ -1,4 +1,4 @@
-"""Multiresolution isosurface extraction: a field on a lattice, asked only where its level passes.
+"""Multiresolution isosurface extraction: a field evaluated only near its level set.
 
 Mescheder et al., "Occupancy Networks" (2019), section 3.3.  A cell of a coarse lattice with some
 points above the level and some below is divided in eight, and so on; elsewhere the values
@@ -18,7 +18,7 @@ THIRDS = slice(None, -1, 2), slice(1, None, 2), slice(2, None, 2)  # points of c
 
 
 def mise(field: Field, level: float, cells: int, subdivisions: int) -> tuple[Values, int]:
-    """Values at the (cells * 2^subdivisions + 1)^3 lattice points, and how many were asked for.
+    """Values at the (cells * 2^subdivisions + 1)^3 lattice points, and how many were evaluated.
 
     They cross `level` exactly where the values of `field` do, but for what is missed on all
     points of a coarse lattice of `cells`^3: islands and holes smaller than a cell of it.

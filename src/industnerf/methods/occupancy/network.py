@@ -1,4 +1,4 @@
-"""The net of Occupancy Networks: images to codes, a code and points to logits of being inside.
+"""The network: images to codes, a code and points to logits of being inside.
 
 The published decoder with conditional batch norm -- Mescheder et al. (2019), supplement 1.1.
 """
@@ -79,7 +79,7 @@ class OccupancyNet(nn.Module):
         self.decoder = Decoder(settings.latent_dim, settings.decoder_width, settings.decoder_blocks)
 
     def encode(self, images: Float[Tensor, "b 3 px px"]) -> Float[Tensor, "b code"]:
-        """What each image, with values in [0, 1], shows."""
+        """The code of each image, whose values are in [0, 1]."""
         mean, std = (images.new_tensor(x).view(3, 1, 1) for x in (MEAN, STD))
         return self.encoder((images - mean) / std)
 

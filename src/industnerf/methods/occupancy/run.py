@@ -1,4 +1,4 @@
-"""Train the net, and ask it about a part, view by view."""
+"""Train the network, and reconstruct a part with it, view by view."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -13,9 +13,8 @@ from industnerf.artifacts.state import ModelState
 from industnerf.device import device
 from industnerf.geometry.isosurface import isosurface_points
 from industnerf.learning.augment import images_to_tensor
-from industnerf.learning.axis_alignment import axis_rotations
-from industnerf.learning.image_resize import evenly_spaced_indices, resize_images
 from industnerf.learning.training import model_state, train, train_val_split
+from industnerf.learning.views import axis_rotations, evenly_spaced_indices, resize_images
 from industnerf.learning.weights import load_arrays, torch_seed
 from industnerf.methods.base import Example, MethodInputs, Reconstruction
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
@@ -25,13 +24,13 @@ from industnerf.methods.occupancy.network import OccupancyNet
 from industnerf.schema import OccupancySettings
 from industnerf.seeds import generator
 
-POINT_BATCH = 16384  # points that the net is asked about in one go
+POINT_BATCH = 16384  # points that the network is evaluated on at once
 
 
 def fit(
     examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
 ) -> ModelState:
-    """Train on the parts that are not set apart; same seed, same bytes on a CPU."""
+    """Train on the parts that are not for validation; same seed, same bytes on a CPU."""
     torch.set_num_threads(1)  # folds are what runs side by side
     dataset = OccupancyDataset.of(examples, settings, generator(seed, "lessons"))
     with torch_seed(seed):
@@ -48,9 +47,9 @@ def fit(
 def reconstruct(
     inputs: MethodInputs, settings: OccupancySettings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """One answer a view, each of area-uniform points.
+    """One prediction a view, each of area-uniform points.
 
-    Raises ReconstructionFailed if the net sees matter in none of the views.
+    Raises ReconstructionFailed if all are empty.
     """
     torch.set_num_threads(1)  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
@@ -74,7 +73,7 @@ def surface(
 ) -> Float[np.ndarray, "_ 3"]:
     """Points where the probability of being inside, given `code`, is the threshold; maybe none.
 
-    The net was taught of points @ `turn`.
+    The network is evaluated on points @ `rotation`.
     """
     level = float(np.log(settings.threshold / (1 - settings.threshold)))
     lo = np.full(3, -(1 + settings.padding) / 2)

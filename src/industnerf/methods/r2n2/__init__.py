@@ -1,8 +1,8 @@
-"""3D-R2N2 -- Choy et al. (2016): from one or several pictures to the voxels of a part.
+"""3D-R2N2 -- Choy et al. (2016): from one or several images to the voxels of a part.
 
-The residual net, which is the paper's best: every picture becomes a vector, a recurrent unit on a
-grid of 4^3 cells remembers what the pictures say one after another, and a decoder makes 32^3
-voxels of its memory.  It learns from other parts and is not told where the cameras are.
+The residual network, which is the paper's best: every image becomes a vector, a recurrent unit on a
+grid of 4^3 cells takes the vectors one after another, and a decoder makes 32^3 voxels of its hidden
+state.  It learns from other parts and is given no camera poses.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from industnerf.schema import R2n2Settings
 def fit(
     examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path
 ) -> ModelState:
-    """The weights of a net that was trained on `examples`."""
+    """The weights of a network trained on `examples`."""
     from industnerf.methods.r2n2.train import fit_net
 
     return fit_net(examples, settings, seed, scratch)
@@ -25,9 +25,9 @@ def fit(
 def reconstruct(
     inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """Points of the surface of what the net makes of `views` pictures, in one pass.
+    """Points of the surface that the network predicts from `max_views` images, in one pass.
 
-    Raises ReconstructionFailed if no voxel is likely enough to be full.
+    Raises ReconstructionFailed if no voxel reaches the threshold.
     """
     from industnerf.methods.r2n2.predict import predict_part
 

@@ -1,4 +1,4 @@
-"""From the memory's 4^3 cells to 32^3 voxels: three times unpool and convolve.
+"""From the hidden grid's 4^3 cells to 32^3 voxels: three times unpool and convolve.
 
 Channels and shortcuts as in the authors' `models/res_gru_net.py`.
 """
@@ -10,7 +10,7 @@ from torch.nn import functional as F
 from industnerf.methods.r2n2 import gru
 from industnerf.methods.r2n2.encoder import SLOPE
 
-VOXELS = 32  # a side: three times twice the memory's cells
+VOXELS = 32  # a side: three times twice the hidden grid's cells
 CHANNELS = (128, 128, 64, 32)  # at 8^3, 16^3, 32^3 and once more at 32^3, as published
 CLASSES = 2  # empty, full
 
@@ -64,7 +64,7 @@ class OutputBlock(nn.Module):
 
 
 class Decoder(nn.Sequential):
-    """Memories (b, 128 / divisor, 4, 4, 4) to scores of two classes (b, 2, 32, 32, 32)."""
+    """Hidden grids (b, 128 / divisor, 4, 4, 4) to scores of two classes (b, 2, 32, 32, 32)."""
 
     def __init__(self, divisor: int) -> None:
         a, b, c, d = (channels // divisor for channels in CHANNELS)

@@ -1,4 +1,4 @@
-"""From a picture to a vector: six stages of two convolutions each, and a linear layer.
+"""From an image to a vector: six stages of two convolutions each, and a linear layer.
 
 Channels, shortcuts and pools as in the authors' `models/res_gru_net.py`.
 """
@@ -41,7 +41,7 @@ class ConvBlock(nn.Module):
 
 
 class Encoder(nn.Sequential):
-    """Pictures (b, 3, px, px) in [0, 1] to vectors (b, 1024 / divisor)."""
+    """Images (b, 3, px, px) in [0, 1] to vectors (b, 1024 / divisor)."""
 
     def __init__(self, px: int, divisor: int) -> None:
         a, b, c, d, e, f = (channels // divisor for channels in CHANNELS)

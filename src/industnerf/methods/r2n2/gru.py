@@ -1,4 +1,4 @@
-"""The memory: a gated recurrent unit whose state is a grid -- section 3.2 of the paper."""
+"""The gated recurrent unit, whose hidden state is a grid -- section 3.2 of the paper."""
 
 import torch
 from jaxtyping import Float
@@ -11,7 +11,7 @@ HiddenGrid = Float[Tensor, "b c 4 4 4"]
 
 
 class Gate(nn.Module):
-    """What the memory and a picture say together: conv(memory) + linear(picture) + bias."""
+    """conv(hidden state) + linear(features of an image) + bias."""
 
     def __init__(self, features: int, channels: int) -> None:
         super().__init__()
@@ -23,9 +23,9 @@ class Gate(nn.Module):
 
 
 class GridGRU(nn.Module):
-    """Vectors of several pictures, one after another, to a grid of 4^3 cells.
+    """Vectors of several images, one after another, to a grid of 4^3 cells.
 
-    h' = u h + (1 - u) tanh(gate(r h, x)): u = 1 keeps the old memory, which starts at 0.
+    h' = u h + (1 - u) tanh(gate(r h, x)): u = 1 keeps the old state, which starts at 0.
     """
 
     def __init__(self, features: int, divisor: int) -> None:

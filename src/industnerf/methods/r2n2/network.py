@@ -1,4 +1,4 @@
-"""The whole net: `ResidualGRUNet` of the authors' code."""
+"""The whole network: ResidualGRUNet of the authors' code."""
 
 import math
 
@@ -11,13 +11,13 @@ from industnerf.methods.r2n2.decoder import Decoder
 from industnerf.methods.r2n2.encoder import FEATURES, Encoder
 from industnerf.methods.r2n2.gru import GridGRU
 
-INITIAL_BIAS = 0.1  # at the start
+INITIAL_BIAS = 0.1
 
 
 class R2N2(nn.Module):
-    """Pictures of `px` a side to scores of empty and full; as published with px 127, divisor 1.
+    """Images of `px` a side to scores of empty and full; as published with px 127, divisor 1.
 
-    All channels but those of the pictures and the two classes are divided by `divisor`.
+    All channels but those of the images and the two classes are divided by `divisor`.
     """
 
     def __init__(self, px: int, divisor: int) -> None:
@@ -50,6 +50,6 @@ def initialize(module: nn.Module) -> None:
 
 
 def new_net(px: int, divisor: int, seed: int) -> R2N2:
-    """A net whose weights depend on `seed` alone."""
+    """A network whose weights depend on `seed` alone."""
     with torch_seed(seed):
         return R2N2(px, divisor)

@@ -1,4 +1,4 @@
-"""From pictures of a part to points of its surface, by a net that is trained."""
+"""From images of a part to points of its surface, by a trained network."""
 
 import numpy as np
 import torch
@@ -6,10 +6,10 @@ from jaxtyping import Float32
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
+from industnerf.geometry.cameras import nested_view_subset
 from industnerf.geometry.isosurface import isosurface_points
-from industnerf.geometry.view_subsets import nested_view_subset
 from industnerf.learning.augment import images_to_tensor
-from industnerf.learning.image_resize import resize_images
+from industnerf.learning.views import resize_images
 from industnerf.learning.weights import load_arrays
 from industnerf.methods.base import MethodInputs, Reconstruction
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
@@ -21,7 +21,7 @@ from industnerf.schema import R2n2Settings
 def predict_part(
     inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """One answer of all views: area-uniform points of the surface at the threshold."""
+    """One prediction from all views: area-uniform points of the surface at the threshold."""
     probabilities = occupancy_probabilities(inputs, settings, load_net(settings, state))
     center, rng = np.full(3, 0.5 / VOXELS - 0.5), np.random.default_rng(seed)
     points = isosurface_points(
@@ -31,7 +31,7 @@ def predict_part(
 
 
 def load_net(settings: R2n2Settings, state: ModelState) -> R2N2:
-    """The net with the weights of `state`."""
+    """The network with the weights of `state`."""
     torch.set_num_threads(1)  # parts are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed=0)
     load_arrays(net, state.arrays)
@@ -41,7 +41,7 @@ def load_net(settings: R2n2Settings, state: ModelState) -> R2N2:
 def occupancy_probabilities(
     inputs: MethodInputs, settings: R2n2Settings, net: R2N2
 ) -> Float32[np.ndarray, "n n n"]:
-    """How likely each voxel of the unit cube is full, after all of `views` views."""
+    """The probability of each voxel of the unit cube to be full, from at most `max_views` views."""
     # farthest apart in space: every n-th camera of a spiral may look from the same side
     view_indices = nested_view_subset(
         inputs.cameras.centers, min(settings.max_views, len(inputs.rgb))

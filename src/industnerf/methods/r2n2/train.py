@@ -1,4 +1,4 @@
-"""Training on other parts: section 3.4 and 4 of the paper, with our pictures and voxels."""
+"""Training on other parts: section 3.4 and 4 of the paper, with our images and voxels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ from industnerf.seeds import generator
 def fit_net(
     examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path
 ) -> ModelState:
-    """The weights that were best on the parts set apart; goes on from `scratch`."""
+    """The weights that were best on the validation parts; resumes from `scratch`."""
     torch.set_num_threads(1)  # folds are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed).to(device())
     dataset = R2N2Dataset.of(examples, settings, net, seed)
@@ -37,7 +37,7 @@ def fit_net(
 
 @dataclass(frozen=True)
 class R2N2Dataset:
-    """Pictures and voxels of all parts to learn from."""
+    """Images and voxels of all training parts."""
 
     net: R2N2
     settings: R2n2Settings
@@ -48,7 +48,7 @@ class R2N2Dataset:
     def of(
         examples: Sequence[Example], settings: R2n2Settings, net: R2N2, seed: int
     ) -> "R2N2Dataset":
-        """Read the pictures of `examples`, and make voxels of their meshes."""
+        """Read the images of `examples`, and voxelize their meshes."""
         rng = generator(seed, "lessons")
         images = [one.rgb(settings.image_px, settings.train_views) for one in examples]
         occupied = [voxelize(*one.mesh, VOXELS, rng) for one in examples]
@@ -60,7 +60,7 @@ class R2N2Dataset:
         """Cross-entropy of empty and full, mean over voxels, as many views for the whole batch.
 
         Views are drawn one by one from those of the part, so that one may come twice; one to
-        `views` of them while the net learns, as many as it will be asked by to choose its weights.
+        `max_views` of them in training, `max_views`, as in the end, in validation.
         """
         max_views = self.settings.max_views
         views = rng.integers(1, max_views + 1) if self.net.training else max_views

@@ -1,7 +1,7 @@
-"""The part learned from that looks most alike, scaled to the part's size.
+"""The training part that looks most alike, scaled to the part's size.
 
-What a net must beat to deserve its name -- Tatarchenko et al., "What Do Single-view 3D
-Reconstruction Networks Learn?" (2019), section 3.  Pictures are compared by histograms of
+A baseline of networks -- Tatarchenko et al., "What Do Single-view 3D
+Reconstruction Networks Learn?" (2019), section 3.  Images are compared by histograms of
 oriented gradients -- Dalal and Triggs (2005) -- view by view: all parts are photographed by the
 same rig, so that the views with the same number look from the same side.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float, Float32, UInt8
 
 from industnerf.artifacts.state import ModelState
-from industnerf.learning.image_resize import resize_images
+from industnerf.learning.views import resize_images
 from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.schema import RetrievalSettings
@@ -50,14 +50,11 @@ def reconstruct(
 ) -> Reconstruction:
     """The surface of the part whose views are nearest, summed over the views that both have.
 
-    Both have the first: `nested` and `evenly` begin with it.
+    Both have the first: `nested_view_subset` and `evenly_spaced_indices` begin with it.
     """
-    input_indices = (
-        np.arange(len(inputs.rgb)) if inputs.view_indices is None else inputs.view_indices
-    )
-    _, input_views, stored_views = np.intersect1d(
-        input_indices, state.arrays["views"], return_indices=True
-    )
+    given, stored = inputs.view_indices, state.arrays["views"]
+    given = np.arange(len(inputs.rgb)) if given is None else given
+    _, input_views, stored_views = np.intersect1d(given, stored, return_indices=True)
     query_features = features(resize_images(inputs.rgb[input_views], settings.image_px))
     nearest = int(np.argmin(distances(state.arrays["features"][:, stored_views], query_features)))
     return predictions_to_reconstruction(

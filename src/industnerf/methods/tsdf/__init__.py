@@ -1,6 +1,6 @@
 """True depth images fused into a truncated signed distance -- Curless and Levoy (1996).
 
-Given what no camera gives, this is a bound: it shows how much of a surface so many views know.
+No camera gives true depth, so this is a bound: how much of a surface so many views show.
 """
 
 import numpy as np

@@ -1,1 +1,1 @@
-"""catalogue."""
+"""The embedded and the non-industrial parts: recipes, stored meshes, data card."""

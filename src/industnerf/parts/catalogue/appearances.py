@@ -5,7 +5,7 @@ the three lamps of params.yaml do not drive a lit face into the white of the bac
 as dark as rubber really is, so that shading survives 8 linear bits.
 """
 
-from industnerf.artifacts.appearance import Appearance
+from industnerf.artifacts.part import Appearance
 
 _TABLE = (
     Appearance("steel", (0.56, 0.57, 0.58), 1.0, 0.35),
@@ -13,7 +13,7 @@ _TABLE = (
     Appearance("black oxide", (0.16, 0.16, 0.17), 1.0, 0.45),
     Appearance("zinc", (0.60, 0.64, 0.70), 1.0, 0.30),
     Appearance("cast iron", (0.40, 0.40, 0.41), 1.0, 0.70),
-    Appearance("aluminium", (0.68, 0.69, 0.70), 1.0, 0.40),
+    Appearance("aluminum", (0.68, 0.69, 0.70), 1.0, 0.40),
     Appearance("brass", (0.68, 0.52, 0.20), 1.0, 0.30),
     Appearance("bronze", (0.55, 0.35, 0.18), 1.0, 0.40),
     Appearance("copper", (0.70, 0.38, 0.26), 1.0, 0.30),

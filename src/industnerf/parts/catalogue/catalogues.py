@@ -1,19 +1,33 @@
-"""The baked sets: where each lies, and who draws it."""
+"""The catalogues: where each lies, and the recipes of its parts."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.catalogue.entries import EMBEDDED_FOLDER
-from industnerf.parts.catalogue.mesh_part import MeshPart
 
 CATALOGUE_FOLDERS = {"embedded": EMBEDDED_FOLDER, "organic": EMBEDDED_FOLDER.with_name("organic")}
+REFERENCE_REFINEMENT = (
+    4  # times finer: the mesh whose volume is taken for exact where no B-rep's is
+)
+
+
+@dataclass(frozen=True)
+class MeshPart:
+    """A mesh, its finishes, and the volume that it is held against."""
+
+    mesh: Mesh
+    finishes: tuple[Appearance, ...]  # that the mesh counts
+    reference: Literal["b-rep", "finer mesh"]
+    reference_volume_mm3: float
 
 
 @runtime_checkable
 class PartRecipe(Protocol):
-    """What a family lists: a `Recipe` for the CAD kernel, or a `Sculpture` of formulas."""
+    """What a family lists: a `Recipe` for the CAD kernel, or a `ProceduralRecipe` of formulas."""
 
     id: str
     designation: str
@@ -28,14 +42,14 @@ Families = Mapping[str, Sequence[PartRecipe]]
 
 
 def catalogue_folder(name: str) -> Path:
-    """Where the set `name` is baked; raises BadParams if there is none of that name."""
+    """The folder of the catalogue `name`; raises BadParams if there is none of that name."""
     if name not in CATALOGUE_FOLDERS:
         raise BadParams(f"--set: no set {name!r}, only {', '.join(CATALOGUE_FOLDERS)}")
     return CATALOGUE_FOLDERS[name]
 
 
 def load_families(name: str) -> Families:
-    """The families of the set `name`; raises SuiteError if what draws them is not installed."""
+    """The families of the catalogue `name`; raises SuiteError without the libraries it needs."""
     catalogue_folder(name)
     if name == "organic":
         from industnerf.parts.catalogue.organic import FAMILIES as sculptures
@@ -51,7 +65,7 @@ def load_families(name: str) -> Families:
 
 
 def find_recipe(name: str, part_id: str) -> tuple[str, PartRecipe]:
-    """The family and the drawing of a part of the set `name`; raises BadParams if unknown."""
+    """The family and the drawing of a part of the catalogue `name`; raises BadParams if unknown."""
     for family, recipes in load_families(name).items():
         for recipe in recipes:
             if recipe.id == part_id:

@@ -1,4 +1,4 @@
-"""The embedded parts as they were baked: read, checked against their hash, and nothing else.
+"""The stored parts: read, checked against their hash, and installed into a part folder.
 
 Each part is `data/embedded/<id>.npz`: `vertices` (n, 3) float32 in mm, in the frame of the
 drawing, `faces` (m, 3), counter-clockwise from outside, and `finish` (m,), an index into the
@@ -16,8 +16,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float32, Integer, UInt8
 
-from industnerf.artifacts.appearance import Appearance, appearance_from_json
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh, Part, appearance_from_json, save_part
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.measure import MeshProperties
 
@@ -30,7 +29,7 @@ REBUILD_HINT = (
 
 @dataclass(frozen=True)
 class CatalogueEntry:
-    """What is known of a baked part without opening its mesh."""
+    """What is known of a stored part without opening its mesh."""
 
     id: str
     designation: str  # standard and size; "-like" where the proportions are ours
@@ -52,7 +51,7 @@ class CatalogueEntry:
 
 
 def read_catalogue(folder: Path = EMBEDDED_FOLDER) -> tuple[CatalogueEntry, ...]:
-    """All baked parts, by family and then by id.
+    """All stored parts, by family and then by id.
 
     Raises `BadArtifact` if the catalogue is missing, torn or of another schema.
     """
@@ -61,7 +60,8 @@ def read_catalogue(folder: Path = EMBEDDED_FOLDER) -> tuple[CatalogueEntry, ...]
         stored = json.loads(path.read_text(encoding="utf-8"))
         if stored["schema"] != SCHEMA:
             raise BadArtifact(
-                f"{path}: catalogue schema {stored['schema']}, this code reads {SCHEMA}; {REBUILD_HINT}"
+                f"{path}: catalogue schema {stored['schema']}, this code reads {SCHEMA}; "
+                f"{REBUILD_HINT}"
             )
         return tuple(_parse_entry(row) for row in stored["parts"])
     except FileNotFoundError:
@@ -79,7 +79,7 @@ def _parse_entry(row: dict) -> CatalogueEntry:
 
 
 def load_catalogue_mesh(entry: CatalogueEntry, folder: Path = EMBEDDED_FOLDER) -> Mesh:
-    """The mesh of a baked part.
+    """The mesh of a stored part, in mm.
 
     Raises `BadArtifact` if the file is missing or torn, `BadPart` if it is not the mesh that the
     catalogue describes.
@@ -115,3 +115,22 @@ def mesh_digest(
     sha.update(np.ascontiguousarray(faces, dtype="<i4").tobytes())
     sha.update(finish.tobytes())
     return sha.hexdigest()
+
+
+def install_catalogue_part(folder: Path, entry: CatalogueEntry, target: Path) -> None:
+    """Write the part folder of a stored part; raises BadPart or BadArtifact if it is not sound."""
+    save_part(target, to_part(entry), load_catalogue_mesh(entry, folder))
+
+
+def to_part(entry: CatalogueEntry) -> Part:
+    """What `part.json` says of a stored part."""
+    return Part(
+        part_id=entry.id,
+        family=entry.family,
+        designation=entry.designation,
+        origin=entry.origin,
+        source=entry.library,
+        finishes=entry.finishes,
+        defects=(),
+        **vars(entry.measured),
+    )

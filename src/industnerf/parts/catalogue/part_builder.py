@@ -1,4 +1,4 @@
-"""Mesh, check and write the parts of a set.
+"""Mesh, check and write the parts of a catalogue.
 
 Parts are drawn in child processes: the CAD kernel can hang or crash on one without taking the
 others along.
@@ -22,7 +22,7 @@ from industnerf.errors import BadPart
 from industnerf.parts.catalogue.catalogues import PartRecipe, find_recipe
 from industnerf.parts.catalogue.entries import SCHEMA, CatalogueEntry, mesh_digest
 from industnerf.parts.measure import measure
-from industnerf.parts.repair.residual_defects import measure_back_face_share
+from industnerf.parts.repair.defects import measure_back_face_share
 from industnerf.parts.validation import checks
 from industnerf.runner import Runner, WorkResult
 
@@ -67,21 +67,21 @@ def _require_within_tolerance(entry: CatalogueEntry) -> None:
     if entry.back_face_share > checks.MAX_BACK_FACE_SHARE:
         raise BadPart(
             f"part {entry.id!r} crosses itself: {entry.back_face_share:.2%} of the rays from "
-            f"outside meet a face from behind, at most {checks.MAX_BACK_FACE_SHARE:.2%} may. Draw it "
-            "otherwise, or unite its solids as meshes (MeshBoolean)."
+            f"outside meet a face from behind, at most {checks.MAX_BACK_FACE_SHARE:.2%} may. Draw "
+            "it otherwise, or unite its solids as meshes (MeshBoolean)."
         )
     if abs(entry.volume_deviation) > checks.VOLUME_TOLERANCE:
         raise BadPart(
             f"part {entry.id!r}: the mesh's volume is {entry.volume_deviation:+.2%} off that of "
-            f"the {entry.reference}, at most {checks.VOLUME_TOLERANCE:.2%} may be. Mesh it finer, or "
-            "mend the drawing."
+            f"the {entry.reference}, at most {checks.VOLUME_TOLERANCE:.2%} may be. Mesh it finer, "
+            "or correct the drawing."
         )
 
 
 def build_parts(
     name: str, part_ids: Sequence[str], drafts: Path, runner: Runner
 ) -> Iterator[WorkResult]:
-    """Bake parts of the set `name` into the folder `drafts`; each outcome as it is known."""
+    """Build parts of the catalogue `name` into `drafts`; yields outcomes as they come."""
     works = [partial(_build_draft, name, part_id, drafts) for part_id in part_ids]
     return runner.map(works, TIMEOUT_S)
 
@@ -91,12 +91,12 @@ def _build_draft(name: str, part_id: str, drafts: Path) -> None:
 
 
 def read_draft(drafts: Path, part_id: str) -> BuiltPart:
-    """What `bake_all` left; only ever called on a folder of this process's own."""
+    """What `build_parts` left; only ever called on a folder of this process's own."""
     return pickle.loads((drafts / part_id).read_bytes())
 
 
 def write_catalogue(built: list[BuiltPart], unchanged: list[CatalogueEntry], folder: Path) -> None:
-    """Write the meshes, and a catalogue of them and of the entries `kept` as they are.
+    """Write the meshes, and a catalogue of them and of the entries `unchanged` as they are.
 
     Any other mesh in `folder` goes.
     """

@@ -1,4 +1,4 @@
-"""What a family hands over to be baked."""
+"""The recipe of a part: what a family lists, and how its mesh is made."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from build123d import Shape
 
 from industnerf.artifacts.part import Mesh
 from industnerf.parts.catalogue.appearances import APPEARANCES
-from industnerf.parts.catalogue.mesh_part import REFERENCE_REFINEMENT, MeshPart
+from industnerf.parts.catalogue.catalogues import REFERENCE_REFINEMENT, MeshPart
 from industnerf.parts.validation.checks import volume_mm3
 
 
@@ -26,7 +26,7 @@ class MeshBoolean:
 
 @dataclass(frozen=True)
 class Assembly:
-    """Bodies of several finishes, by the name of the finish (see `finishes.FINISHES`)."""
+    """Bodies of several finishes, by the name of the finish (see `appearances.APPEARANCES`)."""
 
     bodies: dict[str, Shape | MeshBoolean]
 

@@ -1,7 +1,7 @@
 """Where parts come from: the embedded catalogue, or the user's own files.
 
-Own files become parts in two steps.  `solids` reads each file once; `parts` cleans what was read,
-whole or one part per solid, so that another way of cleaning never reads a file again.
+Own files become parts in two steps.  `solids` reads each file once; `parts` repairs what was read,
+whole or one part per solid, so that other repair settings never read a file again.
 """
 
 from collections import Counter
@@ -12,8 +12,11 @@ from typing import Any
 
 from industnerf.artifacts.solids import solid_names
 from industnerf.errors import BadParams
-from industnerf.parts.catalogue.entries import CatalogueEntry, read_catalogue
-from industnerf.parts.catalogue.install import install_catalogue_part
+from industnerf.parts.catalogue.entries import (
+    CatalogueEntry,
+    install_catalogue_part,
+    read_catalogue,
+)
 from industnerf.parts.io.cad_files import CadFile, find_cad_files, solid_slugs
 from industnerf.parts.io.ingest import ingest
 
@@ -29,7 +32,7 @@ class PartTask:
 
 
 def embedded_parts(folder: Path, select: list[str]) -> list[PartTask]:
-    """The baked parts that params.yaml asks for, by id.
+    """The embedded parts that params.yaml asks for, by id.
 
     Raises BadParams if the folder holds no catalogue, or lacks a part that `select` names.
     """
@@ -51,9 +54,9 @@ def embedded_parts(folder: Path, select: list[str]) -> list[PartTask]:
 
 
 def user_parts(root: Path, solids: Path, read_ids: set[str], parts: Any) -> list[PartTask]:
-    """The parts in the files of ids `read`, which the stage `solids` has read into `solids`.
+    """The parts in the files of ids `read_ids`, which the stage `solids` has read into `solids`.
 
-    `parts` has the keys pattern, select, split_bodies and clean of params.yaml.  Raises BadParams
+    `parts` has the keys pattern, select, split_bodies and repair of params.yaml.  Raises BadParams
     if two parts would share an id, or `select` names one that is neither a part nor a file.
     """
     files = find_cad_files(root, parts.pattern, [])

@@ -33,7 +33,7 @@ class TessellatedDrawing:
 
 
 def tessellate(drawing: Assembly, refinement: int = 1) -> TessellatedDrawing:
-    """The closed surface of `drawing`, `finer` times finer than the parts are baked.
+    """The closed surface of `drawing`, `refinement` times finer than the stored meshes.
 
     Raises `BadPart` if a face cannot be meshed or the solids do not unite to a manifold.
     """

@@ -20,7 +20,7 @@ class CadFile:
 
 
 def find_cad_files(root: Path, pattern: str, select: list[str]) -> list[CadFile]:
-    """The CAD files at `place`: itself, or those in it that match `pattern`, by id.
+    """The CAD files at `root`: itself, or those in it that match `pattern`, by id.
 
     In a folder, files of types that are never read are passed over, as are hidden ones, and all
     in hidden folders.  With `select`, only files that it names, or of which it names a solid.
@@ -48,7 +48,7 @@ def find_cad_files(root: Path, pattern: str, select: list[str]) -> list[CadFile]
 
 
 def require_path(path: Path) -> None:
-    """Raise BadParams unless there is a folder or a file at `place`."""
+    """Raise BadParams unless there is a folder or a file at `path`."""
     if path.exists():
         return
     text = str(path)
@@ -79,7 +79,8 @@ def file_ids(folder: Path, files: list[Path]) -> list[str]:
             str(path) for name, path in zip(ids, files, strict=True) if name == duplicates[0]
         ]
         raise BadParams(
-            f"parts.path: {' and '.join(duplicate_paths)} share the id {duplicates[0]!r}; rename one"
+            f"parts.path: {' and '.join(duplicate_paths)} share the id {duplicates[0]!r}; "
+            "rename one"
         )
     return ids
 

@@ -1,6 +1,6 @@
 """`python -m industnerf.parts export`: parts as files for other programs.
 
-Triangles come from the baked mesh.  STEP is the exact drawing where there is one; else it is the
+Triangles come from the stored mesh.  STEP is the exact drawing where there is one; else it is the
 mesh in flat facets, and its name says so: `<part>-faceted.step`.
 """
 
@@ -13,8 +13,7 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 from rich.progress import track
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
+from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, PartsFailed, SuiteError
 from industnerf.parts.catalogue.catalogues import catalogue_folder, find_recipe
 from industnerf.parts.catalogue.entries import CatalogueEntry, load_catalogue_mesh, read_catalogue
@@ -27,7 +26,7 @@ TIMEOUT_S = 300.0  # for one part; the slowest drawing takes about 20 s
 def export(
     console: Console, name: str, part_ids: Sequence[str] | None, file_format: str, out: Path
 ) -> None:
-    """Write parts of the set `name`, or all of them, into the folder `out`.
+    """Write parts of the catalogue `name`, or all of them, into the folder `out`.
 
     Raises BadParams if a part is unknown, a file is there already or `out` cannot be a folder, and
     PartsFailed if some could not be written; the others are.
@@ -68,8 +67,8 @@ def _require_absent(paths: list[Path]) -> None:
     existing = [path for path in paths if path.exists()]
     if existing:
         raise BadParams(
-            f"export: {existing[0]} is there already, {len(existing)} files in all; remove them, or "
-            "give another --out"
+            f"export: {existing[0]} is there already, {len(existing)} files in all; remove them, "
+            "or give another --out"
         )
 
 
@@ -127,8 +126,12 @@ def _write(name: str, entry: CatalogueEntry, file_format: str, folder: Path) -> 
 
 
 def _writer(file_format: str) -> Callable[[Path, Mesh, tuple[Appearance, ...]], None]:
-    from industnerf.parts.io.writers.glb import write_glb
-    from industnerf.parts.io.writers.mesh_formats import write_face_ply, write_obj, write_stl
+    from industnerf.parts.io.writers.mesh_formats import (
+        write_face_ply,
+        write_glb,
+        write_obj,
+        write_stl,
+    )
 
     return {"stl": write_stl, "glb": write_glb, "ply": write_face_ply, "obj": write_obj}[
         file_format

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh, Part, save_part
+from industnerf.artifacts.part import Appearance, Mesh, Part, save_part
 from industnerf.artifacts.solids import Solids
 from industnerf.parts.io.units import unit_note
 from industnerf.parts.measure import measure
@@ -21,9 +20,9 @@ def ingest(
     settings: RepairParams,
     target: Path,
 ) -> None:
-    """Write the part folder of what `folder` holds, or of its solid number `which` alone.
+    """Write the part folder of what `folder` holds, or of its solid `solid_index` alone.
 
-    Raises BadArtifact if `folder` holds no `Solids`, BadPart if no surface is left after cleaning.
+    Raises BadArtifact if `folder` holds no `Solids`, BadPart if the repair leaves no surface.
     """
     file = Solids.load(folder)
     selected = file.solids if solid_index is None else (file.solids[solid_index],)

@@ -30,7 +30,8 @@ def triangulate_shape(
 ) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]]:
     """The welded triangles of one solid, outward oriented.
 
-    `chord_mm` and `turn` (rad) bound the deviation of the facets, `diagonal_mm` sets the weld.
+    `linear_deflection_mm` and `angular_deflection` (rad) bound the deviation of the facets,
+    `diagonal_mm` sets the distance within which vertices merge.
     Raises `BadPart` if a face cannot be meshed.
     """
     BRepTools.Clean_s(shape)  # a bounding box may have left a coarser triangulation

@@ -1,7 +1,7 @@
 """The paper's "denoising" (4.1) of a user's CAD, made concrete: a chain of short steps.
 
-Each step takes the solids of a file, mends one defect, and says in one sentence what it mended and
-what it left.  Between `Frame.unit` and `Frame.restored` lengths are shares of the bounding-box
+Each step takes the solids of a file, repairs one defect, and says in one sentence what it repaired
+and what it left.  Between `normalize` and `denormalize` lengths are shares of the bounding-box
 diagonal, outside they are mm.  Slivers stay: dropping them opens closed solids.  No hole is filled
 and nothing smoothed unless asked: both move the surfaces of CAD.
 """
@@ -10,22 +10,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.repair.deduplicate import deduplicate_faces
+from industnerf.parts.repair.defects import (
+    find_residual_defects,
+    measure_back_face_share,
+    require_surface,
+)
 from industnerf.parts.repair.edges import build_edges
 from industnerf.parts.repair.holes import fill_holes
-from industnerf.parts.repair.mesh_ops import concatenate
-from industnerf.parts.repair.nonfinite import drop_nonfinite
-from industnerf.parts.repair.normalization import fit_normalization
-from industnerf.parts.repair.orient import orient
-from industnerf.parts.repair.residual_defects import find_residual_defects, measure_back_face_share
+from industnerf.parts.repair.invalid_faces import deduplicate_faces, drop_nonfinite
+from industnerf.parts.repair.mesh_ops import concatenate, fit_normalization
+from industnerf.parts.repair.orient import fix_winding
 from industnerf.parts.repair.small_components import drop_small_components
 from industnerf.parts.repair.smooth import smooth
 from industnerf.parts.repair.union import boolean_union
-from industnerf.parts.repair.validate import require_surface
 from industnerf.parts.repair.weld import weld
 from industnerf.schema import RepairParams
 
-STEPS = (weld, deduplicate_faces, drop_small_components, orient, fill_holes, smooth, boolean_union)
+STEPS = (
+    weld,
+    deduplicate_faces,
+    drop_small_components,
+    fix_winding,
+    fill_holes,
+    smooth,
+    boolean_union,
+)
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class RepairResult:
 
 
 def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
-    """One mesh of all `solids` (mm), mended as `settings` asks.
+    """One mesh of all `solids` (mm), repaired as `settings` asks.
 
     Raises BadPart if no surface is left.
     """

@@ -24,8 +24,8 @@ def fill_holes(
     share = sum(areas) / sum(area_mm2(solid.vertices, solid.faces) for solid in filled)
     message = f"holes closed with flat lids: {sum(counts)}, {share:.2%} of the area"
     warning = (
-        f"open borders left: {sum(num_left)}, which are wider than {MAX_HOLE_SIZE:g} of the diagonal, not "
-        "flat, or branched"
+        f"open borders left: {sum(num_left)}, which are wider than {MAX_HOLE_SIZE:g} of the "
+        "diagonal, not flat, or branched"
     )
     return list(filled), [message] if sum(counts) else [], [warning] if sum(num_left) else []
 

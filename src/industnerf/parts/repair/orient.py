@@ -1,20 +1,22 @@
 """Faces turned outward, by what rays from outside see.
 
 Each patch of faces that are wound alike is turned if most rays meet it from behind.  A shell whose
-windings can be made to agree is turned as a whole where the rays do not speak against it.  A
-closed shell that hardly a ray reaches is judged by its volume and by the shell that holds it: see
-`_settle_hidden`.  Such rays came in through a crack; on all others no shell can come out worse
-than it was.
+windings can be made to agree is turned as a whole unless the rays contradict it.  A closed shell
+that hardly a ray reaches is judged by its volume and by the shell that contains it, in
+`_orient_hidden_shells`: such rays came in through a crack.  No other shell can come out worse than
+it was.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Int
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.repair.containment import ContainmentTree
+from industnerf.geometry.raycast import RaycastingScene, parallel_ray_bundles
 from industnerf.parts.repair.mesh_ops import concatenate, replace_faces, solid_of_faces
-from industnerf.parts.repair.orientation_votes import OrientationVotes, ray_votes
-from industnerf.parts.repair.shells import Shells, find_shells
+from industnerf.parts.repair.shells import ContainmentTree, Shells, find_shells
+from industnerf.parts.validation.checks import double_area_normals
 from industnerf.schema import RepairParams
 
 MAJORITY_SHARE = (
@@ -22,9 +24,29 @@ MAJORITY_SHARE = (
 )
 MAX_STRAY_SHARE = 0.01  # of a shell's rays: so many may speak against making its windings agree
 HIDDEN_SHARE = 0.05  # of the rays that would reach a closed shell if it stood alone: it is hidden
+NUM_BEAMS, RAYS_PER_SIDE = 100, 96
 
 
-def orient(solids: list[Mesh], settings: RepairParams) -> tuple[list[Mesh], list[str], list[str]]:
+@dataclass(frozen=True)
+class OrientationVotes:
+    """Rays that met each face from its front, and from behind."""
+
+    front: Int[np.ndarray, "m"]
+    back: Int[np.ndarray, "m"]
+    density: float  # rays that would meet a unit of area of a convex solid that stood alone
+
+    def back_votes(self, flipped: Bool[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
+        """The rays that would meet each face from behind, were those `flipped` turned."""
+        return np.where(flipped, self.front, self.back)
+
+    def back_share(self, flipped: Bool[np.ndarray, "m"]) -> float:
+        """Of all rays that hit, the share that meets a face from behind, likewise."""
+        return float(self.back_votes(flipped).sum() / max((self.front + self.back).sum(), 1))
+
+
+def fix_winding(
+    solids: list[Mesh], settings: RepairParams
+) -> tuple[list[Mesh], list[str], list[str]]:
     """`solids` with faces turned where that shows fewer of them from behind."""
     if not settings.fix_winding:
         return solids, [], []
@@ -99,3 +121,20 @@ def _orient_hidden_shells(
             flipped[shell] = flipped[largest_container]
         else:
             flipped[shell] = shells.volume[shell] > 0
+
+
+def ray_votes(mesh: Mesh) -> OrientationVotes:
+    """The votes of `NUM_BEAMS` beams of `RAYS_PER_SIDE`**2 rays each."""
+    scene = RaycastingScene(mesh.vertices, mesh.faces)
+    width = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    # Cauchy: the mean shadow of a convex solid is a quarter of its surface.
+    density = NUM_BEAMS * (RAYS_PER_SIDE / width) ** 2 / 4
+    normals, n = double_area_normals(mesh.vertices, mesh.faces), len(mesh.faces)
+    front, back = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    for origins, direction in parallel_ray_bundles(mesh.vertices, NUM_BEAMS, RAYS_PER_SIDE):
+        face = scene.cast(origins, np.broadcast_to(direction, origins.shape)).face
+        hits = np.bincount(face[face >= 0], minlength=n)
+        is_back = normals @ direction > 0
+        front += np.where(is_back, 0, hits)
+        back += np.where(is_back, hits, 0)
+    return OrientationVotes(front, back, density)

@@ -1,7 +1,8 @@
-"""The shells of a mesh: faces that hang together over edges of exactly two faces.
+"""The shells of a mesh, and which lies inside which.
 
-Within a shell every face can be reached from every other without choosing a way, so that its
-windings either agree, or can be made to, or the shell has one side only (a Moebius strip).
+A shell is a set of faces connected over edges of exactly two faces.  So its windings either agree,
+or can be made to, or the shell has one side only (a Moebius strip).  Containment is decided by the
+winding number, which a few cracks do not change.
 """
 
 from dataclasses import dataclass
@@ -13,16 +14,20 @@ from industnerf.artifacts.part import Mesh
 from industnerf.parts.repair.edges import build_edges, component_labels
 from industnerf.parts.validation.checks import double_area_normals
 
+NUM_SAMPLE_VERTICES = (
+    5  # vertices asked, evenly along the shell: one of them may lie on the other shell
+)
+
 
 @dataclass(frozen=True)
 class Shells:
     shell_of_face: Int[np.ndarray, "m"]  # the shell of each face
     patch_of_face: Int[np.ndarray, "m"]  # the patch of each face: the part of its shell wound alike
     is_minority: Bool[np.ndarray, "m"]  # the smaller part of a shell, wound against the rest
-    is_two_sided: Bool[np.ndarray, "s"]  # turning the odd faces makes all windings agree
+    is_two_sided: Bool[np.ndarray, "s"]  # turning the minority makes all windings agree
     is_closed: Bool[np.ndarray, "s"]  # two-sided, and every edge joins two faces of the shell
     area: Float[np.ndarray, "s"]
-    volume: Float[np.ndarray, "s"]  # with the odd faces turned; meaningful where closed
+    volume: Float[np.ndarray, "s"]  # with the minority turned; meaningful where closed
 
     def __len__(self) -> int:
         return len(self.is_closed)
@@ -30,6 +35,40 @@ class Shells:
     def sum_per_shell(self, values: np.ndarray) -> Float[np.ndarray, "s"]:
         """The sum over each shell of what each face has."""
         return np.bincount(self.shell_of_face, values, len(self))
+
+
+class ContainmentTree:
+    """The shells of `mesh` apart, and which lies inside which."""
+
+    def __init__(self, mesh: Mesh, shells: Shells) -> None:
+        order = np.argsort(shells.shell_of_face, kind="stable")
+        self._vertices = mesh.vertices
+        self._corners = np.where(shells.is_minority[:, None], mesh.faces[:, ::-1], mesh.faces)
+        self.faces = np.split(order, np.cumsum(np.bincount(shells.shell_of_face))[:-1])
+        boxes = [(p.min(axis=(0, 1)), p.max(axis=(0, 1))) for p in map(self._triangles, self.faces)]
+        self.low, self.high = np.array(boxes).swapaxes(0, 1)
+
+    def _triangles(self, faces: Int[np.ndarray, "f"]) -> Float[np.ndarray, "f 3 3"]:
+        return self._vertices[self._corners[faces]]
+
+    def containing_shells(self, inner: int, candidates: Int[np.ndarray, "k"]) -> list[int]:
+        """Those shells of `candidates` that hold the shell `inner`."""
+        is_enclosing = (self.low[candidates] < self.low[inner]) & (
+            self.high[candidates] > self.high[inner]
+        )
+        return [
+            outer
+            for outer in candidates[is_enclosing.all(axis=1)].tolist()
+            if self._contains(outer, inner)
+        ]
+
+    def _contains(self, outer: int, inner: int) -> bool:
+        used = np.unique(self._corners[self.faces[inner]])
+        sample_points = self._vertices[
+            used[np.linspace(0, len(used) - 1, NUM_SAMPLE_VERTICES).astype(int)]
+        ]
+        triangles = self._triangles(self.faces[outer])
+        return bool(np.median([abs(winding_number(triangles, p)) for p in sample_points]) > 0.5)
 
 
 def find_shells(mesh: Mesh) -> Shells:
@@ -68,7 +107,7 @@ def _find_minority(
     shell: Int[np.ndarray, "m"],
     area: Float[np.ndarray, "m"],
 ) -> tuple[Bool[np.ndarray, "m"], Bool[np.ndarray, "s"]]:
-    """`Shells.odd` and `Shells.two_sided`.
+    """`Shells.is_minority` and `Shells.is_two_sided`.
 
     Every face f stands twice in a graph, as it is (f) and turned (f + m); neighbors are linked
     such that their windings agree.  The copies of a two-sided shell fall apart into two halves.
@@ -91,3 +130,16 @@ def _tetrahedron_volumes(mesh: Mesh, shell: Int[np.ndarray, "m"]) -> Float[np.nd
     apex = mesh.vertices[mesh.faces[first, 0]][shell]
     a, b, c = (mesh.vertices[mesh.faces[:, k]] - apex for k in range(3))
     return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+
+
+def winding_number(triangles: Float[np.ndarray, "m 3 3"], point: Float[np.ndarray, "3"]) -> float:
+    """How often a closed surface winds about `point`: 1 inside, 0 outside, -1 if inside out.
+
+    The sum of the solid angles of its triangles over 4 pi; van Oosterom and Strackee (1983).
+    """
+    a, b, c = (triangles - point).swapaxes(0, 1)
+    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    ab, bc, ca = (np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a)))
+    numerator = np.einsum("ij,ij->i", a, np.cross(b, c))
+    halves = np.arctan2(numerator, la * lb * lc + ab * lc + bc * la + ca * lb)
+    return float(halves.sum() / (2 * np.pi))

@@ -1,4 +1,4 @@
-"""Loose pieces so small that they are dirt, not part of the part."""
+"""Loose pieces so small that they do not belong to the part."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -13,10 +13,11 @@ from industnerf.schema import RepairParams
 def drop_small_components(
     solids: list[Mesh], settings: RepairParams
 ) -> tuple[list[Mesh], list[str], list[str]]:
-    """`solids` without pieces below `speck_area` of the area and `speck_size` diagonals.
+    """`solids` without pieces below `small_component_area` and `small_component_size`.
 
-    A solid that the file holds by itself is no speck, however small: it is a screw or a washer.
-    So the largest piece of each solid stays.  All stay if the specks exceed `specks_at_most`.
+    The area is a share of the whole, the size is in diagonals.  A solid that the file holds by
+    itself stays, however small: it is a screw or a washer.  So the largest piece of each solid
+    stays.  All stay if together they exceed `max_removed_area`.
     """
     whole = concatenate(solids)
     component, solid = piece_labels(whole.faces), solid_of_faces(solids)
@@ -34,10 +35,10 @@ def drop_small_components(
         return solids, [], []
     if total > settings.max_removed_area:
         limit = f"parts.repair.max_removed_area ({settings.max_removed_area:.2%})"
-        return solids, [], [f"specks left: {message}, more than {limit}"]
+        return solids, [], [f"small components left: {message}, more than {limit}"]
     is_kept = ~is_small[component]
     kept_solids = [select_faces(s, is_kept[solid == i]) for i, s in enumerate(solids)]
-    return kept_solids, [f"specks dropped: {message}"], []
+    return kept_solids, [f"small components removed: {message}"], []
 
 
 def _component_sizes(mesh: Mesh, component: Int[np.ndarray, "m"]) -> Float[np.ndarray, "pieces"]:

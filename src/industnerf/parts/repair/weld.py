@@ -64,8 +64,8 @@ def _close_pairs(points: Float[np.ndarray, "n 3"], tolerance: float) -> Int[np.n
     mean_neighbors = tree.count_neighbors(tree, tolerance) / len(points) - 1
     if mean_neighbors > MAX_NEIGHBORS:
         raise BadPart(
-            f"each vertex has {mean_neighbors:.0f} others within {tolerance:g} diagonals (parts.repair.weld) "
-            "on average: one vertex lies so far off that the rest is a point beside it, or "
-            "parts.repair.weld is too large"
+            f"each vertex has {mean_neighbors:.0f} others within {tolerance:g} diagonals "
+            "(parts.repair.weld) on average: one vertex lies so far off that the rest is a point "
+            "beside it, or parts.repair.weld is too large"
         )
     return tree.query_pairs(tolerance, output_type="ndarray")

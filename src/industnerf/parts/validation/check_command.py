@@ -1,6 +1,6 @@
-"""`python -m industnerf.parts check`: what is the matter with CAD files, before a study uses them.
+"""`python -m industnerf.parts check`: defects of CAD files, found before a study uses them.
 
-Each file is read and cleaned in a process of its own, within the time and memory of params.yaml: a
+Each file is read and repaired in a process of its own, within the time and memory of params.yaml: a
 file that hangs, crashes or eats memory costs itself only.
 """
 

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from industnerf.errors import BadPart
-from industnerf.geometry.ray_bundles import parallel_ray_bundles
+from industnerf.geometry.raycast import parallel_ray_bundles
 
 MAX_BACK_FACE_SHARE = 1e-3  # share of the rays; a part with more crosses or folds through itself
 VOLUME_TOLERANCE = 5e-3  # of the exact volume, or that of a finer mesh
@@ -105,8 +105,8 @@ def back_face_share(
 ) -> float:
     """Of the rays from outside that hit the part, the share that meets a face from behind.
 
-    Zero for a sound surface.  The rays are `views` parallel beams of `rays_across`**2 from all
-    round.  Only such a test sees a solid that crosses itself: it can be closed, valid and of
+    Zero for a sound surface.  The rays are `views` parallel beams of `rays_per_side`**2 from all
+    around.  Only such a test sees a solid that crosses itself: it can be closed, valid and of
     positive volume all the same.
     """
     normals = double_area_normals(vertices, faces)

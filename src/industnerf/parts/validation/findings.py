@@ -25,8 +25,8 @@ COLUMNS = (
     "faces",
     "open_edges",
     "back_face_share",
-    "mended",
-    "remaining",
+    "repairs",
+    "residual_defects",
     "note",
     "seconds",
     "peak_mb",
@@ -34,7 +34,7 @@ COLUMNS = (
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:
-    """A row for each of `findings`; the sentences behind the counts are in `verdicts`."""
+    """A row for each of `findings`; the sentences behind the counts are in `verdict_lines`."""
     grid = Table(title=_count_verdicts(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
     for heading in (
@@ -42,8 +42,8 @@ def findings_table(findings: Sequence[Finding]) -> Table:
         "faces",
         "open\nedges",
         "back\nfaces",
-        "mended",
-        "remains",
+        "repairs",
+        "defects",
         "s",
         "MB",
     ):
@@ -87,13 +87,13 @@ def _count_verdicts(findings: Sequence[Finding]) -> str:
 
 
 def verdict_lines(findings: Sequence[Finding]) -> Iterator[str]:
-    """A line for each of `findings`, and below it one for each thing mended, left or to note."""
+    """A line for each of `findings`, and below it one for each repair, defect or note."""
     for finding in findings:
         yield f"{finding.name}: {finding.verdict}" + (
             f": {finding.refused}" if finding.refused else ""
         )
-        yield from (f"    mended: {sentence}" for sentence in finding.repairs)
-        yield from (f"    remains: {sentence}" for sentence in finding.residual_defects)
+        yield from (f"    repair: {sentence}" for sentence in finding.repairs)
+        yield from (f"    defect: {sentence}" for sentence in finding.residual_defects)
         yield from (f"    note: {sentence}" for sentence in (finding.note,) if sentence)
 
 

@@ -1,8 +1,8 @@
-"""One file looked at by itself, in a process that it may take down: read, cleaned, and reported.
+"""One file looked at by itself, in a process that it may take down: read, repaired, and reported.
 
 <target>/findings.json    a finding for the file, or one for each of its solids
 <target>/cost.json        seconds and memory
-<target>/solids.*         the cleaned meshes of those that are usable
+<target>/solids.*         the repaired meshes of those that are usable
 """
 
 import json
@@ -50,7 +50,7 @@ class Finding:
     def verdict(self) -> str:
         if self.refused:
             return "refused"
-        return "usable with remarks" if self.residual_defects else "usable"
+        return "usable with warnings" if self.residual_defects else "usable"
 
     @property
     def note(self) -> str:
@@ -80,7 +80,7 @@ def load_findings(target: Path, file: str) -> list[Finding]:
 
 
 def _with_tuples(row: dict) -> dict:
-    return row | {key: tuple(row[key]) for key in ("size_mm", "mended", "remaining")}
+    return row | {key: tuple(row[key]) for key in ("size_mm", "repairs", "residual_defects")}
 
 
 def _validate(path: Path, units: str, split: bool, settings: RepairParams, target: Path) -> None:
@@ -89,15 +89,15 @@ def _validate(path: Path, units: str, split: bool, settings: RepairParams, targe
     groups = [(solid,) for solid in file.solids] if split else [file.solids]
     results = list(_validate_solids(file, groups, split, settings))
     usable = tuple(solid for _, solid in results if solid is not None)
-    cleaned = Solids(file.file, file.format, file.unit, file.finishes, file.warnings, usable)
-    cleaned.save(target)
+    repaired = Solids(file.file, file.format, file.unit, file.finishes, file.warnings, usable)
+    repaired.save(target)
     write_json(target / "findings.json", [asdict(finding) for finding, _ in results])
 
 
 def _validate_solids(
     file: Solids, groups: Sequence[Sequence[Solid]], split: bool, settings: RepairParams
 ) -> Iterator[tuple[Finding, Solid | None]]:
-    """A finding for each of `groups`, and the cleaned mesh of those that can be a part."""
+    """A finding for each of `groups`, and the repaired mesh of those that can be a part."""
     names = solid_slugs([solid.name for solid in file.solids]) if split else [""]
     for name, group in zip(names, groups, strict=True):
         try:

@@ -1,1 +1,1 @@
-"""docs."""
+"""README.md and docs/: generated blocks, the list of parameters, the figures of the method."""

@@ -1,7 +1,7 @@
-"""docs/reference/readings.md: what R12 and R13, which are about measuring, make of the paper's method.
+"""docs/reference/readings.md: effect of the readings of measuring, R12 and R13, on one method.
 
-The same pictures and clouds, measured otherwise: R12 by the scores of the published study, R13 by
-the grid of protocols, of which one choice at a time is another than in P1-even.
+The images and clouds are the same and the measure differs.  R12 uses the scores of the published
+study; R13 uses the grid of protocols, where one choice at a time differs from P1-even.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from industnerf.report.tables.table2 import LOSSES
 
 HULL = "hull"
 PIXEL_SCOPES = ("P1-union", "P1-frame")
-PROTOCOL_VARIANTS = {  # what is another than in P1-even: a cell of the grid
+PROTOCOL_VARIANTS = {  # what differs from P1-even: a cell of the grid
     "P1-even": (4096, "even", "visible", "distance", "diagonal"),
     "random points": (4096, "iid", "visible", "distance", "diagonal"),
     "the whole surface": (4096, "even", "full", "distance", "diagonal"),
@@ -29,7 +29,7 @@ PROTOCOL_VARIANTS = {  # what is another than in P1-even: a cell of the grid
 
 
 def protocol_block(study: Path, grid: Path) -> str:
-    """Two tables, and of what each is; `grid` is the folder of the grid of protocols.
+    """The tables of R12 and R13, with their sources; `grid` is the folder of the protocol grid.
 
     Raises BadArtifact if the grid is torn.
     """
@@ -42,9 +42,10 @@ def protocol_block(study: Path, grid: Path) -> str:
     ]
     subjects = f"EMD, `{paper_results.METHOD}`", "in mm", "floor", "x floor", f"EMD, `{HULL}`"
     heads = ["id", "reading", *subjects, "parts"]
+    scope_heads = ["id", "reading", "loss", f"`{paper_results.METHOD}`", "parts"]
     return (
         f"R12: results/{study.name}/scores.csv, test parts, {describe_provenance(study)}.\n\n"
-        f"{markdown_table(['id', 'reading', 'loss', f'`{paper_results.METHOD}`', 'parts'], _pixel_scope_rows(study))}\n"
+        f"{markdown_table(scope_heads, _pixel_scope_rows(study))}\n"
         f"R13: results/{grid.name}/grid.csv, test parts, {provenance['date']}, "
         f"commit {commit_label(provenance)}.\n\n"
         f"{markdown_table(heads, protocol_rows)}"
@@ -52,7 +53,7 @@ def protocol_block(study: Path, grid: Path) -> str:
 
 
 def _pixel_scope_rows(study: Path) -> Iterator[list[str]]:
-    """A row for each loss that has a mean over both of SCOPES, and each of these."""
+    """A row for each loss that is measured in both of `PIXEL_SCOPES`, and each of these."""
     rows = [
         row
         for row in read_csv(study / "scores.csv")

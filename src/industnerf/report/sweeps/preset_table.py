@@ -25,10 +25,10 @@ RESULT_LINKS = {
 }
 # all others are brought by pipeline.sweep_docs
 PUBLISHED_BY = {
-    "ablation": "effects",
-    "readings": "effects",
-    "seeds": "spread",
-    "seeds_nets": "spread",
+    "ablation": "ablation_effects",
+    "readings": "ablation_effects",
+    "seeds": "seed_variance",
+    "seeds_nets": "seed_variance",
 }
 COMMAND = "python -m pipeline.sweep --multirun"
 HYDRA_KEYS = ("defaults", "hydra")

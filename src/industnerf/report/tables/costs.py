@@ -30,7 +30,8 @@ def read_costs(folders: StudyFolders, methods: list[str]) -> list[CostRow]:
     stages = {name: getattr(folders, name) for name in ("solids", "parts", "views", "truth")}
     rows = [row for name, folder in stages.items() for row in _rows(name, "", folder)]
     for method in methods:
-        rows += _rows("train", method, folders.states / method)
+        if (folders.states / method).exists():  # it learns from other parts
+            rows += _rows("train", method, folders.states / method)
         rows += _rows("reconstruct", method, folders.clouds / method)
         rows += _rows("evaluate", method, folders.scores / method)
     return rows

@@ -87,20 +87,20 @@ def test_what_cannot_be_read_is_said_in_one_sentence(read, name, content, expect
 
 def test_a_tail_is_ignored_and_said(read):
     solids = read("tail.stl", samples.binary_stl() + b"\0" * 7)
-    assert solids.remarks == ("7 bytes after the last triangle ignored",)
+    assert solids.warnings == ("7 bytes after the last triangle ignored",)
     assert len(solids.solids[0].mesh.faces) == 12
 
 
 def test_decimal_commas_are_read_and_said(read):
     solids = read("commas.stl", samples.text_stl().replace(b".", b","))
-    assert solids.remarks == ("decimal commas read as points",)
+    assert solids.warnings == ("decimal commas read as points",)
     np.testing.assert_array_equal(solids.solids[0].mesh.vertices.max(axis=0), (30, 20, 10))
 
 
 def test_a_text_stl_that_stops_is_said_or_refused(read):
     text = samples.text_stl()
     whole = text[: text.rindex(b"facet normal")]
-    assert "may be cut short" in read("whole.stl", whole).remarks[0]
+    assert "may be cut short" in read("whole.stl", whole).warnings[0]
     with pytest.raises(BadPart, match="not 3 a face"):
         read("half.stl", text[: text.rindex(b"vertex")])
 
@@ -144,7 +144,7 @@ def test_obj_in_any_unicode(read, encoding):
 def test_obj_faces_of_two_corners_are_dropped_and_counted(read):
     content = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1// 2//\nf 1// 2// 3//\n"
     solids = read("stub.obj", content)
-    assert solids.remarks == ("faces of fewer than 3 corners dropped: 1",)
+    assert solids.warnings == ("faces of fewer than 3 corners dropped: 1",)
     assert len(solids.solids[0].mesh.faces) == 1
 
 
@@ -155,7 +155,7 @@ def test_obj_lines_may_go_on_in_the_next(read):
 
 def test_obj_without_its_materials_loads_and_says_so(read):
     solids = read("bare.obj", samples.obj(materials="no where.mtl"))
-    assert solids.remarks == ("its materials are missing: no where.mtl",)
+    assert solids.warnings == ("its materials are missing: no where.mtl",)
     assert [finish.name for finish in solids.finishes] == ["unstated"]
 
 
@@ -179,7 +179,7 @@ def test_a_3mf_color_that_is_not_there_is_left_out_and_said(read):
     model = zipfile.ZipFile(io.BytesIO(content)).read("3D/3dmodel.model")
     wrong = samples.zipped({"3D/3dmodel.model": model.replace(b'p1="1"', b'p1="1000000"')})
     solids = read("color.3mf", wrong)
-    assert solids.remarks == ("colors that cannot be resolved are left out",)
+    assert solids.warnings == ("colors that cannot be resolved are left out",)
     assert [finish.name for finish in solids.finishes] == ["unstated", "#000080"]
     broken = samples.zipped({"3D/3dmodel.model": model.replace(b'v1="0"', b'v1="99"')})
     with pytest.raises(BadPart, match="faces name a vertex that is not there"):
@@ -248,7 +248,7 @@ def test_entities_are_refused(read, name):
 # 2.6e-5 of the diagonal, at 1e6 it is 1.7e-3, at 3e7 it is 0.053.
 @pytest.mark.parametrize(("offset", "warned"), [(0.0, False), (1e4, False), (1e6, True)])
 def test_a_part_far_from_the_origin_in_32_bits_is_remarked(read, offset, warned):
-    warnings = read("far.stl", samples.binary_stl(CORNERS + offset)).remarks
+    warnings = read("far.stl", samples.binary_stl(CORNERS + offset)).warnings
     assert ("32-bit coordinates" in "".join(warnings)) == warned
 
 
@@ -257,7 +257,7 @@ def test_a_part_too_far_from_the_origin_in_32_bits_is_refused(read):
         read("far.stl", samples.binary_stl(CORNERS + 3e7))
     far = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS + 3e7)
     faces = "".join("f {} {} {}\n".format(*(face + 1)) for face in FACES)
-    assert read("far.obj", (far + faces).encode()).remarks == ()  # text has digits enough
+    assert read("far.obj", (far + faces).encode()).warnings == ()  # text has digits enough
 
 
 def test_gltf_beside_its_buffer(read, tmp_path):

@@ -9,13 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from industnerf.artifacts.appearance import UNSPECIFIED
-from industnerf.parts.io.readers import texture
+from industnerf.artifacts.part import UNSPECIFIED
 from industnerf.parts.io.readers.colors import (
     MAX_FINISHES,
+    TEXTURE_REDUCED,
+    TEXTURE_UNREADABLE,
     linear_to_srgb8,
     parse_hex,
     quantize_finishes,
+    sample_texture,
     srgb_to_linear,
 )
 from industnerf.parts.io.readers.mesh_content import MeshBody
@@ -113,7 +115,7 @@ def test_a_picture_becomes_the_color_under_the_middle_of_each_face(read, tmp_pat
     solids = read("quad.obj", TEXTURED)
     names = [solids.finishes[i].name for i in solids.solids[0].mesh.finish]
     assert names == ["#ff0000", "#ff0000", "#00ff00", "#00ff00"]
-    assert solids.remarks == (texture.REDUCED_WARNING,)
+    assert solids.warnings == (TEXTURE_REDUCED,)
 
 
 def test_a_missing_or_torn_picture_leaves_the_materials_color(read, tmp_path):
@@ -122,7 +124,7 @@ def test_a_missing_or_torn_picture_leaves_the_materials_color(read, tmp_path):
     (tmp_path / "gone.png").write_bytes(two_color_png((1, 2, 3), (4, 5, 6))[:50])
     solids = read("quad.obj", TEXTURED)
     assert [f.name for f in solids.finishes] == ["#ff0000"]
-    assert solids.remarks == ("picture gone.png cannot be read",)
+    assert solids.warnings == ("picture gone.png cannot be read",)
 
 
 def test_a_texture_repeats_and_its_first_row_is_the_top():
@@ -130,7 +132,7 @@ def test_a_texture_repeats_and_its_first_row_is_the_top():
     memory = io.BytesIO()
     Image.fromarray(pixels).save(memory, "PNG")
     corners = np.array([[(0.5, 0.9)] * 3, [(0.5, 0.1)] * 3, [(-3.5, 2.9)] * 3, [(np.nan, 7.1)] * 3])
-    sampled = texture.sample_texture(memory.getvalue(), corners)
+    sampled = sample_texture(memory.getvalue(), corners)
     assert sampled.tolist() == [[1, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 1]]
 
 
@@ -186,7 +188,7 @@ def test_gltf_factors_are_linear_and_multiply_the_picture(read):
     tree["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3
     solids = read("skin.glb", samples.glb(tree, data + uvs + image))
     assert [f.name for f in solids.finishes] == ["#000080", "#ff0000"]
-    assert solids.remarks == (texture.REDUCED_WARNING,)
+    assert solids.warnings == (TEXTURE_REDUCED,)
     np.testing.assert_array_equal(solids.solids[0].mesh.finish, TOP)
 
 
@@ -198,7 +200,7 @@ def test_a_gltf_whose_picture_is_missing_keeps_its_shape_and_says_so(read):
     tree["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 3
     solids = read("skin.glb", samples.glb(tree, data))
     assert len(solids.solids[0].mesh.faces) == 12
-    assert solids.remarks == (texture.UNREADABLE_WARNING,)
+    assert solids.warnings == (TEXTURE_UNREADABLE,)
 
 
 def test_a_gltf_material_that_states_nothing_is_unstated(read):

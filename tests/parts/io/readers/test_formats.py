@@ -15,7 +15,7 @@ from tests.parts.io.readers.samples import BLUE, RED, SAMPLES, SIZE, binary_stl,
 def test_a_box_in_any_format_is_a_box(read, name):
     solids = read(name, SAMPLES[name])
     assert solids.file == name
-    assert solids.remarks == ()
+    assert solids.warnings == ()
     (solid,) = solids.solids
     corners = solid.mesh.vertices[solid.mesh.faces]
     # glTF and COLLADA keep meters as 32-bit numbers: 6e-8 of the size, three times in the volume
@@ -56,7 +56,7 @@ def test_content_alone_tells_the_format(tmp_path, name):
 def test_content_wins_over_the_name_with_a_remark(read):
     solids = read("part.step", SAMPLES["binary.stl"])
     assert solids.format == "binary STL"
-    assert solids.remarks == ("named .step, but its content is STL",)
+    assert solids.warnings == ("named .step, but its content is STL",)
     assert read("part.obj", SAMPLES["box.3mf"]).format == "3MF"
 
 

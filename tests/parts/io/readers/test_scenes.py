@@ -81,7 +81,7 @@ def test_collada_units(read, unit, factor):
 @pytest.mark.parametrize("up", samples.UP_CORNERS)
 def test_collada_says_which_way_is_up(read, up):
     solids = read("up.dae", samples.dae(up=up))
-    assert solids.remarks == ()
+    assert solids.warnings == ()
     # the very corners, not only the size: a mirror image would have its volume, and no faults
     np.testing.assert_allclose(solids.solids[0].mesh.vertices, TWICE, atol=1e-6)
     assert volumes(solids) == pytest.approx([6000], rel=1e-6)
@@ -91,7 +91,7 @@ def test_collada_with_an_unheard_of_up_is_taken_for_the_default(read):
     content = samples.dae(up="Y_UP").replace(b"Y_UP", b"W_UP")
     solids = read("up.dae", content)
     np.testing.assert_allclose(solids.solids[0].mesh.vertices, TWICE, atol=1e-6)
-    assert solids.remarks == ("up_axis 'W_UP' is none of X_UP, Y_UP, Z_UP; taken for Y_UP",)
+    assert solids.warnings == ("up_axis 'W_UP' is none of X_UP, Y_UP, Z_UP; taken for Y_UP",)
 
 
 def test_gltf_has_y_up_whatever_its_nodes_do(read):
@@ -112,7 +112,7 @@ def test_3mf_items_and_components_are_placed_and_supports_left_out(read):
     solids = read("pair.3mf", samples.threemf(extra_objects=pair, build=build))
     assert volumes(solids) == pytest.approx([48_000, 48_000])
     assert solids.solids[1].mesh.vertices.max(axis=0).tolist() == [200, 40, 27]
-    assert solids.remarks == ("objects of type 'support' left out",)
+    assert solids.warnings == ("objects of type 'support' left out",)
 
 
 def test_obj_objects_are_solids_and_groups_are_not(read):
@@ -150,7 +150,7 @@ def test_an_obj_may_name_several_libraries_in_a_line(read, tmp_path):
     halves = "usemtl a\n" + "".join(faces[:6]) + "usemtl b\n" + "".join(faces[6:])
     two = read("two.obj", f"mtllib a.mtl b.mtl gone.mtl\n{points}{halves}".encode())
     assert sorted(finish.name for finish in two.finishes) == ["#0000ff", "#ff0000"]
-    assert "its materials are missing: gone.mtl" in two.remarks
+    assert "its materials are missing: gone.mtl" in two.warnings
     mixed = read("mixed.obj", f"mtllib a b.mtl b.mtl\n{points}{halves}".encode())
     assert sorted(finish.name for finish in mixed.finishes) == ["#0000ff", "#00ff00"]
     one = read("one.obj", f"mtllib a b.mtl\n{points}usemtl a\n{''.join(faces)}".encode())

@@ -14,7 +14,7 @@ from industnerf.report.docs.hyperparameters.allowed_values import allowed_values
     [
         ("seed", ""),
         ("views.count", "at least 1"),
-        ("views.rig", "`sphere`, `rings`, `hemisphere`"),
+        ("views.rig", "`sphere`, `turntable`, `hemisphere`"),
         ("views.sensor.jpeg_quality", "in [0, 95]; 0 is off"),
         ("views.elevations_deg", "each in (-90, 90); a list of at least one angle"),
         ("evaluate.tolerances_mm", "each above 0"),

@@ -10,10 +10,10 @@ from industnerf.config import flatten
 from industnerf.report.docs.hyperparameters.document import (
     escape_cell,
     format_value,
+    reader_stages,
     render_document,
 )
 from industnerf.report.docs.hyperparameters.paper_symbols import PAPER_SYMBOLS
-from industnerf.report.docs.hyperparameters.reader_stages import reader_stages
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The plates: all are drawn, and docs/reference/method.md shows those that there are."""
+"""The figures: all are drawn, and docs/reference/method.md shows those that there are."""
 
 import io
 import re
@@ -15,7 +15,7 @@ from industnerf.report.docs.method_figures.fig_inputs import (
 from industnerf.report.docs.method_figures.figures import FIGURES, write_figures
 
 
-def test_every_plate_shows_something(trace, tmp_path):
+def test_every_figure_shows_something(trace, tmp_path):
     written = write_figures(trace, tmp_path)
     assert [path.name for path in written] == list(FIGURES)
     for path in written:
@@ -24,16 +24,16 @@ def test_every_plate_shows_something(trace, tmp_path):
         assert (pixels < 250).mean() > 0.01, path.name
 
 
-def test_plates_that_are_no_more_are_removed(trace, tmp_path, monkeypatch):
+def test_figures_that_are_no_more_are_removed(trace, tmp_path, monkeypatch):
     (tmp_path / "03-features.png").write_bytes(b"old")
     monkeypatch.setattr(
-        "industnerf.report.docs.method_figures.figures.PLATES", {"03-features.png": lambda _: None}
+        "industnerf.report.docs.method_figures.figures.FIGURES", {"03-features.png": lambda _: None}
     )
     assert write_figures(trace, tmp_path) == []
     assert not list(tmp_path.iterdir())
 
 
-def test_the_document_shows_every_plate_and_no_other(root):
+def test_the_document_shows_every_figure_and_no_other(root):
     linked = re.findall(r"\]\(method/(\S+\.png)\)", (root / "docs/reference/method.md").read_text())
     sizes = {path.name: path.stat().st_size for path in (root / "docs/reference/method").iterdir()}
     assert set(linked) == set(sizes) == set(FIGURES)

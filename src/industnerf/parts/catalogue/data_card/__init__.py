@@ -15,8 +15,7 @@ from industnerf.parts.catalogue.data_card.tables import (
     strata_table,
 )
 from industnerf.parts.catalogue.data_card.text import CARD_TEMPLATE, ORGANIC_TEMPLATE
-from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue
-from industnerf.parts.catalogue.install import to_part
+from industnerf.parts.catalogue.entries import load_catalogue_mesh, read_catalogue, to_part
 from industnerf.parts.contact_sheet import render_tile, write_contact_sheet, write_gallery
 from industnerf.parts.split import assign_splits
 
@@ -47,7 +46,7 @@ def render_card(folder: Path, organic: Path, splits: dict[str, SplitAssignment])
     """The text of docs/reference/dataset.md.
 
     `folder` is the embedded set, `organic` the non-industrial one, which may be missing, and
-    `places` says of every embedded part where the split puts it.
+    `splits` has the split of every embedded part.
     """
     entries = read_catalogue(folder)
     properties = [entry.measured for entry in entries]

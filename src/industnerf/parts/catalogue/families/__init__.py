@@ -1,7 +1,8 @@
 """The families of the embedded set.  To add a part, add a recipe to its family's list."""
 
 from industnerf.parts.catalogue.families import (
-    bearings,
+    ball_bearings,
+    bearing_units,
     brackets_structure,
     drives_wheels,
     engine,
@@ -11,6 +12,8 @@ from industnerf.parts.catalogue.families import (
     linear_springs,
     nuts_washers_inserts,
     pipe_fittings,
+    plain_bearings,
+    roller_bearings,
     rotors,
     screws,
     shafts_couplings,
@@ -21,7 +24,12 @@ from industnerf.parts.catalogue.families import (
 from industnerf.parts.catalogue.recipe import Recipe
 
 FAMILIES: dict[str, list[Recipe]] = {
-    "bearings": bearings.RECIPES,
+    "bearings": [
+        *ball_bearings.RECIPES,
+        *roller_bearings.RECIPES,
+        *plain_bearings.RECIPES,
+        *bearing_units.RECIPES,
+    ],
     "brackets_structure": brackets_structure.RECIPES,
     "drives_wheels": drives_wheels.RECIPES,
     "engine": engine.RECIPES,

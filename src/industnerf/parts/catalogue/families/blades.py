@@ -7,7 +7,7 @@ from build123d import Plane, Sketch
 from industnerf.parts.catalogue.families.drawing import Point, Real, polygon
 
 
-def aerofoil(chord: Real, thickness: Real, camber: Real) -> list[Point]:
+def airfoil(chord: Real, thickness: Real, camber: Real) -> list[Point]:
     """Outline of a NACA 4-digit section about its half-chord point, trailing edge first.
 
     `thickness` and `camber` are shares of the chord; the trailing edge is 1 % thick.
@@ -24,18 +24,18 @@ def aerofoil(chord: Real, thickness: Real, camber: Real) -> list[Point]:
     return [((x - 0.5) * chord, y * chord) for x, y in [*reversed(upper), *lower[1:]]]
 
 
-def aerofoil_face(chord: Real, thickness: Real, camber: Real) -> Sketch:
+def airfoil_face(chord: Real, thickness: Real, camber: Real) -> Sketch:
     """The section as 25 straight sides, which keep within the tolerance of the parts' meshes.
 
     A loft of splines takes 10 to 30 times the triangles, and OpenCASCADE states its volume wrong.
     """
-    return polygon(aerofoil(chord, thickness, camber))
+    return polygon(airfoil(chord, thickness, camber))
 
 
 def blade_section(
     radius: Real, pitch_angle: Real, chord: Real, thickness: Real, camber: Real
 ) -> Sketch:
-    """An aerofoil across the x axis at `radius`, turned by `pitch_angle` out of the xy plane."""
+    """An airfoil across the x axis at `radius`, turned by `pitch_angle` out of the xy plane."""
     a = math.radians(pitch_angle)
     plane = Plane((radius, 0, 0), x_dir=(0, math.cos(a), math.sin(a)), z_dir=(1, 0, 0))
-    return plane * aerofoil_face(chord, thickness, camber)
+    return plane * airfoil_face(chord, thickness, camber)

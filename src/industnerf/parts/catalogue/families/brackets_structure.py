@@ -132,7 +132,7 @@ RECIPES = [
         "build123d",
         gusseted_angle,
         {"leg": 80.0, "width": 60.0, "wall": 8.0, "bolt": 8.4},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "clevis-din71752-g12x24",

@@ -70,7 +70,7 @@ def jaw_coupling(diameter: Real, hub: Real, bore: Real, key: Real) -> Assembly:
     body = chamfered_rod(diameter, hub, 1.0)
     return Assembly(
         {
-            "aluminium": fused([body, *claws]) - cut,
+            "aluminum": fused([body, *claws]) - cut,
             "red paint": fused([ring, *star]) - rod(bore, 4 * hub),
         }
     )
@@ -91,7 +91,7 @@ def oldham_coupling(diameter: Real, hub: Real, disc: Real, bore: Real) -> Assemb
     slab = rod(diameter, disc, (0, 0, -disc / 2)) - rod(1.2 * bore, 2 * disc, (0, 0, -disc))
     return Assembly(
         {
-            "aluminium": fused([top, over * top]) - [drill, screw, over * screw],
+            "aluminum": fused([top, over * top]) - [drill, screw, over * screw],
             "black plastic": slab - [groove, over * groove],
             "black oxide": fused([plug, over * plug]) - drill,
         }

@@ -107,7 +107,7 @@ def cylinder_block(bore: Real, pitch: Real, deck: Real, main: Real) -> Assembly:
     shaft = bar(main, CYLINDERS * 2 * pitch, "y")
     return Assembly(
         {
-            "aluminium": fused(casting(bore, pitch, deck)) - tools,
+            "aluminum": fused(casting(bore, pitch, deck)) - tools,
             "cast iron": fused([*liners, *caps]) - shaft,
             "black oxide": fused(bolts),
             "zinc": fused([*plugs, stub]),

@@ -61,7 +61,7 @@ def handwheel(diameter: float, bore: float, key: float, spokes: int) -> Assembly
 
 
 def caster_wheel(diameter: float, width: float, hub_length: float, bore: float) -> Assembly:
-    """Ribbed plastic castor wheel with a rubber tread and a steel bush, after ISO 22881."""
+    """Ribbed plastic caster wheel with a rubber tread and a steel bush, after ISO 22881."""
     rim, crown, hub, web, ribs = 0.78 * diameter, 0.96 * diameter, 2.4 * bore, 0.2 * width, 6
     bed = 0.45 * diameter  # radius of the rim below the tread
     profile = [
@@ -98,7 +98,7 @@ def caster_wheel(diameter: float, width: float, hub_length: float, bore: float) 
 RECIPES = [
     Recipe(
         "caster-wheel-d100",
-        "ISO 22881 castor wheel D100-like",
+        "ISO 22881 caster wheel D100-like",
         "build123d",
         caster_wheel,
         {"diameter": 100.0, "width": 32.0, "hub_length": 44.0, "bore": 12.0},

@@ -125,7 +125,7 @@ RECIPES = [
         "build123d",
         piston,
         {"bore": 84.0, "height": 56.0, "compression_height": 31.0, "pin": 21.0},
-        finish="aluminium",
+        finish="aluminum",
     ),
     *cylinder_block.RECIPES,
     *engine_fittings.RECIPES,

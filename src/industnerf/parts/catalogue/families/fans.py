@@ -23,7 +23,7 @@ from industnerf.parts.catalogue.recipe import Assembly, Recipe
 
 
 def axial_fan(diameter: Real, height: Real, blades: int, bore: Real) -> Assembly:
-    """Moulded axial fan: twisted aerofoil blades from the hub to a ring, a brass bush."""
+    """Molded axial fan: twisted airfoil blades from the hub to a ring, a brass bush."""
     outer = diameter / 2
     inner, hub, wall = 0.92 * outer, 0.31 * outer, 0.03 * outer
     stations = [(0.26, 50, 0.33, 0.06), (0.6, 36, 0.41, 0.06), (0.925, 24, 0.43, 0.06)]

@@ -115,7 +115,7 @@ def compact_cylinder(side: float, bolt_pitch: float, piston_rod: float, stroke: 
     shaft = rod(piston_rod, 7.0) + threaded(thread, 1.25, 16.0, (0, 0, 7.0))
     flats = 0.83 * piston_rod
     shaft -= [block(9, 20, 4.0, (s * (flats + 9) / 2, 0, 2.5)) for s in (1, -1)]
-    return Assembly({"aluminium": barrel, "black oxide": caps, "bright steel": shaft})
+    return Assembly({"aluminum": barrel, "black oxide": caps, "bright steel": shaft})
 
 
 RECIPES = [
@@ -139,6 +139,6 @@ RECIPES = [
         "build123d",
         valve_manifold,
         {"stations": 3},
-        finish="aluminium",
+        finish="aluminum",
     ),
 ]

@@ -77,7 +77,7 @@ def cable_lug(barrel: float, bore: float, palm: float, bolt: float, length: floa
 
 
 def star_knob(diameter: float, hub: float, height: float, thread: float, lobes: int) -> Assembly:
-    """Star knob after DIN 6336 along z, the hub below, a brass bush with thread moulded in."""
+    """Star knob after DIN 6336 along z, the hub below, a brass bush with thread molded in."""
     head, bush = 0.62 * height, 1.7 * thread
     scallops = rods(on_circle(lobes, 1.1 * diameter), 0.28 * diameter, height)
     knob = turned(_knob_outline(diameter, hub, height, head)) - scallops

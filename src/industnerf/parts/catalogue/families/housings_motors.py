@@ -86,7 +86,7 @@ RECIPES = [
         "build123d",
         enclosure,
         {"length": 120.0, "width": 80.0, "height": 40.0, "wall": 3.0},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "gearbox-housing-a75",

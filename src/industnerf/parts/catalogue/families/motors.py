@@ -125,7 +125,7 @@ def stepper_motor(size: str, length: float) -> Assembly:
     motor, shaft = StepperMotor(size, length).children
     end = 11.0  # bd_warehouse's length of the cast ends
     stack = motor & block(60, 60, length - 2 * end, (0, 0, end - length))
-    return Assembly({"aluminium": motor - stack, "black oxide": stack, "bright steel": shaft})
+    return Assembly({"aluminum": motor - stack, "black oxide": stack, "bright steel": shaft})
 
 
 RECIPES = [
@@ -135,7 +135,7 @@ RECIPES = [
         "build123d",
         end_shield,
         {"frame": 140.0, "height": 46.0, "bearing": 35.0},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "motor-iec80-b3",

@@ -49,7 +49,7 @@ def timing_pulley(teeth: int, belt: float, bore: float) -> Assembly:
     ]
     body -= [rod(bore, 2 * face + 2 * hub_length, (0, 0, -hub_length - 2 * disc)), *screws]
     flanges = [Pos(0, 0, -disc) * flange, Pos(0, 0, face + disc) * Rot(180, 0, 0) * flange]
-    return Assembly({"aluminium": body, "zinc": MeshBoolean(join=flanges, cut=[])})
+    return Assembly({"aluminum": body, "zinc": MeshBoolean(join=flanges, cut=[])})
 
 
 def spa_groove(outside: Real, datum: Real) -> Shape:

@@ -78,7 +78,7 @@ RECIPES = [
         "bd_warehouse",
         helical_beam_coupler,
         {"bore": "8mm"},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "shaft-stepped-d30",

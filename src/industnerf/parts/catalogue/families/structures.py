@@ -36,9 +36,9 @@ def wide_flange_beam(
     return beam - [bar(0.38 * depth, width, "x", (0, 0, z * length)) for z in (0.25, 0.5, 0.75)]
 
 
-def louvred_panel(length: float, width: float, sheet: float, louvres: int) -> MeshBoolean:
-    """Sheet-metal cover: edges folded down along x, pressed louvres that open towards -y."""
-    fold, bend, hood, pitch = 15.0, 2.5, 8.0, 0.72 * width / louvres
+def louvered_panel(length: float, width: float, sheet: float, louvers: int) -> MeshBoolean:
+    """Sheet-metal cover: edges folded down along x, pressed louvers that open towards -y."""
+    fold, bend, hood, pitch = 15.0, 2.5, 8.0, 0.72 * width / louvers
     half, low = (width - sheet) / 2, -sheet / 2
     path = [(-half, -fold), (-half, low), (half, low), (half, -fold)]
     panel = Rot(0, 0, 90) * bent_sheet(path, sheet, bend, length)
@@ -51,7 +51,7 @@ def louvred_panel(length: float, width: float, sheet: float, louvres: int) -> Me
         body &= block(length, hood + front, 2 * hood, (0, (hood - front) / 2, -hood))
         return Pos(0, y, 0) * body
 
-    rows = [(i - louvres / 2 + 0.3) * pitch for i in range(louvres)]
+    rows = [(i - louvers / 2 + 0.3) * pitch for i in range(louvers)]
     outside = block(length, width, 2 * hood, (0, 0, -sheet / 2))  # rooted in the panel
     hoods = [bulge(hood, y, 0.0) & outside for y in rows]
     openings = [bulge(hood - sheet, y, sheet) for y in rows]
@@ -74,14 +74,14 @@ RECIPES = [
         "bd_warehouse",
         gantry_plate,
         {},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "panel-louvred-140x100",
-        "louvred sheet-metal cover 140x100, 4 louvres",
+        "louvered sheet-metal cover 140x100, 4 louvers",
         "build123d",
-        louvred_panel,
-        {"length": 140.0, "width": 100.0, "sheet": 1.5, "louvres": 4},
+        louvered_panel,
+        {"length": 140.0, "width": 100.0, "sheet": 1.5, "louvers": 4},
         finish="gray paint",
     ),
     Recipe(
@@ -90,7 +90,7 @@ RECIPES = [
         "bd_warehouse",
         spindle_mount,
         {},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "v-slot-20x80",
@@ -98,6 +98,6 @@ RECIPES = [
         "bd_warehouse",
         v_slot,
         {"profile": "20x80", "length": 150.0},
-        finish="aluminium",
+        finish="aluminum",
     ),
 ]

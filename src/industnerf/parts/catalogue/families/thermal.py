@@ -104,7 +104,7 @@ RECIPES = [
         "build123d",
         plate_fin_sink,
         {"width": 80.0, "length": 60.0, "height": 36.0, "base": 6.0, "fins": 16, "fin": 1.6},
-        finish="aluminium",
+        finish="aluminum",
     ),
     Recipe(
         "heat-sink-radial-d90",

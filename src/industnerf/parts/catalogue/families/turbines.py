@@ -11,7 +11,7 @@ from build123d import (
     loft,
 )
 
-from industnerf.parts.catalogue.families.blades import aerofoil_face, blade_section
+from industnerf.parts.catalogue.families.blades import airfoil_face, blade_section
 from industnerf.parts.catalogue.families.drawing import (
     Real,
     block,
@@ -39,13 +39,13 @@ def fir_tree(width: Real, depth: Real, lobes: int) -> Sketch:
 
 
 def turbine_blade(height: Real, chord: Real, root: Real, lobes: int) -> Shape:
-    """Rotor blade of a gas turbine: fir-tree root, platform, twisted aerofoil, tip shroud."""
+    """Rotor blade of a gas turbine: fir-tree root, platform, twisted airfoil, tip shroud."""
     stations = [(-0.01, 0, 1, 0.17, 0.2), (0.35, 10, 0.93, 0.15, 0.17)]
     stations += [(0.7, 22, 0.84, 0.12, 0.13), (1.02, 33, 0.74, 0.1, 0.09)]
     sections = [
         Pos(0, -camber * c * chord / 2, z * height)
         * Rot(0, 0, turn)
-        * aerofoil_face(c * chord, thick, camber)
+        * airfoil_face(c * chord, thick, camber)
         for z, turn, c, thick, camber in stations
     ]
     platform, shroud, length = 0.16 * chord, 0.07 * chord, 1.1 * chord

@@ -24,8 +24,8 @@ from industnerf.parts.catalogue.recipe import Recipe
 ROOT_FACE, BEVEL = 1.6, math.radians(37.5)  # of a welding end, ASME B16.25, in mm
 
 
-def bevelled(outside: float, wall: float, end: Real, direction: int) -> list[Point]:
-    """(radius, z) of a welding end at z = `end`, its pipe on the side `way` of it: inside first."""
+def beveled(outside: float, wall: float, end: Real, direction: int) -> list[Point]:
+    """(radius, z) of a welding end at z = `end`, inside first; `direction` is towards its pipe."""
     inner = outside / 2 - wall
     bevel = (wall - ROOT_FACE) * math.tan(BEVEL)
     return [(inner, end), (inner + ROOT_FACE, end), (outside / 2, end + direction * bevel)]
@@ -41,7 +41,7 @@ def welding_cap(outside: float, wall: float, length: float) -> Shape:
     The top of the skirt lies at z = 0.
     """
     rise, skirt = outside / 4, length - outside / 4
-    end = bevelled(outside, wall, -skirt, 1)
+    end = beveled(outside, wall, -skirt, 1)
     radius, inner = outside / 2, outside / 2 - wall
     profile = [
         EllipticalCenterArc((0, 0), radius, rise),
@@ -57,7 +57,7 @@ def concentric_reducer(
 ) -> Shape:
     """Concentric reducer along z: a smooth swage between two straight ends."""
     low, high, up = 0.16 * length, 0.88 * length, (0, 1)  # the swage's ends, and direction there
-    bottom, top = bevelled(large, large_wall, 0, 1), bevelled(small, small_wall, length, -1)
+    bottom, top = beveled(large, large_wall, 0, 1), beveled(small, small_wall, length, -1)
 
     def swage(bottom_radius: Real, top_radius: Real) -> list[Edge]:
         ends = ((bottom_radius, low), (top_radius, high))
@@ -78,8 +78,8 @@ def reducing_tee(
     `run_end` and `reach` are from the center to the ends of the run and of the branch.
     """
     crotch = 0.16 * branch  # outer radius where the branch is drawn out
-    ends = [*bevelled(run, run_wall, -run_end, 1), *bevelled(run, run_wall, run_end, -1)[::-1]]
-    neck = bevelled(branch, branch_wall, reach, -1)[::-1]
+    ends = [*beveled(run, run_wall, -run_end, 1), *beveled(run, run_wall, run_end, -1)[::-1]]
+    neck = beveled(branch, branch_wall, reach, -1)[::-1]
     tee = turned([(0, -run_end), *ends, (0, run_end)])
     tee += Rot(0, 90, 0) * turned([(0, 0), (branch / 2, 0), *neck, (0, reach)])
     tee = fillet(tee.edges().filter_by(GeomType.BSPLINE), crotch)

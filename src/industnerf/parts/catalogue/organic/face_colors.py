@@ -37,7 +37,7 @@ def assemble(bodies: Sequence[Manifold], carved: Sequence[Manifold] = ()) -> Mes
 
 
 def color_faces(mesh: Mesh, contours: Sequence[Field], color: Color, finish_index: int = 0) -> Mesh:
-    """`mesh` cut where a contour is zero, its faces of finish `over` colored by their centers."""
+    """`mesh` cut where a contour is zero, its faces of `finish_index` colored by their centers."""
     for contour in contours:
         mesh = cut_along_contour(mesh, contour, finish_index)
     finish = np.where(mesh.finish == finish_index, color(mesh.triangles.mean(axis=1)), mesh.finish)
@@ -45,7 +45,7 @@ def color_faces(mesh: Mesh, contours: Sequence[Field], color: Color, finish_inde
 
 
 def cut_along_contour(mesh: Mesh, contour: Field, finish_index: int) -> Mesh:
-    """`mesh` with an edge wherever `contour` passes through zero on faces of finish `over`.
+    """`mesh` with an edge wherever `contour` passes through zero on faces of finish `finish_index`.
 
     A new vertex divides its edge for both faces, so a closed surface stays closed.
     """

@@ -154,7 +154,7 @@ def _capped(rings: Float[np.ndarray, "n sides 3"], ends: Float[np.ndarray, "2 3"
 def sheet(
     midsurface: Float[np.ndarray, "n m 3"], thickness: float, is_ring: bool = False
 ) -> Manifold:
-    """A sheet of `thickness` about a grid of points; `around`: each row is a ring."""
+    """A sheet of `thickness` about a grid of points; `is_ring`: each row is closed."""
     n, m, _ = midsurface.shape
     along = np.gradient(midsurface, axis=0)
     wrapped = np.roll(midsurface, -1, axis=1) - np.roll(midsurface, 1, axis=1)
@@ -181,7 +181,7 @@ def _wall(border: Int[np.ndarray, "k"], below: int) -> Int[np.ndarray, "f 3"]:
 
 
 def grid_faces(n: int, m: int, is_ring: bool) -> Int[np.ndarray, "f 3"]:
-    """The triangles of an n by m grid of points, row by row; `around`: each row is a ring."""
+    """The triangles of an n by m grid of points, row by row; `is_ring`: each row is closed."""
     index = np.arange(n * m).reshape(n, m)
     right = np.roll(index, -1, axis=1) if is_ring else index[:, 1:]
     left = index if is_ring else index[:, :-1]
@@ -190,10 +190,26 @@ def grid_faces(n: int, m: int, is_ring: bool) -> Int[np.ndarray, "f 3"]:
 
 
 def revolve_profile(profile: Float[np.ndarray, "n 2"], edge_mm: float) -> Manifold:
-    """What a wheel makes of a closed outline of (radius, z), anticlockwise."""
+    """What a wheel makes of a closed outline of (radius, z), counterclockwise."""
     segments = max(12, round(2 * np.pi * float(profile[:, 0].max()) / edge_mm))
     return Manifold.revolve(CrossSection([profile]), segments)
 
 
 def _unit(vectors: Float[np.ndarray, "*any 3"]) -> Float[np.ndarray, "*any 3"]:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def plane_wave_noise(
+    points: Points, seed: int, length_mm: float, octaves: int
+) -> Float[np.ndarray, "n"]:
+    """sum_o 2^-o / sqrt(12) sum_k sin(2^o a_k . p + b_k): 24 random waves an octave.
+
+    The longest are of about `length_mm`; the sum has a standard deviation of about 1.
+    """
+    rng = np.random.default_rng(seed)
+    total = np.zeros(len(points))
+    for octave in range(octaves):
+        wave_vectors = rng.normal(size=(24, 3)) * 2**octave * 2 * np.pi / length_mm / 3**0.5
+        phase = rng.uniform(0, 2 * np.pi, 24)
+        total += np.sin(points @ wave_vectors.T + phase).sum(axis=1) / 12**0.5 / 2**octave
+    return total

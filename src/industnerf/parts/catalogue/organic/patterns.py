@@ -6,8 +6,7 @@ from manifold3d import Manifold
 
 from industnerf.artifacts.part import Mesh
 from industnerf.parts.catalogue.organic.face_colors import assemble, color_faces
-from industnerf.parts.catalogue.organic.forms import Points, union
-from industnerf.parts.catalogue.organic.noise import plane_wave_noise
+from industnerf.parts.catalogue.organic.forms import Points, plane_wave_noise, union
 
 
 def ball(edge_mm: float, diameter: float, columns: int, rows: int) -> Mesh:

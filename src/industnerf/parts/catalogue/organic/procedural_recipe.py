@@ -6,9 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from industnerf.artifacts.appearance import Appearance
-from industnerf.artifacts.part import Mesh
-from industnerf.parts.catalogue.mesh_part import REFERENCE_REFINEMENT, MeshPart
+from industnerf.artifacts.part import Appearance, Mesh
+from industnerf.parts.catalogue.catalogues import REFERENCE_REFINEMENT, MeshPart
 from industnerf.parts.validation import checks
 
 GRID_PER_MM = 1024.0  # coordinates are whole multiples of 1/1024 mm: a third less to store
@@ -42,7 +41,7 @@ class ProceduralRecipe:
 
 
 def _snap_to_grid(mesh: Mesh) -> Mesh:
-    """Vertices at multiples of 1 / `GRID`; those that fall together become one."""
+    """Vertices at multiples of 1 / `GRID_PER_MM`; those that fall together become one."""
     grid_points, point_index = np.unique(
         np.round(mesh.vertices * GRID_PER_MM), axis=0, return_inverse=True
     )
@@ -54,5 +53,5 @@ def _snap_to_grid(mesh: Mesh) -> Mesh:
 def paint_appearance(
     name: str, red: float, green: float, blue: float, roughness: float = 0.5
 ) -> Appearance:
-    """A matte or glossy coat of paint, its color linear in [0, 0.72] as `finishes` has it."""
+    """A matte or glossy coat of paint, its color linear in [0, 0.72] as `APPEARANCES` has it."""
     return Appearance(name, (red, green, blue), 0.0, roughness)

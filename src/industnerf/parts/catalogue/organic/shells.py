@@ -6,8 +6,7 @@ from manifold3d import Manifold
 
 from industnerf.artifacts.part import Mesh
 from industnerf.parts.catalogue.organic.face_colors import assemble, color_faces
-from industnerf.parts.catalogue.organic.forms import Points, tube, union
-from industnerf.parts.catalogue.organic.noise import plane_wave_noise
+from industnerf.parts.catalogue.organic.forms import Points, plane_wave_noise, tube, union
 
 GROWTH = 0.075  # of the seashell: exp(2 pi b) = 1.6 a whorl
 

@@ -1,4 +1,4 @@
-"""One CAD file to its solids in mm: as the file has them, not yet cleaned.
+"""One CAD file to its solids in mm: as the file has them, not yet repaired.
 
 Where a format says which way is up (glTF, COLLADA), the part is turned to z up; all others stay as
 they are in the file.  Every refusal is a BadPart of one sentence; a file that hangs, crashes the
@@ -18,10 +18,9 @@ from industnerf.errors import BadPart
 from industnerf.parts.io.readers import formats
 from industnerf.parts.io.readers.collada import read_dae, read_zae
 from industnerf.parts.io.readers.colors import quantize_finishes
-from industnerf.parts.io.readers.float32_precision import precision_warnings
 from industnerf.parts.io.readers.formats import Format, detect_format
 from industnerf.parts.io.readers.gltf import read_glb, read_gltf
-from industnerf.parts.io.readers.mesh_content import MeshContent
+from industnerf.parts.io.readers.mesh_content import MeshContent, precision_warnings
 from industnerf.parts.io.readers.obj import read_obj
 from industnerf.parts.io.readers.off import read_off
 from industnerf.parts.io.readers.ply import read_ply
@@ -70,7 +69,7 @@ def read_solids(path: Path, units: str) -> Solids:
 def _read_content(path: Path, file_format: Format) -> tuple[str, MeshContent]:
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # the libraries' own; what matters is a remark
+            warnings.simplefilter("ignore")  # the libraries' own; what matters is a warning
             warnings.filterwarnings("error", message=UNPARSED_NUMBER_WARNING)
             if file_format == formats.STL:
                 return read_stl(path)
@@ -87,7 +86,8 @@ def _read_content(path: Path, file_format: Format) -> tuple[str, MeshContent]:
 def _read_with_occt(path: Path, file_format: Format) -> MeshContent:
     if find_spec("OCP") is None:
         raise BadPart(
-            f"{file_format.name} needs the CAD occt, which is not installed: pip install -e '.[cad]'"
+            f"{file_format.name} needs the CAD kernel, which is not installed: "
+            "pip install -e '.[cad]'"
         )
     from industnerf.parts.io.readers import occt
 

@@ -24,7 +24,8 @@ def read_archive(path: Path) -> dict[str, bytes]:
             declared = sum(member.file_size for member in archive.infolist())
             if declared > FREE_BYTES + MAX_RATIO * size:
                 raise BadPart(
-                    f"the archive of {size} bytes unfolds to {declared}: more than {MAX_RATIO} times"
+                    f"the archive of {size} bytes unfolds to {declared}: more than "
+                    f"{MAX_RATIO} times"
                 )
             return {name: archive.read(name) for name in archive.namelist() if name[-1:] != "/"}
     except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError, OSError) as error:

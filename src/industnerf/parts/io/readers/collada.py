@@ -8,10 +8,17 @@ import numpy as np
 from jaxtyping import Float64
 
 from industnerf.errors import BadPart
-from industnerf.parts.io.readers import texture, up_axis
 from industnerf.parts.io.readers.archive import read_archive, reject_entities
-from industnerf.parts.io.readers.colors import srgb_to_linear
+from industnerf.parts.io.readers.colors import (
+    TEXTURE_REDUCED,
+    TEXTURE_UNREADABLE,
+    sample_texture,
+    srgb_to_linear,
+)
 from industnerf.parts.io.readers.mesh_content import (
+    X_UP,
+    Y_UP,
+    Z_UP,
     MeshBody,
     MeshContent,
     concatenate_bodies,
@@ -22,9 +29,8 @@ from industnerf.parts.io.readers.mesh_content import (
 )
 from industnerf.parts.io.readers.sidecars import resolve_sidecar
 
-MM_PER_METER = (
-    1000.0  # in a meter; the asset states how many meters a unit has, one if it is silent
-)
+MM_PER_METER = 1000.0
+UP_AXES = {"X_UP": X_UP, "Y_UP": Y_UP, "Z_UP": Z_UP}
 
 
 def read_dae(path: Path) -> MeshContent:
@@ -76,10 +82,10 @@ def _read_content(data: bytes, load_image: Any) -> MeshContent:
 def _up_transform(scene: Any, warnings: list[str]) -> Float64[np.ndarray, "4 4"]:
     """What brings the file's own up to z; the standard's silence is Y_UP."""
     stated = (scene.xmlnode.findtext("{*}asset/{*}up_axis") or "Y_UP").strip()
-    if stated not in up_axis.COLLADA_UP_AXES:
-        axes = ", ".join(up_axis.COLLADA_UP_AXES)
+    if stated not in UP_AXES:
+        axes = ", ".join(UP_AXES)
         warnings.append(f"up_axis {stated[:20]!r} is none of {axes}; taken for Y_UP")
-    return up_axis.COLLADA_UP_AXES.get(stated, up_axis.Y_UP)
+    return UP_AXES.get(stated, Y_UP)
 
 
 def _body(bound: Any, load_image: Any, warnings: list[str]) -> MeshBody | None:
@@ -114,7 +120,7 @@ def _albedo(
         sampled = None
         if data is not None and len(uv_sets):
             uvs = np.asarray(uv_sets[0])[np.asarray(triangles.texcoord_indexset[0])][..., :2]
-            sampled = texture.sample_texture(data, uvs.reshape(-1, 3, 2))
-        warnings.append(texture.UNREADABLE_WARNING if sampled is None else texture.REDUCED_WARNING)
+            sampled = sample_texture(data, uvs.reshape(-1, 3, 2))
+        warnings.append(TEXTURE_UNREADABLE if sampled is None else TEXTURE_REDUCED)
         return albedo if sampled is None else sampled
     return albedo

@@ -1,19 +1,24 @@
 """From colors as files state them to at most 256 finishes.
 
-What is called `srgb` is in [0, 1] and encoded for screens (IEC 61966-2-1), as STEP, IGES, MTL, PLY,
-OFF, 3MF, COLLADA and all pictures have it; `linear` decodes it.  Finishes keep colors to 8 bits of
-sRGB, and are plain paint: no file of these formats is believed about shine.
+`srgb` is in [0, 1] and encoded for screens (IEC 61966-2-1), as STEP, IGES, MTL, PLY, OFF, 3MF,
+COLLADA and all pictures have it; `srgb_to_linear` decodes it.  Finishes keep colors to 8 bits of
+sRGB.  All are plain paint: shine stated by these formats is ignored.  A texture becomes one color
+a face.
 """
 
+import io
+
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float, Float64, UInt8
 from PIL import Image
 
-from industnerf.artifacts.appearance import UNSPECIFIED, Appearance
+from industnerf.artifacts.part import UNSPECIFIED, Appearance
 from industnerf.parts.io.readers.mesh_content import MeshBody
 
 MAX_FINISHES = 256  # finishes of one part: the mesh counts them in a byte
 ROUGHNESS = 0.5  # of paint
+TEXTURE_REDUCED = "pictures on the surface reduced to one color a face"
+TEXTURE_UNREADABLE = "a picture on the surface is missing or cannot be read"
 
 
 def srgb_to_linear(srgb: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n 3"]:
@@ -23,7 +28,7 @@ def srgb_to_linear(srgb: Float64[np.ndarray, "*n 3"]) -> Float64[np.ndarray, "*n
 
 
 def linear_to_srgb8(albedo: Float64[np.ndarray, "*n 3"]) -> UInt8[np.ndarray, "*n 3"]:
-    """The inverse of `linear`, in 8 bits."""
+    """The inverse of `srgb_to_linear`, in 8 bits."""
     albedo = np.clip(albedo, 0.0, 1.0)
     srgb = np.where(albedo <= 0.0031308, 12.92 * albedo, 1.055 * albedo ** (1 / 2.4) - 0.055)
     return np.round(255 * srgb).astype(np.uint8)
@@ -60,7 +65,7 @@ def quantize_finishes(
 def _reduce_palette(
     colors: UInt8[np.ndarray, "m 3"], max_colors: int
 ) -> tuple[UInt8[np.ndarray, "k 3"], np.ndarray, tuple[str, ...]]:
-    """At most `most` colors, which of them stands for each row of `colors`, and a remark."""
+    """At most `max_colors` colors, the one of each row of `colors`, and a warning."""
     distinct, palette_index = np.unique(colors, axis=0, return_inverse=True)
     if len(distinct) <= max_colors:
         return distinct, palette_index.ravel(), ()
@@ -77,3 +82,22 @@ def _reduce_palette(
 def _finish(color: UInt8[np.ndarray, "3"]) -> Appearance:
     r, g, b = (round(float(x), 6) for x in srgb_to_linear(color / 255))
     return Appearance("#" + bytes(color).hex(), (r, g, b), 0.0, ROUGHNESS)
+
+
+def sample_texture(
+    data: bytes, corners: Float[np.ndarray, "m 3 2"]
+) -> Float64[np.ndarray, "m 3"] | None:
+    """The albedo at the middle of each face; None if `data` is no picture that can be read.
+
+    `corners` are texture coordinates, v upwards; beyond [0, 1] the picture repeats.
+    """
+    try:
+        with Image.open(io.BytesIO(data)) as image:
+            pixels = np.asarray(image.convert("RGB"))
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return None
+    height, width, _ = pixels.shape
+    uv = np.nan_to_num(corners.mean(axis=1), posinf=0.0, neginf=0.0)
+    column = (np.mod(uv[:, 0], 1.0) * width).astype(int).clip(0, width - 1)
+    row = (np.mod(1 - uv[:, 1], 1.0) * height).astype(int).clip(0, height - 1)
+    return srgb_to_linear(pixels[row, column].astype(np.float64) / 255)

@@ -36,7 +36,7 @@ SUFFIXES = {suffix: form for form in FORMATS for suffix in form.suffixes}
 
 
 def detect_format(path: Path) -> tuple[Format, tuple[str, ...]]:
-    """The format of the file at `path`, and a remark where its name says another.
+    """The format of the file at `path`, and a warning where its name says another.
 
     Raises BadPart if the file cannot be opened or is empty, or if neither content nor name tells.
     """

@@ -1,4 +1,8 @@
-"""glTF 2.0, binary or JSON: one body per node, in meters and y up as the standard says."""
+"""glTF 2.0, binary or JSON: one body per node, in meters and y up as the standard says.
+
+Not through trimesh, which leaves out triangle fans, makes one body of each material, keeps linear
+factors in 8 bits and reads compressed accessors as zeros (benchmarks/readers.md).
+"""
 
 import base64
 import binascii
@@ -8,21 +12,71 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from industnerf.errors import BadPart
-from industnerf.parts.io.readers import up_axis
-from industnerf.parts.io.readers.gltf_buffers import Buffers
-from industnerf.parts.io.readers.gltf_mesh import read_primitive
+from industnerf.parts.io.readers.colors import TEXTURE_REDUCED, TEXTURE_UNREADABLE, sample_texture
 from industnerf.parts.io.readers.mesh_content import (
+    Y_UP,
     MeshBody,
     MeshContent,
     concatenate_bodies,
+    fan_triangles,
+    require_valid_indices,
+    strip_triangles,
     transform_body,
+    unstated_albedo,
 )
 from industnerf.parts.io.readers.sidecars import resolve_sidecar
 
 MM_PER_METER = 1000.0
+TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+TRIANGLES, STRIP, FAN = 4, 5, 6
+
+
+class Buffers:
+    """The buffers of one file, each loaded once."""
+
+    def __init__(self, tree: dict[str, Any], load: Callable[[str | None], bytes]) -> None:
+        self._tree, self.load = tree, load
+        self._loaded: dict[int, bytes] = {}
+
+    def read_view(self, index: int) -> bytes:
+        """The bytes of a buffer view; raises BadPart if the buffer is shorter."""
+        view = self._tree["bufferViews"][index]
+        offset, length, buffer_index = view.get("byteOffset", 0), view["byteLength"], view["buffer"]
+        if buffer_index not in self._loaded:
+            self._loaded[buffer_index] = self.load(self._tree["buffers"][buffer_index].get("uri"))
+        data = self._loaded[buffer_index]
+        if offset < 0 or length < 0 or offset + length > len(data):
+            raise BadPart(f"glTF: a view ends at byte {offset + length} of a buffer of {len(data)}")
+        return data[offset : offset + length]
+
+    def read_accessor(self, index: int) -> np.ndarray:
+        """(count, width) numbers of an accessor; whole ones that stand for shares become shares."""
+        accessor = self._tree["accessors"][index]
+        if "bufferView" not in accessor or "sparse" in accessor:
+            raise BadPart("glTF: an accessor is sparse or compressed (Draco?); export it plainly")
+        dtype = np.dtype(TYPES[accessor["componentType"]])
+        count, width = accessor["count"], WIDTH[accessor["type"]]
+        data, offset = self.read_view(accessor["bufferView"]), accessor.get("byteOffset", 0)
+        row = dtype.itemsize * width
+        stride = self._tree["bufferViews"][accessor["bufferView"]].get("byteStride", row)
+        if (
+            count < 1
+            or stride < row
+            or offset < 0
+            or offset + (count - 1) * stride + row > len(data)
+        ):
+            raise BadPart(
+                f"glTF: an accessor promises {count} rows of {row} bytes, its view holds "
+                f"{len(data)}"
+            )
+        table = np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize)).copy()
+        if accessor.get("normalized") and dtype.kind in "iu":
+            return table / np.iinfo(dtype).max
+        return table
 
 
 def read_glb(path: Path) -> MeshContent:
@@ -89,7 +143,7 @@ def _bodies(tree: dict[str, Any], buffers: Buffers, warnings: list[str]) -> list
     nodes, meshes, bodies = tree.get("nodes", []), tree.get("meshes", []), []
     scenes = tree.get("scenes")
     roots = scenes[tree.get("scene", 0)].get("nodes", []) if scenes else _roots(nodes)
-    stack, visited = [(index, up_axis.Y_UP) for index in reversed(roots)], set()
+    stack, visited = [(index, Y_UP) for index in reversed(roots)], set()
     cache: dict[int, MeshBody | None] = {}
     while stack:
         index, parent_matrix = stack.pop()
@@ -136,3 +190,74 @@ def _matrix(node: dict[str, Any]) -> Float64[np.ndarray, "4 4"]:
     matrix[:3, :3] *= np.array(node.get("scale", [1, 1, 1]), np.float64)
     matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), np.float64)
     return matrix
+
+
+def read_primitive(
+    node: dict[str, Any], tree: dict[str, Any], buffers: Buffers, name: str, warnings: list[str]
+) -> MeshBody | None:
+    """The body of the primitive `node`; None if it is points or lines, or empty."""
+    mode = node.get("mode", TRIANGLES)
+    if mode not in (TRIANGLES, STRIP, FAN):
+        warnings.append("points and lines left out")
+        return None
+    vertices = (
+        buffers.read_accessor(node["attributes"]["POSITION"]).astype(np.float64).reshape(-1, 3)
+    )
+    indices = np.arange(len(vertices))
+    if "indices" in node:
+        indices = buffers.read_accessor(node["indices"]).ravel().astype(np.int64)
+    faces = _faces(indices, mode)
+    require_valid_indices(faces, len(vertices), f"glTF: mesh {name!r}")
+    if not len(faces):
+        return None
+    return MeshBody(name, vertices, faces, _albedo(node, tree, buffers, faces, warnings))
+
+
+def _faces(indices: Int64[np.ndarray, "k"], mode: int) -> Int64[np.ndarray, "m 3"]:
+    if mode == TRIANGLES:
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
+    return strip_triangles(indices) if mode == STRIP else fan_triangles(indices)
+
+
+def _albedo(
+    node: dict[str, Any],
+    tree: dict[str, Any],
+    buffers: Buffers,
+    faces: Int64[np.ndarray, "m 3"],
+    warnings: list[str],
+) -> Float64[np.ndarray, "m 3"]:
+    """Factor x picture x vertex color; factors and vertex colors are linear by the standard."""
+    material = tree["materials"][node["material"]] if "material" in node else {}
+    pbr = material.get("pbrMetallicRoughness", {})
+    is_stated, albedo = "baseColorFactor" in pbr, np.ones((len(faces), 3))
+    albedo *= np.array(pbr.get("baseColorFactor", [1, 1, 1])[:3], np.float64)
+    if "COLOR_0" in node["attributes"]:
+        albedo *= buffers.read_accessor(node["attributes"]["COLOR_0"])[faces].mean(axis=1)[:, :3]
+        is_stated = True
+    if "baseColorTexture" in pbr:
+        texture_albedo = _texture_albedo(node, tree, buffers, pbr["baseColorTexture"], faces)
+        warnings.append(TEXTURE_REDUCED if texture_albedo is not None else TEXTURE_UNREADABLE)
+        if texture_albedo is not None:
+            albedo, is_stated = albedo * texture_albedo, True
+    return albedo if is_stated else unstated_albedo(len(faces))
+
+
+def _texture_albedo(
+    node: dict[str, Any],
+    tree: dict[str, Any],
+    buffers: Buffers,
+    texture_info: dict[str, Any],
+    faces: Int64[np.ndarray, "m 3"],
+) -> Float64[np.ndarray, "m 3"] | None:
+    uv = node["attributes"].get(f"TEXCOORD_{texture_info.get('texCoord', 0)}")
+    source = tree["textures"][texture_info["index"]].get("source")
+    if uv is None or source is None:
+        return None
+    image = tree["images"][source]
+    is_embedded = "bufferView" in image
+    try:
+        data = buffers.read_view(image["bufferView"]) if is_embedded else buffers.load(image["uri"])
+    except BadPart:  # a picture that is not there leaves the shape as it is
+        return None
+    corners = buffers.read_accessor(uv).astype(np.float64)[faces]
+    return sample_texture(data, corners * (1, -1) + (0, 1))  # glTF counts v downwards

@@ -1,17 +1,63 @@
-"""Wavefront OBJ: one body per `o`; groups are not bodies, for many programs write one per face."""
+"""Wavefront OBJ: one body per `o`.  Groups are not bodies, for many programs write one per face.
 
+Not through trimesh, which fans concave polygons over their dents, joins the objects of a file,
+reads one material library a file and keeps quiet about a missing one (benchmarks/readers.md).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float64
 
-from industnerf.parts.io.readers import texture
-from industnerf.parts.io.readers.colors import srgb_to_linear
+from industnerf.errors import BadPart
+from industnerf.parts.io.readers.colors import TEXTURE_REDUCED, sample_texture, srgb_to_linear
+from industnerf.parts.io.readers.formats import decode_text
 from industnerf.parts.io.readers.mesh_content import MeshBody, MeshContent, unstated_albedo
-from industnerf.parts.io.readers.mtl import Material, read_mtl
-from industnerf.parts.io.readers.obj_parser import ObjObject, ObjScene, parse_obj
+from industnerf.parts.io.readers.polygons import triangulate_polygon
 from industnerf.parts.io.readers.sidecars import resolve_sidecar
+
+
+@dataclass
+class ObjObject:
+    """Triangles of one `o`, as they come."""
+
+    name: str
+    corners: list[tuple[int, int, int]] = field(default_factory=list)
+    uvs: list[tuple[int, int, int]] = field(default_factory=list)
+    materials: list[str] = field(default_factory=list)
+
+
+@dataclass
+class ObjScene:
+    """What has been read so far."""
+
+    points: list[list[float]] = field(default_factory=list)
+    colors: dict[int, list[float]] = field(default_factory=dict)
+    uvs: list[list[float]] = field(default_factory=list)
+    objects: list[ObjObject] = field(default_factory=lambda: [ObjObject("")])
+    libraries: list[str] = field(default_factory=list)
+    current_material: str = ""
+    num_degenerate: int = 0  # faces of fewer than three corners
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was left out."""
+        return (
+            [f"faces of fewer than 3 corners dropped: {self.num_degenerate}"]
+            if self.num_degenerate
+            else []
+        )
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a face of it looks like; the picture goes before the color."""
+
+    albedo: Float64[np.ndarray, "3"] | None
+    image_path: Path | None
 
 
 def read_obj(path: Path) -> MeshContent:
@@ -84,9 +130,104 @@ def _material_albedo(
 ) -> np.ndarray | None:
     """The albedo of faces of one material, for each or for all; None if it states none."""
     if material.image_path is not None and (uvs >= 0).all():
-        sampled = texture.sample_texture(material.image_path.read_bytes(), np.array(scene.uvs)[uvs])
+        sampled = sample_texture(material.image_path.read_bytes(), np.array(scene.uvs)[uvs])
         if sampled is not None:
-            warnings.append(texture.REDUCED_WARNING)
+            warnings.append(TEXTURE_REDUCED)
             return sampled
         warnings.append(f"picture {material.image_path.name} cannot be read")
     return material.albedo
+
+
+def parse_obj(path: Path) -> ObjScene:
+    """All that the file says; raises BadPart that names the line if one makes no sense."""
+    scene = ObjScene()
+    for number, line in logical_lines(decode_text(path.read_bytes())):
+        try:
+            parse_line(scene, line.split())
+        except (ValueError, IndexError) as error:
+            raise BadPart(f"OBJ: line {number}, {line.strip()[:60]!r}: {error}") from None
+    return scene
+
+
+def logical_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Each line, and its number; after a backslash it goes on in the next, as one line."""
+    first, pending = 1, ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        first = first if pending else number
+        if line.endswith("\\"):
+            pending += line[:-1] + " "
+        else:
+            yield first, pending + line
+            pending = ""
+    yield first, pending
+
+
+def parse_line(scene: ObjScene, tokens: list[str]) -> None:
+    """Add what one line says; raises ValueError or IndexError if it makes no sense."""
+    key, rest = (tokens[0], tokens[1:]) if tokens else ("", [])
+    if key == "v":
+        if len(rest) < 3:
+            raise ValueError("a vertex has three coordinates")
+        numbers = [float(token) for token in rest]
+        if len(rest) >= 6:
+            scene.colors[len(scene.points)] = numbers[3:6]
+        scene.points.append(numbers[:3])
+    elif key == "vt":
+        scene.uvs.append([*map(float, rest[:2]), 0.0, 0.0][:2])
+    elif key == "f":
+        _parse_face(scene, rest)
+    elif key == "o":
+        scene.objects.append(ObjObject(" ".join(rest)))
+    elif key == "usemtl":
+        scene.current_material = " ".join(rest)
+    elif key == "mtllib":
+        scene.libraries.append(" ".join(rest))
+
+
+def _parse_face(scene: ObjScene, tokens: list[str]) -> None:
+    parts = [token.split("/") for token in tokens]
+    corners = [_parse_index(part[0], len(scene.points), "vertex") for part in parts]
+    if len(corners) < 3:
+        scene.num_degenerate += 1
+        return
+    textured = all(len(part) > 1 and part[1] for part in parts)
+    uvs = [_parse_index(p[1], len(scene.uvs), "texture point") if textured else -1 for p in parts]
+    triples = [(0, 1, 2)]
+    if len(corners) > 3:
+        triples = triangulate_polygon(np.array([scene.points[i] for i in corners])).tolist()
+    target = scene.objects[-1]
+    target.corners += [(corners[a], corners[b], corners[c]) for a, b, c in triples]
+    target.uvs += [(uvs[a], uvs[b], uvs[c]) for a, b, c in triples]
+    target.materials += [scene.current_material] * len(triples)
+
+
+def _parse_index(token: str, count: int, label: str) -> int:
+    """From 1, or from the end where it is negative, to from 0."""
+    number = int(token)
+    index = number - 1 if number > 0 else count + number
+    if not 0 <= index < count or number == 0:
+        raise ValueError(f"{label} {number}, and so far there are {count}")
+    return index
+
+
+def read_mtl(path: Path) -> dict[str, Material]:
+    """The materials in the MTL file at `path`, by name; lines that make no sense are skipped."""
+    materials: dict[str, Material] = {}
+    name = None
+    for line in decode_text(path.read_bytes()).splitlines():
+        key, _, rest = line.strip().partition(" ")
+        if key.lower() == "newmtl":
+            name = rest.strip()
+            materials[name] = Material(None, None)
+        elif key.lower() == "kd" and name is not None:
+            materials[name] = Material(_parse_color(rest), materials[name].image_path)
+        elif key.lower() == "map_kd" and name is not None:
+            materials[name] = Material(materials[name].albedo, resolve_sidecar(path, rest))
+    return materials
+
+
+def _parse_color(text: str) -> Float64[np.ndarray, "3"] | None:
+    try:
+        return srgb_to_linear(np.array([float(token) for token in text.split()[:3]]).reshape(3))
+    except ValueError:
+        return None

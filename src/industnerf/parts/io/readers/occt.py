@@ -1,6 +1,6 @@
 """STEP, IGES and BREP through OpenCASCADE: every solid, shell or loose face of every instance.
 
-Needs the [cad] extra.  The kernel turns the lengths of STEP and IGES into mm.
+Needs the [cad] extra.  OpenCASCADE turns the lengths of STEP and IGES into mm.
 """
 
 from collections.abc import Iterator
@@ -9,78 +9,84 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
+from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.collections import Sequence_TCollection_AsciiString, Sequence_TDF_Label
 from OCP.IFSelect import IFSelect_ReturnStatus
 from OCP.IGESCAFControl import IGESCAFControl_Reader
 from OCP.Message import Message
+from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
 from OCP.TDF import TDF_Label
 from OCP.TDocStd import TDocStd_Document
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Shape
-from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
+from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
+from OCP.XCAFDoc import (
+    XCAFDoc_ColorTool,
+    XCAFDoc_ColorType,
+    XCAFDoc_DocumentTool,
+    XCAFDoc_ShapeTool,
+)
 
 from industnerf.errors import BadPart
+from industnerf.parts.io.occt_triangulation import (
+    ANGULAR_DEFLECTION,
+    LINEAR_DEFLECTION,
+    faces_of,
+    triangulation_of,
+)
 from industnerf.parts.io.readers.mesh_content import (
     MeshBody,
     MeshContent,
     normalize_unit,
     transform_body,
 )
-from industnerf.parts.io.readers.occt_colors import ColorTable, albedo_of, name_of
-from industnerf.parts.io.readers.occt_mesh import bounding_box, split_shape, triangulate_piece
+
+MeshArrays = tuple[
+    Float64[np.ndarray, "n 3"], Int64[np.ndarray, "m 3"], Float64[np.ndarray, "m 3"]
+]  # vertices, faces, albedo
+UNNAMED = ("SOLID", "COMPOUND", "SHELL", "=>")  # what the kernel calls what has no name
 
 
-def read_step(path: Path) -> MeshContent:
-    """Raises BadPart if the kernel finds no shape in the file."""
-    reader = STEPCAFControl_Reader()
-    document = _read_document(reader, path, "STEP")
-    names = [Sequence_TCollection_AsciiString() for _ in range(3)]
-    reader.ChangeReader().FileUnits(*names)
-    units = dict.fromkeys(name.ToCString().lower() for name in names[0])
-    return _read_content(document, " and ".join(map(normalize_unit, units)) or "mm")
+@dataclass(frozen=True)
+class ColorTable:
+    """The colors within one part: of its faces, or of its solids."""
 
+    albedos_of_face: dict[int, list[tuple[TopoDS_Shape, Float64[np.ndarray, "3"]]]]
 
-def read_iges(path: Path) -> MeshContent:
-    """Raises BadPart if the kernel finds no shape in the file."""
-    reader = IGESCAFControl_Reader()
-    document = _read_document(reader, path, "IGES")
-    unit = reader.IGESModel().GlobalSection().UnitName()
-    return _read_content(document, "mm" if unit is None else normalize_unit(unit.ToCString()))
+    @staticmethod
+    def empty() -> "ColorTable":
+        """A part without colors."""
+        return ColorTable({})
 
+    @staticmethod
+    def from_label(label: TDF_Label) -> "ColorTable":
+        """The colors of the faces and solids of the part at `label`."""
+        albedos_of_face: dict[int, list] = {}
+        parts = Sequence_TDF_Label()
+        XCAFDoc_ShapeTool.GetSubShapes_s(label, parts)
+        shapes = [(XCAFDoc_ShapeTool.GetShape_s(part), albedo_of(part)) for part in parts]
+        # Whole solids first, so that a face's own color, which comes later, goes before.
+        for shape, color in sorted(shapes, key=lambda pair: _is_face(pair[0])):
+            if color is not None:
+                for face in faces_of(shape):
+                    albedos_of_face.setdefault(hash(face), []).append((face, color))
+        return ColorTable(albedos_of_face)
 
-def read_brep(path: Path) -> MeshContent:
-    """The kernel's own format: one shape, no unit, no color.  Raises BadPart if it is broken."""
-    shape = TopoDS_Shape()
-    if not BRepTools.Read_s(shape, str(path), BRep_Builder()) or shape.IsNull():
-        raise BadPart("BREP: the kernel cannot read it")
-    walker = _AssemblyWalker()
-    bodies = walker.shape_bodies(shape, "solid", ColorTable.empty())
-    return MeshContent(tuple(bodies), None, None, False, walker.warnings())
-
-
-def _read_document(reader: Any, path: Path, format_name: str) -> TDocStd_Document:
-    Message.DefaultMessenger_s().ChangePrinters().Clear()  # it prints to the terminal
-    reader.SetColorMode(True)
-    reader.SetNameMode(True)
-    if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
-        raise BadPart(f"{format_name}: the kernel cannot parse it; it is broken or cut short")
-    document = TDocStd_Document(TCollection_ExtendedString("industnerf"))
-    if not reader.Transfer(document):
-        raise BadPart(f"{format_name}: it parses, but holds no shape")
-    return document
-
-
-def _read_content(document: TDocStd_Document, unit: str) -> MeshContent:
-    roots = Sequence_TDF_Label()
-    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
-    walker = _AssemblyWalker()
-    bodies = [body for root in roots for body in walker.iter_bodies(root, np.eye(4), None)]
-    return MeshContent(tuple(bodies), 1.0, unit, False, walker.warnings())
+    def face_albedo(self, face: TopoDS_Shape) -> Float64[np.ndarray, "3"]:
+        """The albedo of `face`; NaN if none is stated."""
+        stated = [
+            color for other, color in self.albedos_of_face.get(hash(face), []) if other.IsSame(face)
+        ]
+        return stated[-1] if stated else np.full(3, np.nan)
 
 
 @dataclass
@@ -150,6 +156,54 @@ class _AssemblyWalker:
         return tuple(messages)
 
 
+def read_step(path: Path) -> MeshContent:
+    """Raises BadPart if the kernel finds no shape in the file."""
+    reader = STEPCAFControl_Reader()
+    document = _read_document(reader, path, "STEP")
+    names = [Sequence_TCollection_AsciiString() for _ in range(3)]
+    reader.ChangeReader().FileUnits(*names)
+    units = dict.fromkeys(name.ToCString().lower() for name in names[0])
+    return _read_content(document, " and ".join(map(normalize_unit, units)) or "mm")
+
+
+def read_iges(path: Path) -> MeshContent:
+    """Raises BadPart if the kernel finds no shape in the file."""
+    reader = IGESCAFControl_Reader()
+    document = _read_document(reader, path, "IGES")
+    unit = reader.IGESModel().GlobalSection().UnitName()
+    return _read_content(document, "mm" if unit is None else normalize_unit(unit.ToCString()))
+
+
+def read_brep(path: Path) -> MeshContent:
+    """The kernel's own format: one shape, no unit, no color.  Raises BadPart if it is broken."""
+    shape = TopoDS_Shape()
+    if not BRepTools.Read_s(shape, str(path), BRep_Builder()) or shape.IsNull():
+        raise BadPart("BREP: the kernel cannot read it")
+    walker = _AssemblyWalker()
+    bodies = walker.shape_bodies(shape, "solid", ColorTable.empty())
+    return MeshContent(tuple(bodies), None, None, False, walker.warnings())
+
+
+def _read_document(reader: Any, path: Path, format_name: str) -> TDocStd_Document:
+    Message.DefaultMessenger_s().ChangePrinters().Clear()  # it prints to the terminal
+    reader.SetColorMode(True)
+    reader.SetNameMode(True)
+    if reader.ReadFile(str(path)) != IFSelect_ReturnStatus.IFSelect_RetDone:
+        raise BadPart(f"{format_name}: the kernel cannot parse it; it is broken or cut short")
+    document = TDocStd_Document(TCollection_ExtendedString("industnerf"))
+    if not reader.Transfer(document):
+        raise BadPart(f"{format_name}: it parses, but holds no shape")
+    return document
+
+
+def _read_content(document: TDocStd_Document, unit: str) -> MeshContent:
+    roots = Sequence_TDF_Label()
+    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
+    walker = _AssemblyWalker()
+    bodies = [body for root in roots for body in walker.iter_bodies(root, np.eye(4), None)]
+    return MeshContent(tuple(bodies), 1.0, unit, False, walker.warnings())
+
+
 def _with_color(body: MeshBody, albedo: np.ndarray | None) -> MeshBody:
     if albedo is None:
         return body
@@ -163,3 +217,79 @@ def _matrix(location: TopLoc_Location) -> Float64[np.ndarray, "4 4"]:
     transform, matrix = location.Transformation(), np.eye(4)
     matrix[:3] = [[transform.Value(i, j) for j in range(1, 5)] for i in range(1, 4)]
     return matrix
+
+
+def split_shape(shape: TopoDS_Shape) -> Iterator[tuple[TopoDS_Shape, bool]]:
+    """Solids; shells in no solid; and all faces in no shell as one; with whether it is a solid."""
+    solid, shell = TopAbs_ShapeEnum.TopAbs_SOLID, TopAbs_ShapeEnum.TopAbs_SHELL
+    yield from ((piece, True) for piece in _explore(TopExp_Explorer(shape, solid)))
+    yield from ((piece, False) for piece in _explore(TopExp_Explorer(shape, shell, solid)))
+    loose_faces = list(_explore(TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_FACE, shell)))
+    if loose_faces:
+        builder, compound = BRep_Builder(), TopoDS_Compound()
+        builder.MakeCompound(compound)
+        for face in loose_faces:
+            builder.Add(compound, face)
+        yield compound, False
+
+
+def _explore(explorer: TopExp_Explorer) -> Iterator[TopoDS_Shape]:
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def triangulate_piece(
+    piece: TopoDS_Shape, box: Bnd_Box, color_table: ColorTable
+) -> tuple[MeshArrays | None, int]:
+    """The triangles of `piece` in its `box`, and how many of its faces the kernel left bare.
+
+    They are not welded: the repair does that to what comes out of any reader.
+    """
+    diagonal = box.CornerMin().Distance(box.CornerMax())
+    BRepMesh_IncrementalMesh(piece, LINEAR_DEFLECTION * diagonal, False, ANGULAR_DEFLECTION, False)
+    points, corners, albedo, offset, num_unmeshed = [], [], [], 0, 0
+    for face in faces_of(piece):
+        triangulation = triangulation_of(face)
+        if triangulation is None:
+            num_unmeshed += 1
+            continue
+        points.append(triangulation[0])
+        corners.append(triangulation[1] + offset)
+        albedo.append(np.broadcast_to(color_table.face_albedo(face), (len(triangulation[1]), 3)))
+        offset += len(triangulation[0])
+    if not points:
+        return None, num_unmeshed
+    faces = np.concatenate(corners).astype(np.int64)
+    return (np.concatenate(points), faces, np.concatenate(albedo)), num_unmeshed
+
+
+def bounding_box(piece: TopoDS_Shape) -> Bnd_Box | None:
+    """The box about `piece`; None if the piece has no extent, or no end."""
+    box = Bnd_Box()
+    BRepBndLib.Add_s(piece, box, False)
+    return None if box.IsVoid() or box.IsOpen() else box
+
+
+def albedo_of(label: TDF_Label) -> Float64[np.ndarray, "3"] | None:
+    """The albedo at `label`; None if it states none."""
+    color = Quantity_Color()  # linear inside: the kernel decodes the sRGB of the file
+    for kind in (XCAFDoc_ColorType.XCAFDoc_ColorSurf, XCAFDoc_ColorType.XCAFDoc_ColorGen):
+        if XCAFDoc_ColorTool.GetColor_s(label, kind, color):
+            return np.array(color.Values(Quantity_TypeOfColor.Quantity_TOC_RGB))
+    return None
+
+
+def name_of(label: TDF_Label) -> str:
+    """The name at `label`, or `solid`."""
+    name = TDataStd_Name()
+    # Asked first: to search for a name that is not there ends the process.
+    if not label.IsAttribute(TDataStd_Name.GetID_s()):
+        return "solid"
+    label.FindAttribute(TDataStd_Name.GetID_s(), name)
+    text = name.Get().ToExtString().strip()
+    return "solid" if not text or text.startswith(UNNAMED) else text
+
+
+def _is_face(shape: TopoDS_Shape) -> bool:
+    return shape.ShapeType() == TopAbs_ShapeEnum.TopAbs_FACE

@@ -1,4 +1,7 @@
-"""OFF, and COFF with colors of vertices.  It states no unit."""
+"""OFF, and COFF with colors of vertices.  It states no unit.
+
+Not through trimesh, which reads no colors (benchmarks/readers.md).
+"""
 
 from pathlib import Path
 

@@ -53,7 +53,7 @@ def _read_header(data: bytes) -> tuple[list[str], int]:
 
 
 def _require_size(header: list[str], available: int) -> None:
-    """Raise BadPart unless `held` bytes can hold all rows that the header promises."""
+    """Raise BadPart unless `available` bytes can hold all rows that the header promises."""
     is_text = any(line.split()[:2] == ["format", "ascii"] for line in header)
     rows, needed, declared = 0, 0, []
     for tokens in (line.split() for line in header):

@@ -1,4 +1,8 @@
-"""STL, binary and text.  It knows neither units nor colors."""
+"""STL, binary and text.  It states neither units nor colors.
+
+Not through trimesh, which refuses decimal commas and bytes after the last triangle, and answers a
+file that is cut short with an empty scene (benchmarks/readers.md).
+"""
 
 import re
 from pathlib import Path
@@ -36,8 +40,8 @@ def _trim_binary(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     available, tail = divmod(len(data) - HEADER_BYTES, RECORD_BYTES)
     if declared > available:
         raise BadPart(
-            f"binary STL: header promises {declared} triangles, the file holds {available}: it is cut "
-            "short"
+            f"binary STL: header promises {declared} triangles, the file holds {available}: it is "
+            "cut short"
         )
     tail += (available - declared) * RECORD_BYTES
     return data[: HEADER_BYTES + declared * RECORD_BYTES], (

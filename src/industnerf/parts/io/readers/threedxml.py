@@ -1,6 +1,7 @@
 """3DXML of the CATIA family: one body per place in the assembly.  It states no unit.
 
-Read here and not by trimesh, which repeats triangles where a surface has several colored faces.
+Not through trimesh, which repeats triangles where a surface has several faces, makes unstated
+colors gray and needs normals (benchmarks/readers.md).
 """
 
 import json
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from industnerf.errors import BadPart
 from industnerf.parts.io.readers.archive import parse_xml, read_archive
@@ -18,11 +19,15 @@ from industnerf.parts.io.readers.mesh_content import (
     MeshBody,
     MeshContent,
     concatenate_bodies,
+    fan_triangles,
+    require_valid_indices,
+    strip_triangles,
     transform_body,
+    unstated_albedo,
 )
-from industnerf.parts.io.readers.threedxml_mesh import read_representation
 
 MAX_PLACEMENTS = 100_000  # places of parts: assemblies of assemblies multiply
+Albedo = Float64[np.ndarray, "3"]
 
 
 def read_threedxml(path: Path) -> MeshContent:
@@ -109,3 +114,51 @@ def _read_materials(files: dict[str, bytes]) -> dict[str, Float64[np.ndarray, "3
             if material is not None:
                 albedos[owner.text] = material
     return albedos
+
+
+def read_representation(root: Any, materials: dict[str, Albedo]) -> list[MeshBody]:
+    """The pieces of one shape; coarser copies of them for far views are passed over."""
+    return [
+        piece
+        for node in root.iter("{*}Rep")
+        if (positions := node.find("{*}VertexBuffer/{*}Positions")) is not None
+        if (piece := _piece(node, positions.text or "", materials)) is not None
+    ]
+
+
+def _piece(node: Any, positions: str, materials: dict[str, Albedo]) -> MeshBody | None:
+    vertices = np.array(positions.replace(",", " ").split(), np.float64).reshape(-1, 3)
+    piece_albedo = _find_albedo(node, materials, unstated_albedo(1)[0])
+    corners, albedo = [], []
+    for group in node.iterfind("{*}Faces"):
+        group_albedo = _find_albedo(group, materials, piece_albedo)
+        for face in group.iterfind("{*}Face"):
+            triangles = _triangles(face)
+            corners.append(triangles)
+            face_albedo = _find_albedo(face, materials, group_albedo)
+            albedo.append(np.broadcast_to(face_albedo, (len(triangles), 3)))
+    if not corners:
+        return None
+    faces = np.concatenate(corners)
+    require_valid_indices(faces, len(vertices), "3DXML")
+    return MeshBody("", vertices, faces, np.concatenate(albedo))
+
+
+def _triangles(face: Any) -> Int64[np.ndarray, "m 3"]:
+    groups = [np.array(face.get("triangles", "").split(), np.int64).reshape(-1, 3)]
+    for key, triangles in (("strips", strip_triangles), ("fans", fan_triangles)):
+        for text in face.get(key, "").split(","):
+            groups.append(triangles(np.array(text.split(), np.int64)))
+    return np.concatenate(groups)
+
+
+def _find_albedo(node: Any, materials: dict[str, Albedo], default: Albedo) -> Albedo:
+    """The color or the material at `node`; `default` if it states none."""
+    color = node.find("{*}SurfaceAttributes/{*}Color")
+    if color is not None:
+        channels = [float(color.get(name, 1)) for name in ("red", "green", "blue")]
+        return srgb_to_linear(np.array(channels))
+    material = node.find("{*}SurfaceAttributes/{*}MaterialApplication/{*}MaterialId")
+    if material is not None:
+        return materials.get(material.get("id", "").rpartition("#")[2], default)
+    return default

@@ -1,12 +1,12 @@
 """The document: a table a section, and one a method; the NeRFs share theirs."""
 
+import json
 from dataclasses import dataclass
 from typing import Any
 
 from industnerf.config import flatten
 from industnerf.report.docs.hyperparameters.allowed_values import allowed_values
 from industnerf.report.docs.hyperparameters.paper_symbols import NERF_METHODS, PAPER_SYMBOLS
-from industnerf.report.docs.hyperparameters.reader_stages import reader_stages
 from industnerf.report.docs.hyperparameters.yaml_comments import find_meaning, parse_comments
 
 HEAD = """# Hyperparameters
@@ -16,9 +16,9 @@ details", and gives none. This list has every value of `params.yaml`. *Allowed* 
 choices, and *paper* is the paper's symbol or section. *Read by* names the stages of `dvc.yaml` that
 rerun when the value changes.
 
-This file is generated. Write it again with
+This page is generated. Write it again with
 
-    python -m industnerf.report.docs.hyperparameters
+    python -m industnerf.report.docs
 """
 
 
@@ -58,8 +58,9 @@ def _nerf_section(sources: Sources) -> str:
         f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
     )
     keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
-    title = f"\n## `method.{'`, `method.'.join(NERF_METHODS)}`\n\nThese methods share one code.\n\n{descriptions}\n"
-    return title + _table(sources, "", keys)
+    title = ", ".join(f"`method.{name}`" for name in NERF_METHODS)
+    text = f"\n## {title}\n\nOne implementation with five sets of values.\n\n{descriptions}\n"
+    return text + _table(sources, "", keys)
 
 
 def _keys_below(sources: Sources, prefix: str) -> list[str]:
@@ -74,7 +75,7 @@ def _heading(sources: Sources, prefix: str) -> str:
 
 
 def _table(sources: Sources, strip_prefix: str, columns: dict[str, list[str]]) -> str:
-    """A row for every key, without `cut`; a column of values for every prefix in `columns`."""
+    """A row for every key, without `strip_prefix`; a column of values for each of `columns`."""
     names = [prefix.removeprefix("method.").strip(".") or "value" for prefix in columns]
     rows = [["name", *names, "allowed", "paper", "meaning", "read by"]]
     rows.append(["---"] * len(rows[0]))
@@ -110,6 +111,25 @@ def _row(sources: Sources, strip_prefix: str, prefixes: list[str], name: str) ->
         escape_cell(find_meaning(present_key, sources.comments)),
         ", ".join(reader_stages(present_key, sources.stages)),
     ]
+
+
+def reader_stages(key: str, stages: dict[str, dict[str, Any]]) -> list[str]:
+    """The stages that list `key` or a section above it, or have it in their wiring."""
+    return [
+        name
+        for name, stage in stages.items()
+        if _depends_on(key, stage) or _interpolates(key, stage)
+    ]
+
+
+def _depends_on(key: str, stage: dict[str, Any]) -> bool:
+    method = key.split(".")[1] if key.startswith("method.") else ""
+    listed = [name.replace("${item.method}", method) for name in stage.get("params", [])]
+    return any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in listed)
+
+
+def _interpolates(key: str, stage: dict[str, Any]) -> bool:
+    return f"${{{key}}}" in json.dumps(stage)
 
 
 def format_value(value: Any) -> str:

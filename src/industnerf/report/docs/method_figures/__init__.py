@@ -1,6 +1,5 @@
-"""The paper's figure 2 with what really happens to one part: the plates of docs/reference/method.md.
+"""Figures of docs/reference/method.md: the paper's figure 2, with what happens to one real part.
 
-`making` runs the method and keeps what it passes through, `profile` looks along one ray; a file
-each for the plates of what goes in (3.1), the refining (3.2), the seeing (3.3) and the judging
-(3.4).
+`pipeline_trace` runs the method and keeps intermediate values, `ray_profile` follows one ray.  A
+module each draws inputs (3.1), sampling (3.2), rendering (3.3) and confidence (3.4).
 """

@@ -1,6 +1,6 @@
-"""The plates of docs/reference/method.md, from one part's photographs.
+"""The figures of docs/reference/method.md, from one part's photographs.
 
-python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out docs/reference/method]
+python -m industnerf.report.docs.method_figures [PART] [--views data/views] [--out FOLDER]
 
 The photographs are what `dvc repro views` writes; the settings are those of params.yaml, and the
 seed that of the study, so this is the study's own run.
@@ -31,7 +31,7 @@ def main() -> None:
 
 
 def write_part_figures(views: Path, out: Path) -> None:
-    """Run the method on the photographs in `views`; replace the plates in `out`."""
+    """Run the method on the photographs in `views`; replace the figures in `out`."""
     import torch
 
     from industnerf.report.docs.method_figures.figures import trace_part, write_figures

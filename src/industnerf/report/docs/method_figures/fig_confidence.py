@@ -1,4 +1,4 @@
-"""Plates of section 3.4: how sure each view is of each point, and the final cloud."""
+"""Figures of section 3.4: the confidence of each view, and the final cloud."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ SIZE = 300  # px of a cloud
 
 
 def plot_confidence(trace: PipelineTrace) -> Any:
-    """Eq. (13) as three views have it, and its maximum over all views."""
+    """Eq. (13) of three views, and its maximum over all views."""
     fine, occupied = trace.fine, trace.fine.sigma > 0
     points, max_confidence = trace.to_mm(fine.points[occupied]), float(fine.confidence.max())
     fig = new_figure(9, 5.2)
@@ -48,7 +48,7 @@ def _splat_view(trace: PipelineTrace, points: np.ndarray, colors: np.ndarray) ->
 
 
 def plot_cloud(trace: PipelineTrace) -> Any:
-    """The final cloud by color, by confidence, and by the view that is surest."""
+    """The final cloud by color, by confidence, and by the view with the highest confidence."""
     max_confidence = float(trace.confidence.max(initial=1e-6))
     fig = new_figure(9, 2.8)
     axes = fig.subplots(1, 4)

@@ -1,4 +1,4 @@
-"""Plates of section 3.1: the source views, the grid X, the features E(I), and the field N(...)."""
+"""Figures of section 3.1: the source views, the grid X, the features E(I), and the field N(...)."""
 
 from typing import Any
 
@@ -35,7 +35,7 @@ def plot_views(trace: PipelineTrace) -> Any:
     axis.scatter(*directions[trace.view], color="#d1495b", s=40)
     points = trace.coarse.points[trace.coarse.sigma > 0][::20].numpy()
     axis.scatter(*points.T, s=0.3, color="#555555")
-    axis.set_title("their poses P (red: the view of the other plates)", fontsize=8)
+    axis.set_title("their poses P (red: the view of the other figures)", fontsize=8)
     axis.set_box_aspect((1, 1, 1), zoom=1.3)
     axis.view_init(azim=15, elev=20)
     axis.set_axis_off()
@@ -78,7 +78,7 @@ def plot_grid(trace: PipelineTrace) -> Any:
 def plot_features(trace: PipelineTrace) -> Any:
     """E(I) of one view, and the features of all views pooled at the points of X.
 
-    None without E, and where N is not told of this view (R10).
+    None without E, and where this view is no source view (R10).
     """
     coarse, view = trace.coarse, trace.view
     if coarse.features is None:

@@ -1,4 +1,4 @@
-"""Plates of section 3.3: one ray through the cloud, and a view rendered anew."""
+"""Figures of section 3.3: one ray through the cloud, and a re-rendered view."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Plates of section 3.2: the density as a distribution, and the points that are drawn from it."""
+"""Figures of section 3.2: the density as a distribution, and the points that are drawn from it."""
 
 from typing import Any
 

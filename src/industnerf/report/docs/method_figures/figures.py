@@ -1,4 +1,4 @@
-"""All plates of one part, in the order of the paper's figure 2."""
+"""All figures of one part, in the order of the paper's figure 2."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +20,7 @@ from industnerf.report.figures.figure_style import encode_png
 from industnerf.seeds import seed_for
 
 METHOD = METHODS["industnerf"]
-# A plate is None where the settings leave out what it would show.
+# A figure is None where the settings leave out what it would show.
 FIGURES: dict[str, Callable[[PipelineTrace], Any]] = {
     "01-views.png": fig_inputs.plot_views,
     "02-grid.png": fig_inputs.plot_grid,
@@ -46,7 +46,7 @@ def trace_part(views: Path) -> PipelineTrace:
 
 
 def write_figures(trace: PipelineTrace, out: Path) -> list[Path]:
-    """Replace the plates in `out`; returns those that there are."""
+    """Replace the figures in `out`; returns those that there are."""
     out.mkdir(parents=True, exist_ok=True)
     written = []
     for name, draw in FIGURES.items():

@@ -1,4 +1,4 @@
-"""One part's run of the method, with what it passed through on the way."""
+"""One part's run of the method, with its intermediate values."""
 
 from dataclasses import dataclass
 
@@ -9,18 +9,13 @@ from scipy.spatial import cKDTree
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
-from industnerf.methods.industnerf.pipeline import (
-    Callback,
-    ReconstructionResult,
-    Reconstructor,
-    render_views,
-)
+from industnerf.methods.industnerf.confidence import compute_view_confidence
+from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult, Reconstructor
 from industnerf.methods.industnerf.point_levels import WARM_UP
 from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
-from industnerf.methods.industnerf.scene import NerfScene, PosedImages
+from industnerf.methods.industnerf.rerender import render_views
+from industnerf.methods.industnerf.scene import NerfScene, PosedImages, source_target_split
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.methods.industnerf.view_confidence import compute_view_confidence
-from industnerf.methods.industnerf.view_split import source_target_split
 from industnerf.report.figures.contact_sheet import best_view
 from industnerf.schema import IndustnerfSettings
 
@@ -41,21 +36,21 @@ class CoarseLevel:
 
 @dataclass(frozen=True)
 class FineLevel:
-    """The last level when all is done."""
+    """The last level after training."""
 
     points: Float32[Tensor, "m 3"]
-    values: Float32[Tensor, "m"]  # that the points hold: distances, or densities if beta is 0
+    values: Float32[Tensor, "m"]  # of the points: signed distances, or densities if beta is 0
     sigma: Float32[Tensor, "m"]
     rgb: Float32[Tensor, "m 3"]
     confidence: Float32[Tensor, "m"]
-    view_confidences: dict[int, Float32[Tensor, "m"]]  # view -> what it alone says
+    view_confidences: dict[int, Float32[Tensor, "m"]]  # view -> its own confidence
     spacing: float
-    beta: float  # softness of the surface
+    beta: float  # of the SDF density
 
 
 @dataclass(frozen=True)
 class PipelineTrace:
-    """What the plates show, on the CPU; most of them are drawn from the source view `view`."""
+    """What the figures show, on the CPU; most of them are drawn from the source view `view`."""
 
     part_id: str
     images: PosedImages
@@ -71,7 +66,7 @@ class PipelineTrace:
     cloud_mm: Float32[np.ndarray, "n 3"]
     colors: UInt8[np.ndarray, "n 3"]
     confidence: Float32[np.ndarray, "n"]
-    argmax_view: Int16[np.ndarray, "n"]  # the view that is surest of each point
+    argmax_view: Int16[np.ndarray, "n"]  # the view with the highest confidence of each point
 
     def to_mm(self, points: Float32[Tensor, "m 3"]) -> Float[np.ndarray, "m 3"]:
         """Points of the unit frame in the cameras' frame."""
@@ -81,7 +76,7 @@ class PipelineTrace:
 def trace_pipeline(
     part_id: str, images: PosedImages, settings: IndustnerfSettings, seed: int
 ) -> PipelineTrace:
-    """Run the method, stopping to look.  Raises ReconstructionFailed as `run` does."""
+    """Run the method and keep intermediate values.  Raises ReconstructionFailed as `run` does."""
     reconstructor = Reconstructor(images, settings, seed, Callback())
     view = best_view(images.cameras)
     reconstructor.train()
@@ -109,7 +104,7 @@ def trace_pipeline(
 def _network_inputs(
     training: Trainer, views: int, view: int
 ) -> tuple[Float32[Tensor, "m i"] | None, Float32[Tensor, "c th tw"] | None]:
-    """What N is told of the points, and the feature map of the view; None where there is none."""
+    """The network inputs of the points and the feature map of the view; None if there is none."""
     sources = training.field.source_features
     if sources is None:
         return None, None
@@ -120,7 +115,7 @@ def _network_inputs(
 
 
 def _is_new(points: Float32[Tensor, "n 3"], old_points: Float32[Tensor, "m 3"]) -> Tensor:
-    """Which points are none of the old ones."""
+    """Which of `points` are not among `old_points`."""
     distances, _ = cKDTree(old_points.cpu().numpy()).query(points.cpu().numpy())
     return torch.from_numpy(distances > 0).to(points.device)
 
@@ -135,7 +130,7 @@ def _build_trace(
     sampled_points: Float32[Tensor, "d 3"],
     reconstructor: Reconstructor,
 ) -> PipelineTrace:
-    """All of it, from a run that has finished."""
+    """The trace of a finished run."""
     result: ReconstructionResult = reconstructor.result()
     level, background = reconstructor.trainer, result.background[view : view + 1]
     sigma, (values, rgb), points = level.density(), level.values(), level.points.positions
@@ -158,13 +153,13 @@ def _build_trace(
 
 
 def confidence_views(num_views: int, first: int) -> list[int]:
-    """`WITNESSES` views, or all where there are fewer, spread over the list from `first` on."""
+    """`CONFIDENCE_VIEWS` views, or all if there are fewer, spread over the list from `first` on."""
     count = min(CONFIDENCE_VIEWS, num_views)
     return [(first + i * num_views // count) % num_views for i in range(count)]
 
 
 def single_view_confidence(training: Trainer, scene: NerfScene, view: int) -> Float32[Tensor, "m"]:
-    """(13) as one view has it.  R8's `contrast` is then that of this view."""
+    """Eq. (13) of one view alone; the `contrast` of reading R8 is that of this view."""
     cameras, (values, rgb) = scene[view : view + 1], training.values()
     support_radius, points = training.points.support_radius, training.points.positions
     max_px, readings = training.settings.surface_px, training.settings.readings

@@ -1,4 +1,4 @@
-"""What one ray meets on its way through the cloud, sample by sample: 3.3 and eq. (10)."""
+"""The samples of one ray through the cloud, sample by sample: 3.3 and eq. (10)."""
 
 from dataclasses import dataclass
 

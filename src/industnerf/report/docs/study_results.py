@@ -1,0 +1,222 @@
+"""Published results as Markdown: five rows for the README, all tables for a page of their own."""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence, Set
+from itertools import accumulate
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.config import flatten, read_yaml
+from industnerf.report.publish.provenance import describe_provenance, read_provenance
+from industnerf.report.tables.formats import (
+    format_csv_number,
+    format_fixed,
+    markdown_table,
+    read_csv,
+    read_markdown_table,
+)
+from industnerf.report.tables.table2 import LOSSES
+
+CsvRow = dict[str, str]
+README_METHODS = ("oracle", "industnerf_plus", "carve", "industnerf")  # and the best network
+COMPARED_PAIRS = (
+    ("industnerf_plus", "hull"),
+    ("industnerf_plus", "carve"),
+    ("industnerf", "hull"),
+    ("industnerf", "carve"),
+)
+COVERAGE_METHODS = ("industnerf_plus", "industnerf", "hull", "oracle")
+TOLERANCE_COLUMNS = {"covered_0.5mm": "within 0.5 mm", "covered_1mm": "within 1 mm"}
+GOAL_COLUMNS = {"value": "measured", "tsdf": "`tsdf`", "oracle": "`oracle`"}
+
+
+def readme_block(folder: Path) -> str:
+    """The rows of `README_METHODS` and of the best network, and where they come from."""
+    rows = _test_rows(folder)
+    networks = [row for row in rows if row["size"]]
+    best_network = min(networks, key=lambda row: float(row["emd_even"]), default={"method": ""})
+    shown = [row for row in rows if row["method"] in (*README_METHODS, best_network["method"])]
+    columns = ("method", "inputs", "EMD", "x floor", "seconds", "paper")
+    return f"{_describe_results(folder)}{_table1(folder, shown, columns)}"
+
+
+def results_block(folder: Path, params: Path | None = None) -> str:
+    """Tables 1 and 2 of the results in `folder`, comparisons, coverage and missed goals.
+
+    `params`: today's params.yaml; what has changed in it since is named.
+    """
+    interval = _interval_label(folder)
+    columns = ("method", "inputs", "EMD", interval, "mm", "x floor", "failed", "seconds", "paper")
+    sections: dict[str, str] = {
+        "Table 1": _table1(folder, _test_rows(folder), columns) + _undertrained_list(folder),
+        "Table 2": _table2(read_csv(folder / "table2.csv")),
+        "Comparisons": _comparison_table(read_csv(folder / "comparisons.csv"), interval),
+        "Surface within tolerance": _coverage_table(read_csv(folder / "inspection.csv")),
+        "Goals": _missed_goals(read_csv(folder / "goals.csv")),
+    }
+    tables = "".join(f"\n## {title}\n\n{text}" for title, text in sections.items() if text)
+    changes = _changes_since(folder / "params.yaml", params) if params else ""
+    return f"{_describe_results(folder)}{changes}{tables}"
+
+
+def table1_cells(folder: Path) -> dict[str, CsvRow]:
+    """Method -> its cells of `table1.md`: rounding the CSV again may give another digit."""
+    rows = read_markdown_table(folder / "table1.md")
+    return {row["method"]: row for row in rows if row["split"] == "test"}
+
+
+def _describe_results(folder: Path) -> str:
+    scores = [row for row in read_csv(folder / "scores.csv") if row["split"] == "test"]
+    parts, families = (len({row[name] for row in scores}) for name in ("part_id", "family"))
+    return (
+        f"{parts} test parts of {families} families, {describe_provenance(folder)}. "
+        f"Every number is in `results/{folder.name}`.\n\n"
+    )
+
+
+def _interval_label(folder: Path) -> str:
+    """The confidence level of the intervals, such as `95 %`."""
+    return f"{100 * read_provenance(folder)['interval']:g} %"
+
+
+def _test_rows(folder: Path) -> list[CsvRow]:
+    return [row for row in read_csv(folder / "table1.csv") if row["split"] == "test"]
+
+
+def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str:
+    """The named columns of Table 1."""
+    seconds, interval, table = _mean_seconds(folder), _interval_label(folder), table1_cells(folder)
+    cells: dict[str, Callable[[CsvRow], str]] = {
+        "method": lambda row: row["method"] + (" (undertrained)" if row["undertrained"] else ""),
+        "inputs": lambda row: row["inputs"],
+        "EMD": lambda row: table[row["method"]]["EMD (even)"],
+        interval: lambda row: table[row["method"]][interval],
+        "mm": lambda row: table[row["method"]]["EMD, mm"],
+        "x floor": lambda row: table[row["method"]]["x floor"],
+        "failed": lambda row: table[row["method"]]["failed"],
+        "seconds": lambda row: format_fixed(seconds.get(row["method"]), 1),
+        "paper": lambda row: format_fixed(float(row["paper_emd"])) if row["paper_emd"] else "",
+    }
+    return markdown_table(columns, [[cells[name](row) for name in columns] for row in rows])
+
+
+def _mean_seconds(folder: Path) -> dict[str, float]:
+    """Mean seconds of each method for one test part."""
+    parts = {row["part_id"] for row in read_csv(folder / "scores.csv") if row["split"] == "test"}
+    seconds_by_method = defaultdict(list)
+    for row in read_csv(folder / "cost.csv"):
+        if row["stage"] == "reconstruct" and row["part_id"] in parts:
+            seconds_by_method[row["method"]].append(float(row["seconds"]))
+    return {method: fmean(seconds) for method, seconds in seconds_by_method.items()}
+
+
+def _undertrained_list(folder: Path) -> str:
+    """The networks that are marked as undertrained, and why."""
+    reasons = [
+        f"- `{row['method']}`: {row['undertrained']}"
+        for row in _test_rows(folder)
+        if row["undertrained"]
+    ]
+    return "\n".join(["\nUndertrained networks:", "", *reasons, ""]) if reasons else ""
+
+
+def _table2(rows: Sequence[CsvRow]) -> str:
+    """A row per method and loss, a column per subset of parts; empty if no method renders."""
+    values = {(*_method_and_loss(row), row["subset"]): row["value"] for row in rows}
+    table_rows = [
+        [
+            *key,
+            *(format_csv_number(values.get((*key, name))) for name in ("all", "figure3")),
+            format_csv_number(paper_value),
+        ]
+        for key, paper_value in {_method_and_loss(row): row["paper"] for row in rows}.items()
+    ]
+    heads = ["method", "loss", "all test parts", "one a family", "paper"]
+    return markdown_table(heads, table_rows) if rows else ""
+
+
+def _method_and_loss(row: CsvRow) -> tuple[str, str]:
+    """The method, and the loss in words; in mm with its unit."""
+    name = next(loss.name for loss in LOSSES if loss.metric == row["loss"])
+    return row["method"], name + {"mm": ", mm", "mm^2": ", mm²"}.get(row["unit"], "")
+
+
+def _comparison_table(rows: Sequence[CsvRow], interval: str) -> str:
+    """Paired differences of EMD for `COMPARED_PAIRS`; below 0 the first method is better."""
+    known = {(row["method"], row["other"]): row for row in rows}
+    names = ("difference", "ci_low", "ci_high", "difference_mm", "p_holm", "win_rate")
+    table_rows = []
+    for pair in (pair for pair in COMPARED_PAIRS if pair in known):
+        difference, low, high, mm, p, wins = (float(known[pair][name]) for name in names)
+        table_rows.append(
+            [
+                *(f"`{method}`" for method in pair),
+                f"{difference:+.4f}",
+                f"{low:+.4f} to {high:+.4f}",
+                f"{mm:+.2f}",
+                f"{p:.2g}",
+                f"{100 * wins:.0f} %",
+            ]
+        )
+    heads = ["method", "against", "EMD difference", interval, "mm", "p (Holm)", "better on"]
+    return markdown_table(heads, table_rows) if table_rows else ""
+
+
+def _coverage_table(rows: Sequence[CsvRow]) -> str:
+    """The share of the visible surface within each tolerance of the cloud."""
+    known = {row["method"]: row for row in rows if all(map(row.get, TOLERANCE_COLUMNS))}
+    table_rows = [
+        [
+            f"`{method}`",
+            *(f"{100 * float(known[method][name]):.0f} %" for name in TOLERANCE_COLUMNS),
+        ]
+        for method in COVERAGE_METHODS
+        if method in known
+    ]
+    return markdown_table(["method", *TOLERANCE_COLUMNS.values()], table_rows) if table_rows else ""
+
+
+def _missed_goals(rows: Sequence[CsvRow]) -> str:
+    missed = [row for row in rows if row["met"] == "no"]
+    if not rows:
+        return ""
+    table_rows = [
+        [
+            f"`{row['method']}`",
+            row["goal"],
+            row["target"],
+            *(format_csv_number(row[name]) for name in GOAL_COLUMNS),
+        ]
+        for row in missed
+    ]
+    heads = ["method", "goal", "target", *GOAL_COLUMNS.values()]
+    table = f"\n{markdown_table(heads, table_rows)}" if missed else ""
+    return f"{len(missed)} of {len(rows)} goals are missed.\n{table}"
+
+
+def _changes_since(published_params: Path, current_params: Path) -> str:
+    """A sentence on what of params.yaml is no longer as the study had it, or nothing."""
+    old, new = (flatten(read_yaml(path)) for path in (published_params, current_params))
+    changed = {key for key in old.keys() & new.keys() if old[key] != new[key]}
+    changes = {
+        "has changed in": {".".join(key.split(".")[:3]) for key in changed},
+        "has gained": _only_in(new.keys(), old.keys()),
+        "has lost": _only_in(old.keys(), new.keys()),
+    }
+    clauses = [
+        f"{verb} {', '.join(f'`{key}`' for key in sorted(keys))}"
+        for verb, keys in changes.items()
+        if keys
+    ]
+    return f"Since then params.yaml {' and '.join(clauses)}.\n" if clauses else ""
+
+
+def _only_in(these: Set[str], those: Set[str]) -> set[str]:
+    """Keys of `these` that are not in `those`: where a whole section is not, the section."""
+    known = {section for key in those for section in _sections(key)}
+    return {next((s for s in _sections(key) if s not in known), key) for key in these - those}
+
+
+def _sections(key: str) -> list[str]:
+    """What `key` is in, from the widest to itself: a, a.b, a.b.c."""
+    return list(accumulate(key.split("."), "{}.{}".format))
