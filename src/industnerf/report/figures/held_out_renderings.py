@@ -82,12 +82,12 @@ def _has_views(study: Study, part: str) -> bool:
 def _first_held_out_images(study: Study, part: str) -> list[tuple[str, bytes]]:
     views = load_views(study.folders.views / part)
     held_out = np.flatnonzero(views.held_out)[:1]
-    images = [("photograph", _encode_pixels(pixels)) for pixels in views.rgb(held_out)]
+    images = [("image", _encode_pixels(pixels)) for pixels in views.rgb(held_out)]
     for method in study.methods:
         rendered = study.folders.clouds / method / part / FOLDER / "rgb" / "000.png"
         if images and rendered.exists():
-            with Image.open(rendered) as picture:
-                images.append((method, encode_jpeg(picture)))
+            with Image.open(rendered) as image:
+                images.append((method, encode_jpeg(image)))
     return images
 
 

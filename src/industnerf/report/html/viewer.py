@@ -123,7 +123,7 @@ def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box,
     caption = f"{len(indices)} of {len(cloud.points_mm)} points"
     num_outside = len(inside) - len(indices)
     if num_outside:
-        caption += f"; {num_outside} more lie outside the picture"
+        caption += f"; {num_outside} more lie outside the viewer"
     return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
 
 

@@ -121,7 +121,7 @@ def _resize_with_palette(png: bytes, width: int) -> bytes:
         rgb = image.convert("RGB")
     rgb.thumbnail((width, rgb.height), Image.Resampling.LANCZOS)
     out = io.BytesIO()
-    # Of Pillow's choices of a palette the nearest to the picture, and among the smallest files;
+    # Of Pillow's choices of a palette the nearest to the image, and among the smallest files;
     # without dithering, which no PNG can compress.
     paletted = rgb.quantize(
         IMAGE_COLORS, Image.Quantize.MAXCOVERAGE, kmeans=3, dither=Image.Dither.NONE

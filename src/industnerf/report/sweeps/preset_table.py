@@ -23,7 +23,7 @@ RESULT_LINKS = {
     "seeds": "[protocol.md](protocol.md)",
     "seeds_nets": "[protocol.md](protocol.md)",
 }
-# all others are brought by pipeline.sweep_docs
+# all others: pipeline.sweep_docs
 PUBLISHED_BY = {
     "ablation": "ablation_effects",
     "readings": "ablation_effects",
@@ -32,7 +32,7 @@ PUBLISHED_BY = {
 }
 COMMAND = "python -m pipeline.sweep --multirun"
 HYDRA_KEYS = ("defaults", "hydra")
-INFLATED_SECONDS = "seconds are inflated"  # is said of a machine that was shared with other work
+INFLATED_SECONDS = "seconds are inflated"  # in the notes on a machine that was not idle
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
@@ -75,7 +75,7 @@ def _command_lines(root: Path, names: list[str]) -> str:
 
 
 def _other_sweeps(root: Path) -> str:
-    """The presets that sweep and have no row: where their results stand, and their lines."""
+    """Sweeps without a row: where their results are, and their commands."""
     names = multirun_presets(root) - {preset.name for preset in sweep_presets(root)}
     if not names:
         return ""
@@ -86,7 +86,7 @@ def _other_sweeps(root: Path) -> str:
 
 def publishing_module(name: str) -> str:
     """The module that publishes a sweep of the preset `name`."""
-    return f"pipeline.{PUBLISHED_BY.get(name, 'sweeps')}"
+    return f"pipeline.{PUBLISHED_BY.get(name, 'sweep_docs')}"
 
 
 def multirun_presets(root: Path) -> set[str]:
