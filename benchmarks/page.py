@@ -2,9 +2,9 @@
 
 PYTHONPATH=. python benchmarks/page.py runs/dev/reports/report.html 1000 4000
 
-A number stands for a page of so many parts, with three methods, 14 scores and no pictures each.
+A number stands for a page of so many parts, with three methods, 14 scores and no images each.
 In headless Chromium, where software draws: seconds until all of the file is read
-(`domInteractive`), and until the scripts have run and every picture is decoded (`load`).
+(`domInteractive`), and until the scripts have run and every image is decoded (`load`).
 """
 
 import sys

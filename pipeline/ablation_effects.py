@@ -1,4 +1,4 @@
-"""Bring a sweep of one change at a time into the document that asks about it, its points beside it.
+"""Publish a sweep of single changes: its table in a document, its points beside it.
 
 python -m pipeline.ablation_effects runs/sweeps/<of experiment=readings>  docs/reference/readings.md
 python -m pipeline.ablation_effects runs/sweeps/<of experiment=ablation>  docs/reference/method.md

@@ -142,7 +142,7 @@ def test_a_sweep_of_no_preset_is_refused(project: Path):
     with pytest.raises(BadArtifact, match=r"preset 'study', which has no row here$"):
         main("runs/sweeps/now")
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: seeds\n")
-    with pytest.raises(BadArtifact, match=r"here; `python -m pipeline\.spread` publishes it"):
+    with pytest.raises(BadArtifact, match=r"here; `python -m pipeline\.seed_variance` publishes it"):
         main("runs/sweeps/now")
 
 

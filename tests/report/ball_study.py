@@ -44,7 +44,7 @@ def points(count: int, radius: float) -> np.ndarray:
 
 
 def surface(points_mm: np.ndarray) -> Mesh:
-    """The polyhedron whose corners are the points `true`."""
+    """The convex polyhedron whose corners are `points_mm`."""
     hull = trimesh.convex.convex_hull(points_mm.astype(np.float64))
     return Mesh.with_one_appearance(hull.vertices, hull.faces.astype(np.int32))
 
@@ -103,7 +103,7 @@ def scores(name: str) -> list[PartScore]:
 
 
 def study(folder: Path) -> Study:
-    """The study whose files `lay_out` wrote into `folder`."""
+    """The study whose files `write_part` wrote into `folder`."""
     nowhere = folder / "nowhere"
     return Study(
         preset="gallery",

@@ -32,8 +32,8 @@ def report_page(study) -> str:
     gray = encode_jpeg(Image.new("RGB", (8, 8), "gray"))
     renderings = HeldOutRenderings(["hull"], [(study.parts["near-ball"], [[gray, None]])])
     scenes = [pack_scene(study, part) for part in study.parts.values()]
-    exhibits = PageMedia(gray, scenes, renderings, b"", {"near-ball": [("photograph", gray)]})
-    return render_page(Results.from_study(study, SETTINGS), exhibits, provenance="on a day")
+    media = PageMedia(gray, scenes, renderings, b"", {"near-ball": [("image", gray)]})
+    return render_page(Results.from_study(study, SETTINGS), media, provenance="on a day")
 
 
 @pytest.fixture

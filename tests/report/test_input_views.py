@@ -43,7 +43,7 @@ def test_no_more_than_there_are():
     assert input_views_of(load_method("atlasnet"), 4, NETWORK_SETTINGS) == InputViews(1, 4)
 
 
-def test_every_method_that_gives_several_answers_is_known_for_it(root):
+def test_every_method_that_gives_several_predictions_is_known_for_it(root):
     """Its schema has a setting of that name, and no other method's has."""
     sections = get_type_hints(MethodSettings)
     multi_prediction = {name for name, kind in sections.items() if has_field(kind, "eval_views")}

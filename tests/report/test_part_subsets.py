@@ -33,7 +33,7 @@ def test_a_part_that_goes_leaves_the_others_in_their_order():
     assert order_by_hash("figure3", names) != order
 
 
-def test_one_part_of_each_family_is_exhibited_before_a_second(tmp_path):
+def test_one_part_of_each_family_is_chosen_before_a_second(tmp_path):
     study = make_study(PARTS, {"hull": [0.1] * 15}, dev=["f0", "f1", "g0"])
     study = replace(study, folders=StudyFolders(*[tmp_path] * 8))
     for part in PARTS:

@@ -41,8 +41,8 @@ def test_every_stage_says_what_failed_in_it_and_once(tmp_path: Path):
     }
 
 
-def test_answers_without_points_are_counted_by_split(tmp_path: Path):
-    """The first answer is the cloud itself; what `load_others` reads are the other seven."""
+def test_predictions_without_points_are_counted_by_split(tmp_path: Path):
+    """The first prediction is the cloud itself; the extra clouds are the other seven."""
     some, none = np.ones((4, 3)), np.empty((0, 3))
     for part, others in {"a": [some, none, none], "b": [some], "c": [none, some]}.items():
         (tmp_path / "net" / part).mkdir(parents=True)

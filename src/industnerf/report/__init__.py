@@ -1,1 +1,1 @@
-"""From scores to tables, pictures and one page."""
+"""The report: everything that is made of scores, clouds and costs."""

@@ -1,10 +1,10 @@
-"""Write the report's folder.
+"""Write the folder of a report.
 
-table1.csv scores.csv      results
-table2.csv table2.md       renderings and confidence, of methods that return them
-inspection.csv .md         the same clouds in millimeters
-comparisons.csv .md        what is better than what, beyond chance
-strata.csv .md             which kinds of parts suit which method
+table1.csv scores.csv      EMD of every method; every score
+table2.csv table2.md       renderings and confidence
+inspection.csv .md         errors of the clouds in millimeters
+comparisons.csv .md        paired significance tests
+strata.csv .md             methods by stratum of the parts
 contact_sheet.png
 sparsification.png         if a method returns candidates
 summary.json               the means, for MLflow
@@ -47,7 +47,7 @@ CONSOLE_COLUMNS = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed",
 def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: Path) -> None:
     """Write every file of the report into `out`, and print Table 1.
 
-    `grid` is the folder of a grid of protocols, which the page shows if it is there.
+    The page shows the grid of protocols in `grid_folder`, if there is one.
     """
     costs = read_costs(study.folders, list(study.methods))
     results = Results.from_study(study, settings, costs)
@@ -72,7 +72,7 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
 
 
 def write_tables(results: Results, out: Path) -> None:
-    """Every table, as CSV and as Markdown."""
+    """Write every table into `out`, as CSV and as Markdown."""
     for name, text in table_texts(results).items():
         write_text(out / name, text)
 

@@ -1,6 +1,6 @@
-"""The paper's own numbers (its Tables 1 and 2), to stand beside ours."""
+"""The numbers of the paper's Tables 1 and 2."""
 
-METHOD = "industnerf"  # its own method, whose name here this is
+METHOD = "industnerf"  # our name of the paper's method
 
 EMD = {
     "industnerf": 0.0121665,
@@ -9,7 +9,7 @@ EMD = {
     "occupancy": 0.0618715,
 }
 
-TABLE2 = {  # of its own method; what the MSEs average over, and in which unit, is not said
+TABLE2 = {  # of METHOD; the paper does not say what the MSEs average over, nor their units
     "emd": EMD[METHOD],
     "rgb_mse": 0.0986291,
     "depth_mse": 0.0117503,

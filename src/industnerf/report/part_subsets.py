@@ -1,9 +1,9 @@
-"""Fixed choices among parts, by hash: nobody picked them, and no result can move them.
+"""Fixed subsets of the parts, chosen by hash: no result can move them.
 
-figure3    One test part of every family, the one whose hash is smallest.  The paper's section
-           4.6.2 scores what its Figure 3 shows, and does not say which parts that is nor how they
-           were chosen.  A figure shows a part of each kind, so ours does, whatever it looks like.
-exhibited  What the contact sheet and the page's viewer show: figure3, then others.
+figure3    One test part of every family, the one whose hash is smallest. The paper's section
+           4.6.2 scores what its Figure 3 shows, and does not say which parts that is or how they
+           were chosen.
+viewer     What the contact sheet and the page's viewer show: figure3, then others.
 seeds      The SEED_PARTS test parts whose hashes are smallest (conf/experiment/twenty.yaml).
 """
 
@@ -33,15 +33,13 @@ def select_viewer_parts(study: Study, count: int) -> list[Part]:
         if (study.folders.views / name).is_dir() and (study.folders.truth / name).is_dir()
     ]
     figure3_ids = figure3_parts(study)
-    chosen = sorted(order_by_hash("figure3", drawable), key=lambda name: name not in figure3_ids)[
-        :count
-    ]
-    parts = [study.parts[name] for name in chosen]
+    ordered = sorted(order_by_hash("figure3", drawable), key=lambda name: name not in figure3_ids)
+    parts = [study.parts[name] for name in ordered[:count]]
     return sorted(parts, key=lambda part: (part.family, part.part_id))
 
 
 def seed_parts(part_ids: Iterable[str]) -> set[str]:
-    """The subset `seeds` of the test parts `tested`."""
+    """The subset `seeds` of the test parts `part_ids`."""
     return set(order_by_hash("seeds", part_ids)[:SEED_PARTS])
 
 

@@ -1,4 +1,4 @@
-"""Every table of a report, made once from a study and what it cost."""
+"""All tables of a report, made once from a study and its costs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,13 +22,13 @@ from industnerf.schema import ReportParams
 
 @dataclass(frozen=True)
 class Results:
-    """The tables of one study; `interval` is what their intervals cover, such as 0.95."""
+    """The tables of one study; `interval` is the confidence level of their intervals."""
 
     study: Study
     interval: float
-    table1: Sequence[Table1Row]  # of Table 1
-    table1_extras: Sequence[Table1Extra]  # one a row
-    table2: Sequence[Table2Row]  # of Table 2
+    table1: Sequence[Table1Row]
+    table1_extras: Sequence[Table1Extra]  # one for each row
+    table2: Sequence[Table2Row]
     comparisons: Sequence[Comparison]
     strata: Sequence[StratumRow]
     inspection: Sequence[InspectionRow]
@@ -39,7 +39,7 @@ class Results:
     def from_study(
         study: Study, settings: ReportParams, costs: Sequence[CostRow] = ()
     ) -> "Results":
-        """Everything; where `costs` lack a method, so do the seconds."""
+        """All tables; seconds are None for methods that `costs` lack."""
         rows = table1_rows(study, settings)
         return Results(
             study,

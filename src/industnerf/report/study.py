@@ -1,4 +1,4 @@
-"""Everything the report is made of, read once."""
+"""All inputs of the report, read once from the folders of the stages."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -20,8 +20,8 @@ from industnerf.methods.base import Input, Method, Scope
 from industnerf.stage import read_failures, read_index
 
 IMAGE_INPUTS = {Input.RGB, Input.MASK, Input.DEPTH}
-# The setting that says it, of methods that are not given every view there is: so many views at most
-# in one answer, or so many answers at most, each of one view.
+# Setting that limits the views of a method: the most views of one prediction, or (eval_views) the
+# most predictions, each from one view.
 LIMITED_BY = {
     "r2n2": "max_views",
     "retrieval": "views",
@@ -32,7 +32,7 @@ LIMITED_BY = {
 
 @dataclass(frozen=True)
 class StudyFolders:
-    """Where the stages before the report wrote."""
+    """Output folders of the stages before the report."""
 
     solids: Path
     parts: Path
@@ -46,63 +46,59 @@ class StudyFolders:
 
 @dataclass(frozen=True)
 class TrainingSummary:
-    """How a method learned from other parts."""
+    """Training of a method on other parts."""
 
-    model_size: str  # of its net; empty where it has none
-    num_train_parts: int  # the fewest that any of its nets learned from
+    model_size: str  # preset of its network; empty where it has none
+    num_train_parts: int  # the fewest of any fold
     hold_out: str  # see split.hold_out
-    has_converged: bool  # every net's validation loss had stopped falling
+    has_converged: bool  # the validation loss of every fold had stopped falling
 
 
 @dataclass(frozen=True)
 class InputViews:
-    """What stands behind a score: the mean over `answers`, each of `each` views of the part."""
+    """A score is the mean over `num_predictions`, each from `views_per_prediction` views."""
 
-    views_per_prediction: int  # 0: no picture of the part
+    views_per_prediction: int  # 0: no image of the part
     num_predictions: int = 1
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """One run of the pipeline."""
+    """One run of the pipeline; dicts are by method or part id."""
 
     preset: str
     seed: int
-    num_train_views: int  # training views a part
+    num_train_views: int  # per part
     methods: dict[str, Method]
     parts: dict[str, Part]
     assignments: dict[str, SplitAssignment]
     scores: list[PartScore]
-    failures: dict[str, dict[str, str]]  # stage, method or its scoring -> part id -> why
-    input_warnings: dict[
-        str, dict[str, list[str]]
-    ]  # method -> part id -> what it said of its images
-    parameters_and_steps: dict[
-        str, tuple[int, int]
-    ]  # method -> trained numbers, most steps a part or net
-    training_summaries: dict[str, TrainingSummary]  # method that learns from other parts -> what of
-    train_visible_share: dict[str, float]  # part id -> share of its area
-    rig_visible_share: dict[str, float]  # the same, of what counts
+    failures: dict[str, dict[str, str]]  # stage or method -> part id -> reason
+    input_warnings: dict[str, dict[str, list[str]]]  # method -> part id -> messages
+    parameters_and_steps: dict[str, tuple[int, int]]  # learned, of the largest part or network
+    training_summaries: dict[str, TrainingSummary]  # of methods that learn from other parts
+    train_visible_share: dict[str, float]  # of the surface, in the training views
+    rig_visible_share: dict[str, float]  # of the surface, from the reference rig
     folders: StudyFolders
-    input_views: dict[str, InputViews]  # method -> what it was given of those views
-    seeds_sd: dict[str, float]  # method -> how far its mean EMD moves with the seed, where known
-    empty_predictions: dict[tuple[str, str], int]  # by method and split, where several are given
+    input_views: dict[str, InputViews]
+    seeds_sd: dict[str, float]  # standard deviation of the mean EMD over seeds, where known
+    empty_predictions: dict[tuple[str, str], int]  # by method and split, if there are several
 
 
 @dataclass(frozen=True)
 class RunMetadata:
-    """What parameters say of a study."""
+    """The parameters of a study that the report shows."""
 
     preset: str
     seed: int
     num_train_views: int
     hold_out: str
     methods: list[str]
-    method_settings: Any  # of methods, by their names
+    method_settings: Any  # attribute per method
 
 
 def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
-    """Read every artefact; raises BadArtifact that names the first one missing or torn."""
+    """Read all artifacts; raises BadArtifact that names the first one missing or torn."""
     methods = metadata.methods
     loaded = {name: load_method(name) for name in methods}
     view_index, assignments = read_index(folders.views), load_split(folders.split)
@@ -143,7 +139,7 @@ def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
 
 
 def failures_of(folders: StudyFolders, methods: list[str]) -> dict[str, dict[str, str]]:
-    """Of each stage on the way from a part to its score; a stage hands on those before it."""
+    """Failures of every stage from a part to its score, each listed once, where it happened."""
     parts, views = read_failures(folders.parts), read_failures(folders.views)
     failures = {"parts": parts, "views": _without(views, parts)}
     failures["truth"] = _without(read_failures(folders.truth), parts)
@@ -154,7 +150,7 @@ def failures_of(folders: StudyFolders, methods: list[str]) -> dict[str, dict[str
 
 
 def _without(failures: dict[str, str], earlier: dict[str, str]) -> dict[str, str]:
-    """`failures` without those that the stage before handed on."""
+    """`failures` without those of the stage before."""
     return {part: reason for part, reason in failures.items() if part not in earlier}
 
 
@@ -164,7 +160,7 @@ def _load_input_warnings(clouds: Path) -> dict[str, list[str]]:
 
 
 def _parameters_and_steps(clouds: Path) -> tuple[int, int]:
-    """The most that any part, or any of several nets, took."""
+    """Learned parameters and steps of the part or fold with the most steps."""
     sizes = [Cloud.load_training_stats(clouds / part) for part in read_index(clouds)]
     return max(sizes, key=lambda size: size[::-1], default=(0, 0))
 
@@ -172,7 +168,7 @@ def _parameters_and_steps(clouds: Path) -> tuple[int, int]:
 def _count_empty_predictions(
     clouds: Path, methods: list[str], assignments: dict[str, SplitAssignment]
 ) -> dict[tuple[str, str], int]:
-    """Answers without a point, over the parts of each split that did not fail."""
+    """Predictions without a point, by method and split, over the parts that did not fail."""
     counts = Counter[tuple[str, str]]()
     for name in methods:
         for part in read_index(clouds / name):
@@ -184,7 +180,7 @@ def _count_empty_predictions(
 
 
 def _training_summary(states: Path, hold_out: str) -> TrainingSummary | None:
-    """None if the method learned from no other part."""
+    """None if the method does not learn from other parts."""
     summaries = [ModelState.summary(states / net) for net in read_index(states)]
     if not summaries:
         return None
@@ -194,7 +190,7 @@ def _training_summary(states: Path, hold_out: str) -> TrainingSummary | None:
 
 
 def input_views_of(method: Method, num_views: int, settings: Any) -> InputViews:
-    """Of `count` views that there are; `settings` has the settings of methods, by their names."""
+    """What `method` is given of `num_views` views; `settings` has an attribute per method."""
     if not IMAGE_INPUTS & method.inputs:
         return InputViews(0)
     if method.name not in LIMITED_BY:

@@ -74,7 +74,7 @@ def test_where_nobody_renders_there_is_nothing(rendered_study):
 
 def test_the_album_has_the_first_held_out_view_of_every_part(rendered_study):
     images = load_part_images(rendered_study)
-    assert [name for name, _ in images["near-ball"]] == ["photograph", "hull"]
+    assert [name for name, _ in images["near-ball"]] == ["image", "hull"]
     tones = [mean_gray(content) for _, content in images["near-ball"]]
     np.testing.assert_allclose(tones, [10, 110], atol=1)
-    assert [name for name, _ in images["far-ball"]] == ["photograph"]
+    assert [name for name, _ in images["far-ball"]] == ["image"]

@@ -8,7 +8,7 @@ from tests.report.html.browser import visit
 # What tests ask of the page: the colors of either half of the viewer, and to choose in a list.
 HELPERS = """
   const canvas = document.querySelector("#stage canvas");
-  const picture = () => {
+  const canvasColors = () => {
     const flat = document.createElement("canvas");
     [flat.width, flat.height] = [canvas.width, canvas.height];
     const context = flat.getContext("2d", { willReadFrequently: true });
@@ -52,17 +52,17 @@ def probe_page(report_page, tmp_path):
 
 def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
     result = probe_page(f"""
-      const start = picture();
+      const start = canvasColors();
       const of = {{}};
       for (const name of ["error", "confidence", "view", "photo"]) {{
         set(`[name=coloring][value=${{name}}]`);
-        of[name] = picture();
+        of[name] = canvasColors();
       }}
       set("[name=coloring][value=error]");
       set("[name=limit]", "0.05");
-      const wide = picture();
+      const wide = canvasColors();
       set("{RIGHT}", "oracle");
-      const other = picture();
+      const other = canvasColors();
       return {{ start, of, wide, other, caption: caption("right") }};
     """)
     for half in result["start"]:
@@ -76,18 +76,18 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
 
 
 def test_both_sides_have_one_camera(probe_page):
-    """The same cloud on both sides is the same picture, also after a turn."""
+    """The same cloud on both sides looks the same, also after a turn."""
     result = probe_page(f"""
       set("{LEFT}", "oracle");
       set("{RIGHT}", "oracle");
       set("[name=coloring][value=photo]");
-      const before = picture();
+      const before = canvasColors();
       const press = (key) => canvas.dispatchEvent(new KeyboardEvent("keydown", {{ key }}));
       press("ArrowLeft");
       press("+");
-      const after = picture();
+      const after = canvasColors();
       press("0");
-      return {{ before, after, back: picture() }};
+      return {{ before, after, back: canvasColors() }};
     """)
     for two in (result["before"], result["after"]):
         assert two[0]["sum"] == pytest.approx(two[1]["sum"], rel=1e-3)  # rounded to px apart
@@ -98,7 +98,7 @@ def test_both_sides_have_one_camera(probe_page):
 def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(probe_page):
     result = probe_page(f"""
       set("{RIGHT}", "box");
-      const failed = [caption("right"), picture()[1].drawn];
+      const failed = [caption("right"), canvasColors()[1].drawn];
       set("{RIGHT}", "oracle");
       const silent = {{}};
       for (const name of ["confidence", "view", "photo"]) {{
@@ -116,9 +116,9 @@ def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(pro
 def test_hidden_truth_has_a_color_of_its_own(probe_page):
     result = probe_page("""
       set("[name=coloring][value=view]");
-      const near = picture()[0];
+      const near = canvasColors()[0];
       set("[name=part]", "far-ball");
-      return { near, far: picture()[0], more: document.querySelector("#more").hash };
+      return { near, far: canvasColors()[0], more: document.querySelector("#more").hash };
     """)
     red, _, blue = result["near"]["sum"]
     assert red > 1.1 * blue  # orange towards the eye

@@ -19,7 +19,7 @@ from tests.studies import make_study
 
 
 def bare_page(study) -> str:
-    """A page without exhibits."""
+    """A page without media."""
     return render_page(
         Results.from_study(study, SETTINGS), PageMedia(b"", [], HeldOutRenderings([], []), b"")
     )
@@ -62,7 +62,7 @@ def test_what_others_wrote_stays_text(study):
     assert page_html.count("&lt;script&gt;alert") >= 3
 
 
-def test_what_a_method_remarked_stands_with_the_part_and_in_a_list(study):
+def test_input_warnings_stand_with_the_part_and_in_a_list(study):
     input_warnings = {"hull": {"near-ball": ["the <images> contradict each other"]}}
     page_html = bare_page(replace(study, input_warnings=input_warnings))
     assert page_html.count("the &lt;images&gt; contradict each other") == 2
@@ -126,11 +126,11 @@ def test_a_part_shows_every_metric_with_its_unit_and_who_failed(report_page):
     assert "no silhouette &lt;seen&gt;" in section
 
 
-def test_sheet_and_viewer_say_which_of_several_answers_they_show(report_page):
+def test_sheet_and_viewer_say_which_of_several_predictions_they_show(report_page):
     for name in ("Contact sheet", "Truth and reconstruction"):
         section = report_page.split(f">{name}</h2>")[1].split("<h2")[0]
         assert re.search(
-            "[Oo]f several answers of a network (it is )?the first", " ".join(section.split())
+            "[Oo]f several predictions of a network (it is )?the first", " ".join(section.split())
         )
 
 
@@ -146,9 +146,9 @@ def test_the_headline_and_the_table_of_parts_have_mm_too(report_page):
     assert "<td>0.2000 <small>6.93 mm</small><em> (failed)</em>" in table_of_parts
 
 
-def test_a_part_leads_to_its_neighbors_and_shows_its_picture(report_page):
+def test_a_part_leads_to_its_neighbors_and_shows_its_image(report_page):
     near, far = (report_page.split(f"id='part={name}'")[1] for name in ball_study.PARTS)
-    assert "<figcaption>photograph</figcaption>" in near.split("</section>")[0]
+    assert "<figcaption>image</figcaption>" in near.split("</section>")[0]
     assert "<a href='#part=far-ball'>" in near.split("</section>")[0]
     assert "<a href='#part=near-ball'>" in far.split("</section>")[0]
 

@@ -102,14 +102,14 @@ def test_of_many_points_a_few_are_spread_evenly_and_equally_in_every_run(tmp_pat
     assert apart.min() > 0.6 * side
 
 
-def test_points_outside_the_picture_are_counted(study, tmp_path):
+def test_points_outside_the_viewer_are_counted(study, tmp_path):
     ball_study.write_part(tmp_path, "near-ball")
     points_mm = ball_study.points(2000, 10.0)
     points_mm[:7] += np.float32(10 * ball_study.DIAGONAL_MM)
     ball_study.cloud("near-ball", points_mm, is_varied=False).save(tmp_path / "hull" / "near-ball")
     sparse = ball_study.study(tmp_path)
     packed_cloud = pack_scene(sparse, sparse.parts["near-ball"]).clouds["hull"]
-    assert packed_cloud["caption"] == "1993 of 2000 points; 7 more lie outside the picture"
+    assert packed_cloud["caption"] == "1993 of 2000 points; 7 more lie outside the viewer"
     assert len(decode(packed_cloud)["error"]) == packed_cloud["count"] == 1993
 
 

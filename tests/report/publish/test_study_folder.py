@@ -33,10 +33,10 @@ def test_it_holds_the_tables_the_machine_and_the_commit(published):
     assert "![contact_sheet.png](contact_sheet.png)" in readme
 
 
-def test_tables_made_anew_are_said_to_be(published):
-    assert "made anew" not in readme_text(published, PROVENANCE)
+def test_rebuilt_tables_are_said_to_be(published):
+    assert "rebuilt" not in readme_text(published, PROVENANCE)
     rebuilt = PROVENANCE | {"rebuilt": {"date": "2026-02-03", "commit": "abcdef0"}}
-    assert "made anew from its scores and costs on 2026-02-03, commit abcdef0" in readme_text(
+    assert "rebuilt from its scores and costs on 2026-02-03, commit abcdef0" in readme_text(
         published, rebuilt
     )
 

@@ -33,7 +33,7 @@ def study():
     return make_study(PARTS, emds, dev="g")
 
 
-def test_ours_meet_every_method_once_and_no_yardstick():
+def test_ours_meet_every_method_once_and_no_reference():
     names = ["industnerf", "r2n2", "industnerf_plus", "hull", "ball", "oracle", "tsdf"]
     assert method_pairs(map(load_method, names)) == [
         ("industnerf_plus", "industnerf"),

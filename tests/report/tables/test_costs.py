@@ -40,7 +40,7 @@ def test_a_line_holds_means_and_of_memory_the_largest_peak():
         300.0,
         7.0,
     )
-    assert (net.nets, net.net_minutes, net.net_peak_mb) == (2, 2.0, 700.0)
+    assert (net.networks, net.network_minutes, net.network_peak_mb) == (2, 2.0, 700.0)
     assert net.seconds is None
     assert format_row(net)[1] == ""
 

@@ -125,7 +125,7 @@ def test_the_files_hold_them(evaluated):
 
 
 def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(evaluated):
-    """Over the same parts; of a yardstick that was not run there is nothing."""
+    """Over the same parts; of a reference method that was not run there is nothing."""
     reached = {what: goal.reference_values for (_, what), goal in evaluated.items()}
     assert reached["EMD (even)"] == {"oracle": pytest.approx(0.01)}
     (floors,) = [value for what, value in reached.items() if "floors" in what]

@@ -162,7 +162,7 @@ def test_a_net_that_was_still_learning_is_marked(study):
 def test_the_table_says_what_a_method_learned_from(study):
     rows = table1_rows(with_nets(study), SETTINGS)
     text = table1_md(rows, [Table1Extra(None, 1.5)] * len(rows), 0.9)
-    assert "| 78 parts of other families; cpu, 1.2 M numbers, 4000 steps |" in text
+    assert "| 78 parts of other families; cpu, 1.2 M parameters, 4000 steps |" in text
     assert "| 78 parts of other families |" in text
     assert "**undertrained**: no better than retrieval" in text
     alone = [replace(row, num_train_parts=1) for row in rows if row.num_train_parts]
@@ -171,21 +171,21 @@ def test_the_table_says_what_a_method_learned_from(study):
     )
 
 
-def test_it_says_how_many_views_were_given_and_of_which_answers_a_number_is(study):
+def test_it_says_how_many_views_were_given_and_of_which_predictions_a_number_is(study):
     rows = table1_rows(with_nets(study), SETTINGS)
     views_and_predictions = {row.method: (row.views, row.num_predictions) for row in rows}
     assert views_and_predictions == {"occupancy": (1, 8), "r2n2": (12, 1), "retrieval": (12, 1)}
     text = table1_md(rows, [Table1Extra(None, 1.5)] * len(rows), 0.9)
-    assert " | 1 (8 answers) | test | " in text
+    assert " | 1 (8 predictions) | test | " in text
     assert " | 12 | test | " in text
     (footnote,) = [
-        line for line in text.splitlines() if "of the first answer that has points" in line
+        line for line in text.splitlines() if "of the first prediction that has points" in line
     ]
-    assert footnote.startswith("occupancy is given one view at a time and asked 8 times: ")
-    assert "all pictures and the viewer" in footnote
+    assert footnote.startswith("occupancy predicts 8 times, from one view each. ")
+    assert "the figures and the viewer" in footnote
 
 
-def test_answers_without_a_point_are_counted(study):
+def test_predictions_without_a_point_are_counted(study):
     """Of a part that failed there is none to be counted."""
     rows = table1_rows(
         replace(with_nets(study), empty_predictions={("occupancy", "test"): 5}), SETTINGS
@@ -195,7 +195,7 @@ def test_answers_without_a_point_are_counted(study):
     }
     with_failures = [replace(row, failures=1) for row in rows]
     text = table1_md(with_failures, [Table1Extra(None, 1.5)] * len(rows), 0.9)
-    assert "has points. 5 of the 16 answers over the test parts that did not fail have" in text
+    assert "has points. 5 of the 16 predictions over the test parts that did not fail have" in text
 
 
 def test_of_one_family_it_says_that_there_is_no_interval(study):

@@ -1,25 +1,22 @@
-"""The contact sheet: truth, a photograph, and every method's cloud colored by its error."""
+"""The contact sheet: truth, an image, and every method's cloud colored by its error."""
 
 import io
 from textwrap import wrap
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
+from scipy.spatial import cKDTree
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.part import Part, load_mesh
+from industnerf.artifacts.part import Mesh, Part, load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
-from industnerf.report.figures.error_distances import best_view, cloud_to_surface_distances
+from industnerf.geometry.cameras import Cameras
 from industnerf.report.study import Study
 from industnerf.splats import splat
 
-IMAGE_PX = 260  # px of one picture
-IMAGE_INCHES = 2.0  # inches of one picture
-LABEL_INCHES, FONT_POINTS = (
-    2.5,
-    14,
-)  # inches beside a row, and points: to be read when a page shows it smaller
+IMAGE_PX, IMAGE_INCHES = 260, 2.0  # of one image
+LABEL_INCHES, FONT_POINTS = 2.5, 14  # legible where a page shows the sheet smaller
 LABEL_LETTERS = 18  # of a line of a label
 MAX_ERROR = 0.05  # error in diagonals at the end of the color scale
 VISIBLE_COLOR, HIDDEN_COLOR = np.array([70, 90, 120], np.uint8), np.array([225, 150, 60], np.uint8)
@@ -95,3 +92,27 @@ def _row_images(study: Study, part: Part, color_map) -> list[UInt8[np.ndarray, "
         ]
         images.append(splat(points, colors, views.cameras, view, IMAGE_PX))
     return images
+
+
+def best_view(cameras: Cameras) -> int:
+    """The index of the camera that looks most from the upper right, as drawings do."""
+    center = cameras.centers.mean(axis=0)
+    return int(np.argmax((cameras.centers - center) @ np.array([1.0, -1.2, 0.9])))
+
+
+def truth_to_cloud_distances(
+    truth_mm: Float[np.ndarray, "m 3"], points_mm: Float[np.ndarray, "n 3"], max_mm: float
+) -> Float[np.ndarray, "m"]:
+    """Distance (mm) of each sample of the truth to the nearest point, cut off at `max_mm`."""
+    distances, _ = cKDTree(points_mm).query(truth_mm, distance_upper_bound=max_mm)
+    return np.minimum(distances, max_mm)  # a search without result returns infinity
+
+
+def cloud_to_surface_distances(
+    points_mm: Float[np.ndarray, "n 3"], surface: Mesh
+) -> Float[np.ndarray, "n"]:
+    """Distance (mm) of each point to the true surface."""
+    # late: a report without a figure need not wait for Warp
+    from industnerf.geometry.surface_distance import distance_to_surface
+
+    return distance_to_surface(points_mm, surface.vertices, surface.faces)

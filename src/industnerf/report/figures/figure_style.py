@@ -1,4 +1,4 @@
-"""Figures that stand in the documents: a few axes, pictures on them, a small PNG."""
+"""Figures of the documents: axes, images on them, color bars, a small PNG."""
 
 import io
 from typing import Any
@@ -7,19 +7,19 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
-DPI = 100  # px
+DPI = 100
 WHITE_LEVEL = 248  # of 255: what is as bright in all channels is white paper
 
 
 def new_figure(width: float | int, height: float | int) -> Any:
-    """An empty figure of so many inches that places its axes by itself."""
+    """An empty figure, sizes in inches, that places its axes by itself."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def show_image(axis: Any, pixels: np.ndarray, title: str = "", **image_options: Any) -> Any:
-    """`pixels` on `axis`, without a frame."""
+    """Show `pixels` on `axis`, without a frame, and return the image."""
     axis.set(xticks=[], yticks=[], frame_on=False)
     axis.set_title(title, fontsize=8)
     return axis.imshow(pixels, **image_options)
@@ -28,14 +28,14 @@ def show_image(axis: Any, pixels: np.ndarray, title: str = "", **image_options: 
 def colorize(
     values: Float[np.ndarray, "*n"], color_map: str, max_value: float
 ) -> UInt8[np.ndarray, "*n 3"]:
-    """The colors of `values`, of which 0 has the first and `highest` the last."""
+    """The colors of `values`: 0 has the first of `color_map`, `max_value` the last."""
     from matplotlib import colormaps
 
     return colormaps[color_map](np.clip(values / max_value, 0, 1), bytes=True)[..., :3]
 
 
 def add_colorbar(figure: Any, axes: Any, color_map: str, max_value: float, label: str) -> None:
-    """What the colors from 0 to `highest` mean, beside `axes`."""
+    """Draw a color bar from 0 to `max_value` beside `axes`."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -53,7 +53,7 @@ def encode_png(figure: Any) -> bytes:
     # by coverage, for the colors of a legend are few pixels, and have to stay
     palette = image.quantize(256, Image.Quantize.MAXCOVERAGE)
     colors = np.array(palette.getpalette()).reshape(-1, 3)
-    colors[colors.min(axis=1) >= WHITE_LEVEL] = 255  # not a mean of whites: it is most of a plate
+    colors[colors.min(axis=1) >= WHITE_LEVEL] = 255  # not a mean of whites: it is most of a figure
     palette.putpalette(colors.ravel().tolist())
     image.quantize(palette=palette).save(small_png, "png", optimize=True)
     return small_png.getvalue()

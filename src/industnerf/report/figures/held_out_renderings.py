@@ -1,6 +1,6 @@
-"""Held-out photographs beside what each method renders from the same camera, as small JPEGs.
+"""Held-out images beside what each method renders from the same camera, as small JPEGs.
 
-Of a few parts two views each, and of every part the first.
+Two views of the parts in the viewer, and the first view of every part.
 """
 
 import io
@@ -15,23 +15,23 @@ from industnerf.artifacts.renderings import FOLDER, Renderings
 from industnerf.artifacts.views import load_views
 from industnerf.report.study import Study
 
-MAX_SIDE_PX = 160  # px
+MAX_SIDE_PX = 160
 VIEWS = 2  # of each part
 QUALITY = 82
 
 
 @dataclass(frozen=True)
 class HeldOutRenderings:
-    """For each part and view its photograph, then the answer of each of `methods`."""
+    """For each part and view its image, then the rendering of each of `methods`."""
 
     methods: list[str]  # that rendered one of the parts
     rows: list[tuple[Part, list[list[bytes | None]]]]  # JPEG; None where the method failed
 
 
 def load_held_out_renderings(study: Study, parts: list[Part]) -> HeldOutRenderings:
-    """Pictures of every one of `parts`; none if no method renders.
+    """Images and renderings of `parts`; empty if no method renders.
 
-    Raises BadArtifact if a picture is torn.
+    Raises BadArtifact if a file is torn.
     """
     methods = [method for method in study.methods if _has_renderings(study, method, parts)]
     return HeldOutRenderings(
@@ -66,9 +66,9 @@ PartImages = dict[str, list[tuple[str, bytes]]]  # part id -> what is seen, JPEG
 
 
 def load_part_images(study: Study) -> PartImages:
-    """Of every photographed part its first held-out view, and what methods render from there.
+    """The first held-out view of every part that has views, and what methods render from there.
 
-    Raises BadArtifact if a photograph is torn.
+    Raises BadArtifact if an image is torn.
     """
     return {
         name: _first_held_out_images(study, name) for name in study.parts if _has_views(study, name)
@@ -82,12 +82,12 @@ def _has_views(study: Study, part: str) -> bool:
 def _first_held_out_images(study: Study, part: str) -> list[tuple[str, bytes]]:
     views = load_views(study.folders.views / part)
     held_out = np.flatnonzero(views.held_out)[:1]
-    images = [("photograph", _encode_pixels(pixels)) for pixels in views.rgb(held_out)]
+    images = [("image", _encode_pixels(pixels)) for pixels in views.rgb(held_out)]
     for method in study.methods:
         rendered = study.folders.clouds / method / part / FOLDER / "rgb" / "000.png"
         if images and rendered.exists():
-            with Image.open(rendered) as picture:
-                images.append((method, encode_jpeg(picture)))
+            with Image.open(rendered) as image:
+                images.append((method, encode_jpeg(image)))
     return images
 
 
@@ -96,7 +96,7 @@ def _encode_pixels(pixels: UInt8[np.ndarray, "h w 3"]) -> bytes:
 
 
 def encode_jpeg(image: Image.Image, max_side_px: int = MAX_SIDE_PX) -> bytes:
-    """The picture at most `side` px wide and high."""
+    """`image` as JPEG, at most `max_side_px` wide and high."""
     resized, buffer = image.convert("RGB"), io.BytesIO()
     resized.thumbnail((max_side_px, max_side_px), Image.Resampling.LANCZOS)
     resized.save(buffer, "jpeg", quality=QUALITY)

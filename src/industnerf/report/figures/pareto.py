@@ -1,4 +1,4 @@
-"""What a method costs against how good it is: a PNG of its own, for seconds differ between runs."""
+"""EMD against seconds: a PNG of its own, because seconds differ between runs."""
 
 import io
 from collections.abc import Sequence
@@ -17,10 +17,10 @@ DOT_RADIUS = 4  # points from the middle of a dot to its rim, with some air
 
 
 def plot_pareto(rows: Sequence[Table1Row], extras: Sequence[Table1Extra]) -> bytes:
-    """A PNG: EMD (even) against seconds a part, and the methods that none is better than at both.
+    """A PNG of EMD (even) against seconds per part, with the Pareto front.
 
     Rows of another split than the first, and methods whose seconds the store does not know, are
-    left out; bounds and nulls are hollow, and no part of the front.
+    left out. Bounds and nulls are hollow and not on the front.
     """
     from matplotlib.figure import Figure
 
@@ -55,10 +55,10 @@ def plot_pareto(rows: Sequence[Table1Row], extras: Sequence[Table1Extra]) -> byt
 def label_points(
     axis: Any, points: Sequence[tuple[float, float, str, str]], font_size: int
 ) -> None:
-    """Write beside each point its text, in its color, where it hides no dot and no other text.
+    """Write beside each point (x, y, text, color) its text, where it hides no dot or text.
 
-    A point that has no such place within the axes is left without.  To be called last: what comes
-    after may move the points.
+    A point without such a place within the axes gets no text. Call it last: what comes after may
+    move the points.
     """
     from matplotlib.patheffects import withStroke
     from matplotlib.transforms import Bbox

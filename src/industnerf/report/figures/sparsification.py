@@ -1,4 +1,4 @@
-"""Sparsification curves: is what a method is unsure of also what is wrong?"""
+"""Sparsification curves: does the error fall when points of low confidence are removed?"""
 
 from dataclasses import dataclass
 
@@ -16,16 +16,16 @@ ERROR_LEFT_PREFIX = "error_left_"  # after so many per cent are removed
 
 @dataclass(frozen=True)
 class SparsificationCurve:
-    """Mean error of what is left, in units of that of all; the mean over parts."""
+    """Mean error of the remaining candidates over that of all; the mean over parts."""
 
     removed: Float[np.ndarray, "s"]  # per cent of the candidates
     by_confidence: Float[np.ndarray, "s"]
-    by_error: Float[np.ndarray, "s"]  # what no order is below
+    by_error: Float[np.ndarray, "s"]  # the lower bound of any order
     parts: int
 
 
 def sparsification_curves(study: Study) -> dict[str, SparsificationCurve]:
-    """Of every method that was asked, over its test parts."""
+    """The curve of every method that has one, over its test parts."""
     metrics = dict.fromkeys(row.score.metric for row in study.scores)
     removed = sorted(
         int(name.removeprefix(ERROR_LEFT_PREFIX))
@@ -55,15 +55,15 @@ def _curve(scores: list[PartScore], removed: list[int]) -> SparsificationCurve |
 
 
 def plot_sparsification(study: Study) -> bytes | None:
-    """A PNG of all `curves`, None if there is none."""
+    """A PNG of all curves; None if there is none."""
     by_method = sparsification_curves(study)
     if not by_method:
         return None
     fig = new_figure(7.2, 4.0)
     axis = fig.subplots()
     axis.set(
-        xlabel="candidates removed, the least sure first, %",
-        ylabel="mean error of what is left / of all",
+        xlabel="candidates removed, the least confident first, %",
+        ylabel="mean error of the rest / of all",
     )
     axis.axhline(1, color="#9aa4af", lw=1, label="a random order")
     for index, (method, curve) in enumerate(by_method.items()):

@@ -63,7 +63,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Mark:
-    """A dot in the picture."""
+    """A dot as it is drawn."""
 
     part_id: str
     x: float

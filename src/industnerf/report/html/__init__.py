@@ -1,1 +1,1 @@
-"""html."""
+"""report.html: Jinja2 templates, and what they are given."""

@@ -1,4 +1,4 @@
-"""`report.html`: one page that opens offline. All that it shows is inside it; it fetches nothing."""
+"""`report.html`: one page that holds all that it shows, opens offline, and fetches nothing."""
 
 import base64
 import io

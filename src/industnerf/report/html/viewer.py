@@ -18,7 +18,7 @@ from jaxtyping import Float, Float32, Int64, UInt8
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.part import Mesh, Part, load_mesh
 from industnerf.artifacts.truth import Truth
-from industnerf.report.figures.error_distances import (
+from industnerf.report.figures.contact_sheet import (
     cloud_to_surface_distances,
     truth_to_cloud_distances,
 )
@@ -123,7 +123,7 @@ def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box,
     caption = f"{len(indices)} of {len(cloud.points_mm)} points"
     num_outside = len(inside) - len(indices)
     if num_outside:
-        caption += f"; {num_outside} more lie outside the picture"
+        caption += f"; {num_outside} more lie outside the viewer"
     return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
 
 

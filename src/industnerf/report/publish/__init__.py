@@ -1,1 +1,1 @@
-"""publish."""
+"""Results that are committed: their provenance, copying, and reading back."""

@@ -1,4 +1,4 @@
-"""Where a published result comes from: commit, command, machine; no name of a host and no path."""
+"""Provenance of a published result: commit, command, machine; no host name, no path."""
 
 import json
 import os
@@ -17,9 +17,9 @@ PACKAGES = ("torch", "numpy", "scipy", "POT", "warp-lang", "trimesh", "dvc")
 
 
 def build_provenance(command: str) -> dict[str, Any]:
-    """`made.json`: the command, the day, the commit checked out, and what differs from it.
+    """`made.json`: command, day, commit, and the files that differ from it.
 
-    Raises BadArtifact outside a git repository: a published result without a commit is a rumour.
+    Raises BadArtifact outside a git repository.
     """
     changed = git.changed_paths()
     return {
@@ -33,7 +33,7 @@ def build_provenance(command: str) -> dict[str, Any]:
 
 
 def commit_stamp() -> dict[str, Any]:
-    """The day, and the commit as people name it: `f51e968 with changes`, or `none`."""
+    """The day and the short commit, such as `f51e968 with changes`; `none` outside a repository."""
     try:
         commit = git.head_commit()[:7] + (" with changes" if git.changed_paths() else "")
     except BadArtifact:
@@ -42,7 +42,7 @@ def commit_stamp() -> dict[str, Any]:
 
 
 def read_provenance(folder: Path) -> dict[str, Any]:
-    """What `made.json` of a result in `folder` says of it; raises BadArtifact if it is torn."""
+    """The `made.json` of the result in `folder`; raises BadArtifact if it is missing or torn."""
     path = folder / "made.json"
     try:
         provenance = json.loads(path.read_text(encoding="utf-8"))
@@ -56,23 +56,25 @@ def read_provenance(folder: Path) -> dict[str, Any]:
 
 
 def commit_label(provenance: Mapping[str, Any]) -> str:
-    """The commit of a `made.json` as people name it."""
+    """The short commit of a `made.json`."""
     return provenance["commit"][:7] + ("" if provenance.get("clean", True) else " with changes")
 
 
 def describe_provenance(folder: Path) -> str:
-    """Machine, day and commit of the results in the folder `published`, as documents say it."""
+    """Machine, day and commit of the results in `folder`, in one phrase."""
     provenance = read_provenance(folder)
     machine = json.loads((folder / "environment.json").read_text(encoding="utf-8"))
-    return f"{machine['cores']} cores of {machine['cpu']}, {provenance['date']}, commit {commit_label(provenance)}"
+    commit = commit_label(provenance)
+    return f"{machine['cores']} cores of {machine['cpu']}, {provenance['date']}, commit {commit}"
 
 
 def provenance_line() -> str:
     """One line for a page: the day, the commit if there is one, the machine."""
     origin, machine = commit_stamp(), environment()
     return (
-        f"{origin['date']}, commit {origin['commit']}, {machine['cores']} cores of {machine['cpu']}, "
-        f"Python {machine['python']}, torch {machine['packages']['torch']}"
+        f"{origin['date']}, commit {origin['commit']}, "
+        f"{machine['cores']} cores of {machine['cpu']}, Python {machine['python']}, "
+        f"torch {machine['packages']['torch']}"
     )
 
 
@@ -81,7 +83,7 @@ def _today() -> str:
 
 
 def environment() -> dict[str, Any]:
-    """`environment.json`: what the numbers and the seconds may depend on beside the commit."""
+    """`environment.json`: machine and versions."""
     return {
         "schema": SCHEMA,
         "python": platform.python_version(),
@@ -97,7 +99,7 @@ def _libc() -> str:
 
 
 def cpu_model(path: Path = Path("/proc/cpuinfo")) -> str:
-    """As the processor calls itself, or `unknown`."""
+    """The model name of the processor, or `unknown`."""
     if path.exists():
         for line in path.read_text(encoding="utf-8").splitlines():
             name, _, value = line.partition(":")

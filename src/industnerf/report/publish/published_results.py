@@ -1,7 +1,7 @@
-"""A published study read back: a table that got a column is made anew of its scores, not run anew.
+"""A published study read back, so that its tables can be rebuilt from its scores.
 
-What is not published stays empty: failures with their reasons, remarks, what cameras saw.  The goal
-about what the reference rig saw is the published one.
+What is not published stays empty: reasons of failures, input warnings, visible shares. The goal
+that needs the share seen by the reference rig is the published one.
 """
 
 from collections.abc import Iterable, Mapping
@@ -30,7 +30,10 @@ CsvRow = dict[str, str]
 
 
 def read_published_results(folder: Path, parts: Iterable[Part]) -> Results:
-    """The results published in `folder`, over those of `parts` that it scored."""
+    """The results published in `folder`, over those of `parts` that it scored.
+
+    Raises BadArtifact if a scored part is not among `parts`.
+    """
     params = read_yaml(folder / "params.yaml")  # which may be of an older schema
     settings = build(ReportParams, params["report"], str(folder / "params.yaml"))
     study = add_seed_variance(_study(folder, params, parts), folder.parent / "seeds")
@@ -70,7 +73,7 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
 
 
 def _empty_predictions(folder: Path) -> dict[tuple[str, str], int]:
-    """None in a table of before it had that column."""
+    """Empty where the table is older than the column."""
     rows = read_csv(folder / "table1.csv")
     known = [row for row in rows if row.get("empty_predictions")]
     return {(row["method"], row["split"]): int(row["empty_predictions"]) for row in known}

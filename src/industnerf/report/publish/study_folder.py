@@ -1,4 +1,4 @@
-"""A finished report as files small enough to be committed, so that a clone shows its numbers."""
+"""Publish a report: copy its files, with smaller images, into a folder that is committed."""
 
 import io
 import shutil
@@ -13,43 +13,42 @@ from industnerf.report.publish.provenance import environment
 from industnerf.report.tables.formats import markdown_table
 
 COPIED_FILES = {
-    "table1.csv": "every method: EMD, floor, failures, size, what it learned from",
+    "table1.csv": "every method: EMD, floor, failures, size, training parts",
     "table1.md": "the same, with seconds",
     "table2.csv": "the paper's three losses, on all test parts and on one of each family",
-    "table2.md": "the same, with all that belongs beside them",
-    "inspection.csv": "every method in millimeters: EMD, Hausdorff-95, what is in tolerance",
+    "table2.md": "the same, with PSNR, SSIM, coverage and confidence",
+    "inspection.csv": "every method in millimeters: EMD, Hausdorff-95, shares within tolerance",
     "inspection.md": "the same",
-    "goals.csv": "what was to be reached, and what was",
+    "goals.csv": "goals, and the values measured",
     "goals.md": "the same",
     "comparisons.csv": "paired tests between methods",
     "comparisons.md": "the same",
-    "strata.csv": "each method on thin parts, on parts with pockets, and so on",
-    "strata.md": "the same, a line a method",
-    "scores.csv": "every score of every part: what all tables are made of",
+    "strata.csv": "each method by stratum: thin parts, parts with pockets, and so on",
+    "strata.md": "the same, a row per method",
+    "scores.csv": "every score of every part; all tables are made of it",
     "cost.csv": "seconds and peak memory of every result",
-    "cost.md": "their means, and those of learning, a line a method",
+    "cost.md": "their means, and those of training, a row per method",
 }
-# By other names than DVC's: below one of its own it would take the folder for a second pipeline.
-RUN_FILES = {  # what is called so, and what it is
-    "params.yaml": ("params.yaml", "the values it was run with"),
-    "pipeline.yaml": ("dvc.yaml", "the dvc.yaml that was run"),
+# Not by DVC's names: it would take the folder for a second pipeline.
+RUN_FILES = {  # published name: source, description
+    "params.yaml": ("params.yaml", "the parameters of the run"),
+    "pipeline.yaml": ("dvc.yaml", "the dvc.yaml of the run"),
     "pipeline.lock": ("dvc.lock", "the dvc.lock of the run"),
 }
 GENERATED_FILES = {
     "environment.json": "the machine and the versions",
-    "made.json": "command, day, commit, and what differed from it",
+    "made.json": "command, day, commit, and the files that differed from it",
 }
 IMAGE_BYTES = 1_400_000  # of all together
-IMAGE_WIDTHS = (2200, 1800, 1500, 1200, 1000, 800)  # px that are tried, widest first
+IMAGE_WIDTHS = (2200, 1800, 1500, 1200, 1000, 800)  # px, tried widest first
 IMAGE_COLORS = 256
 
 
 def publish_study(report: Path, out: Path, provenance: dict[str, Any], project: Path) -> None:
-    """Fill `out` anew from the folder `report`; `made` says where that comes from.
+    """Replace `out` by the files of the folder `report`; `provenance` goes into made.json.
 
-    `project` has what was run beside it: settings go on to change, a published result does not.
-
-    Raises BadArtifact that names the first file that is missing, and leaves `out` as it is.
+    params.yaml, dvc.yaml and dvc.lock are copied from `project`. Raises BadArtifact that names the
+    first file that is missing, and leaves `out` as it is.
     """
     needed = [
         *(report / name for name in COPIED_FILES),
@@ -88,8 +87,8 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
     ]
     return (
         f"# Results of `{provenance['command']}`\n\n"
-        "Copied from its report by `pipeline/publish.py`; not to be edited.  "
-        f"docs/reference/protocol.md says what the numbers are.{_rebuilt_sentence(provenance)}\n\n"
+        "Copied from its report by `pipeline/publish.py`; not to be edited. "
+        f"docs/reference/protocol.md defines the numbers.{_rebuilt_sentence(provenance)}\n\n"
         f"{markdown_table(['file', 'what'], files)}\n"
         + "".join(f"![{name}]({name})\n" for name in images)
     )
@@ -99,15 +98,15 @@ def _rebuilt_sentence(provenance: dict[str, Any]) -> str:
     if (rebuilt := provenance.get("rebuilt")) is None:
         return ""
     return (
-        f"  Its tables were made anew from its scores and costs on {rebuilt['date']}, commit "
-        f"{rebuilt['commit']}, by `pipeline/rebuild_tables.py`: no score was measured anew."
+        f" Its tables were rebuilt from its scores and costs on {rebuilt['date']}, commit "
+        f"{rebuilt['commit']}, by `pipeline/rebuild_tables.py`; no score was measured again."
     )
 
 
 def downsample_png(png: bytes, budget: int) -> bytes:
-    """`png` with a palette and as wide as `budget` bytes allow; never wider than it is.
+    """`png` with a palette, as wide as `budget` bytes allow and never wider than it was.
 
-    If even the narrowest is larger than that, it is returned all the same.
+    The narrowest is returned even if it is larger than that.
     """
     reduced = png
     for width in IMAGE_WIDTHS:
@@ -122,7 +121,7 @@ def _resize_with_palette(png: bytes, width: int) -> bytes:
         rgb = image.convert("RGB")
     rgb.thumbnail((width, rgb.height), Image.Resampling.LANCZOS)
     out = io.BytesIO()
-    # Of Pillow's choices of a palette the nearest to the picture, and among the smallest files;
+    # Of Pillow's choices of a palette the nearest to the image, and among the smallest files;
     # without dithering, which no PNG can compress.
     paletted = rgb.quantize(
         IMAGE_COLORS, Image.Quantize.MAXCOVERAGE, kmeans=3, dither=Image.Dither.NONE

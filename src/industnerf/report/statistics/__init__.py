@@ -1,1 +1,1 @@
-"""statistics."""
+"""Intervals, paired tests, and variance over seeds."""

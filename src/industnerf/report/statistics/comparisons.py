@@ -1,11 +1,10 @@
-"""Is the paper's method, or the best that we have, better than what stands beside it?
+"""Paired significance tests between methods.
 
-Each of TESTED is compared with every other method on the EMD (even) of every test part, failures
-included, by a paired permutation test that flips the signs of whole families.  With nulls and
-bounds they are not compared: these are shown no picture, or the answer, so they are yardsticks,
-and a test against one would only make every other p-value larger.  Each net is compared with what
-it must beat to deserve its name, one of them a null (report/table1.py).  To Holm's correction these
-two questions are a set of hypotheses each.
+Each of TESTED_METHODS is compared with every other method on the EMD (even) of every test part,
+failures included, by a paired permutation test that flips the signs of whole families. Nulls and
+bounds are left out: a test against a reference would only make every other p-value larger. Each
+network is compared with the methods that it must beat (`table1.MUST_BEAT`). These are two sets of
+hypotheses, each with its own Holm correction.
 """
 
 from collections.abc import Iterable
@@ -56,7 +55,7 @@ class Comparison:
 
 
 def compare_methods(study: Study, settings: ReportParams) -> list[Comparison]:
-    """A comparison for each of `pairs` and of `nets` that has a test part in common."""
+    """A comparison for every pair of both sets that has a test part in common."""
     hypothesis_sets = method_pairs(study.methods.values()), net_pairs(study)
     return [
         comparison
@@ -78,7 +77,7 @@ def _holm_corrected(
 
 
 def method_pairs(methods: Iterable[Method]) -> list[tuple[str, str]]:
-    """Each of TESTED with every other method that is neither a null nor a bound, no pair twice."""
+    """Each of TESTED_METHODS with every other method but nulls and bounds, no pair twice."""
     names = [method.name for method in methods if method.role == Role.METHOD]
     tested = [name for name in TESTED_METHODS if name in names]
     return [
@@ -90,7 +89,7 @@ def method_pairs(methods: Iterable[Method]) -> list[tuple[str, str]]:
 
 
 def net_pairs(study: Study) -> list[tuple[str, str]]:
-    """Each net with each of what it must beat."""
+    """Each network with each of the methods that it must beat."""
     learned = [
         name
         for name in study.methods
@@ -138,7 +137,7 @@ def comparisons_md(comparisons: list[Comparison], interval: float) -> str:
 
 
 def format_row(comparison: Comparison) -> list[str]:
-    """`each` as people read it, one text for each of COLUMNS."""
+    """`comparison` as text, one for each of COLUMNS."""
     return [
         comparison.method,
         comparison.other,

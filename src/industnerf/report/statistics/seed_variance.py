@@ -28,7 +28,7 @@ CSV_PRECISION = 1e-5  # relative: a mean as seeds.csv prints it
 
 @dataclass(frozen=True)
 class SeedVariance:
-    """One method over the same parts with several seeds."""
+    """One method on the same parts with several seeds."""
 
     method: str
     parts: int
@@ -107,9 +107,9 @@ def emds_with_seed_0(reports: Sequence[Path]) -> EmdsByMethod:
 def add_mean_mm(
     rows: Sequence[SeedVariance], emds_by_method: EmdsByMethod, diagonals_mm: Mapping[str, float]
 ) -> list[SeedVariance]:
-    """`rows` with means in mm, of those methods whose mean with seed 0 is that of `seed_0`.
+    """`rows` with means in mm, for methods whose mean with seed 0 is that of `emds_by_method`.
 
-    Of others what was known stays: a later study may have other clouds than the sweep had.
+    Others keep what they had: a later study may have other clouds than the sweep.
     """
     means_mm = {
         row.method: _mean_mm(row, emds_by_method.get(row.method, {}), diagonals_mm) for row in rows
@@ -118,7 +118,7 @@ def add_mean_mm(
 
 
 def matches_run(row: SeedVariance, seed: int, emds: Mapping[str, float] | None) -> bool:
-    """Whether `emds`, by fixed part, are what `row` had with `seed`: as many, of that mean."""
+    """Whether `emds`, by fixed part, have the count and the mean of `row` with `seed`."""
     return (
         bool(emds)
         and len(emds) == row.parts
@@ -135,7 +135,7 @@ def _mean_mm(
 
 
 def read_seed_variances(folder: Path) -> list[SeedVariance]:
-    """What `seeds_csv` wrote into `folder`; nothing where there is none."""
+    """The rows that `seeds_csv` wrote into `folder`; empty if there is no such file."""
     path = folder / "seeds.csv"
     return [_parse_row(row) for row in read_csv(path)] if path.exists() else []
 
@@ -152,7 +152,7 @@ def _seed_columns(rows: Sequence[SeedVariance]) -> list[int]:
     return sorted({seed for row in rows for seed in row.means})
 
 
-def _summary_values(row: SeedVariance) -> tuple[float, float, float]:
+def _summary(row: SeedVariance) -> tuple[float, float, float]:
     return row.mean, row.sd, row.part_sd
 
 
@@ -160,25 +160,9 @@ def seeds_csv(rows: Sequence[SeedVariance]) -> str:
     """`seeds.csv`: method,parts,seed_0,...,mean,sd,part_sd,seed_0_mm."""
     seeds = _seed_columns(rows)
     return csv_text(
+        ["method", "parts", *(f"seed_{n}" for n in seeds), "mean", "sd", "part_sd", "seed_0_mm"],
         [
-            "method",
-            "parts",
-            *(f"seed_{seed}" for seed in seeds),
-            "mean",
-            "sd",
-            "part_sd",
-            "seed_0_mm",
-        ],
-        [
-            [
-                row.method,
-                row.parts,
-                *map(row.means.get, seeds),
-                row.mean,
-                row.sd,
-                row.part_sd,
-                row.mean_mm,
-            ]
+            [row.method, row.parts, *map(row.means.get, seeds), *_summary(row), row.mean_mm]
             for row in rows
         ],
     )
@@ -192,7 +176,7 @@ def seeds_md(rows: Sequence[SeedVariance]) -> str:
             row.method,
             str(row.parts),
             *(f"{row.means[seed]:.5f}" if seed in row.means else "" for seed in seeds),
-            *(f"{value:.5f}" for value in _summary_values(row)),
+            *(f"{value:.5f}" for value in _summary(row)),
             format_significant(row.mean_mm),
         ]
         for row in rows
@@ -204,7 +188,7 @@ def seeds_md(rows: Sequence[SeedVariance]) -> str:
 
 
 def add_seed_variance(study: Study, folder: Path) -> Study:
-    """`study` with the standard deviations in the folder `seeds` that are of its methods."""
+    """`study` with the standard deviations in `folder` that belong to its methods."""
     emds = _fixed_part_emds(study)
     matching = [
         row

@@ -1,4 +1,4 @@
-"""Means over parts, and how sure they are: parts of one family are not independent."""
+"""Intervals and tests of means over parts; parts of one family are not independent."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,19 +10,18 @@ from jaxtyping import Float
 from industnerf.schema import ReportParams
 from industnerf.seeds import generator
 
-MAX_EXACT_FAMILIES = 20  # families up to which every pattern of signs is tried: 2**20 sums are 8 MB
-BOOTSTRAP_SEED = 0  # of the draws of intervals over points of a sweep, whatever the seeds of these
-SIGN_FLIP_DRAWS = 65_536  # patterns of signs that stand for all where there are more families
+MAX_EXACT_FAMILIES = 20  # up to here all patterns of signs are tried: 2**20 sums are 8 MB
+SIGN_FLIP_DRAWS = 65_536  # patterns drawn where there are more families
+BOOTSTRAP_SEED = 0  # of intervals over points of a sweep, which may differ in their seeds
 
 
 def bootstrap_interval(
     values: Sequence[float], families: Sequence[str], settings: ReportParams, seed: int
 ) -> tuple[float, float]:
-    """Percentile interval of the mean under a cluster bootstrap.
+    """Percentile interval (low, high) of the mean under a cluster bootstrap.
 
     Whole families are drawn with replacement, the same ones for every method; a draw's mean is over
-    all parts in it.  With one family there is nothing to draw from: what comes back is no interval
-    but the smallest and the largest value, and who shows it says so.
+    all its parts. With one family the result is the smallest and the largest value instead.
     """
     if len(set(families)) < 2:
         return min(values), max(values)
@@ -37,7 +36,7 @@ def bootstrap_interval(
 
 @dataclass(frozen=True)
 class PairedChange:
-    """What the same parts score under two settings: the mean difference, and how sure it is."""
+    """The mean difference of the same parts under two settings, with its interval."""
 
     mean: float
     low: float
@@ -55,7 +54,7 @@ def paired_change(
 ) -> PairedChange | None:
     """`after` less `before`, part by part, of all parts that have both; None if none has.
 
-    A part that is hard is hard in both, so a difference is surer than the two means are.
+    A hard part is hard under both settings, so the interval is narrower than those of the means.
     """
     parts = sorted(before.keys() & after.keys())
     if not parts:
@@ -72,11 +71,10 @@ def sign_flip_p(
 ) -> float:
     """Two-sided p-value of the paired permutation test of a mean difference of 0.
 
-    If two methods are alike, the difference on a part is as likely to have the other sign.  Parts
-    of a family have their differences in common, so they flip together.  p is the share of the
-    patterns of signs whose mean is at least as far from 0 as the one found: of all 2**families
-    patterns, the one found among them, where there are at most EXACT families; else of DRAWS drawn
-    ones and the one found, so that p is never 0 (Phipson and Smyth, 2010).
+    If two methods are alike, either sign of a difference is as likely. The differences of a family
+    flip together. p is the share of the sign patterns whose mean is at least as far from 0 as the
+    observed one: of all 2**families patterns up to MAX_EXACT_FAMILIES, else of SIGN_FLIP_DRAWS
+    drawn ones and the observed one, so that p is never 0 (Phipson and Smyth, 2010).
     """
     sums, _ = _by_family(differences, families)
     observed = abs(sums.sum()) - 1e-12 * np.abs(sums).sum()  # sums in another order round otherwise
@@ -87,10 +85,9 @@ def sign_flip_p(
 
 
 def holm_correction(p_values: Sequence[float]) -> list[float]:
-    """Each p-value as large as all tests together make it (Holm, 1979), in the order given.
+    """The p-values adjusted for multiple tests (Holm, 1979), in the order given.
 
-    To call what is at most 0.05 a difference is wrong anywhere with probability 0.05 at most,
-    however the tests depend on each other.
+    It bounds the family-wise error rate, however the tests depend on each other.
     """
     ascending = np.argsort(p_values, kind="stable")
     factors = np.arange(len(p_values), 0, -1)  # the smallest competes with all, the largest alone

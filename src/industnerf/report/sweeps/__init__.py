@@ -1,1 +1,1 @@
-"""sweeps."""
+"""Reports of sweeps: points, series, plots, tables of documents."""

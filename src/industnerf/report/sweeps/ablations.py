@@ -6,7 +6,7 @@ docs/reference/method.md.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean
 from typing import Any, get_args, get_type_hints
@@ -19,17 +19,11 @@ from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
 
-READING_METHODS = ("industnerf", "industnerf_shared")  # the second is reading `pretrained` of R14
+READING_METHODS = ("industnerf", "industnerf_shared")  # the second: reading `pretrained` of R14
 READING_HEADERS = ["id", "reading", "EMD even", "less the default's", "95 %", "parts", "failed"]
 ADDITION_METHODS = ("industnerf_plus",)
 ADDITION_HEADERS = [
-    "changed",
-    "EMD even",
-    "more than with all",
-    "95 %",
-    "worse on",
-    "failed",
-    "RGB MSE",
+    *("changed", "EMD even", "more than with all", "95 %", "worse on", "failed", "RGB MSE"),
     "RGB worse on",
 ]
 NOT_MEASURED = "not yet measured"
@@ -38,7 +32,7 @@ RGB_MSE = ("rgb_mse", "P1-union")
 
 @dataclass(frozen=True)
 class PointScores:
-    """What the method scored under one set of settings."""
+    """Scores of a method under one set of settings."""
 
     settings: dict[str, Any]  # by dotted key
     emd: dict[str, float]  # part id -> EMD (even)
@@ -48,7 +42,7 @@ class PointScores:
 
 
 def read_point_scores(sweep: Path, methods: Sequence[str] = READING_METHODS) -> list[PointScores]:
-    """Every finished point of the folder of a sweep, of the first of `methods` that it ran.
+    """The finished points of the sweep in a folder, each of the first of `methods` that it ran.
 
     Raises BadArtifact if there is none.
     """
@@ -83,21 +77,20 @@ def readings_table(
     reading_ids: dict[str, str],
     settings: ReportParams,
 ) -> str:
-    """A row for every reading of every id: its mean, and the mean paired difference.
+    """A row for every value of every reading: mean EMD, and mean paired difference to the default.
 
-    `ids` maps the name of a reading to its number.  A point in which more than one reading is
-    not the default says nothing about either, and is not used.
+    `reading_ids` maps names to numbers such as R1. A point that changes several readings is not
+    used.
     """
     defaults = vars(default)
     by_change = {_single_change(point.settings, defaults): point for point in points}
     baseline = by_change.get(("", ""))
-    rows = [
-        _reading_row(
-            reading_ids[name], value, value == defaults[name], by_change, baseline, name, settings
-        )
-        for name in (each.name for each in fields(Readings))
-        for value in _ordered(name, defaults[name])
-    ]
+    rows = []
+    for name in defaults:
+        for value in _ordered(name, defaults[name]):
+            point = baseline if value == defaults[name] else by_change.get((name, value))
+            cells = _reading_cells(point, baseline, settings)
+            rows.append([reading_ids[name], f"`{value}`", *cells])
     return markdown_table(label_intervals(READING_HEADERS, settings.confidence_level), rows)
 
 
@@ -107,9 +100,9 @@ def _ordered(name: str, default: str) -> list[str]:
 
 
 def _single_change(settings: dict[str, Any], defaults: dict[str, str]) -> tuple[str, str] | None:
-    """The one reading that is not as usual; two empty texts if all are, None if several are not.
+    """The one changed reading and its value; two empty texts if none is, None if several are.
 
-    Raises BadArtifact if the sweep did not know one of them.
+    Raises BadArtifact if the sweep is older than one of the readings.
     """
     if missing := [name for name in defaults if f"readings.{name}" not in settings]:
         raise BadArtifact(f"the sweep was run before {missing[0]} was a reading: run it anew")
@@ -118,29 +111,25 @@ def _single_change(settings: dict[str, Any], defaults: dict[str, str]) -> tuple[
     return ("", "") if not changed else changed[0] if len(changed) == 1 else None
 
 
-def _reading_row(
-    reading_id: str,
-    value: str,
-    is_default: bool,
-    by_change: dict[tuple[str, str] | None, PointScores],
-    baseline: PointScores | None,
-    name: str,
-    settings: ReportParams,
+def _reading_cells(
+    point: PointScores | None, baseline: PointScores | None, settings: ReportParams
 ) -> list[str]:
-    point = baseline if is_default else by_change.get((name, value))
     if point is None:
-        return [reading_id, f"`{value}`", NOT_MEASURED, "", "", "", ""]
-    cells = [reading_id, f"`{value}`", f"{fmean(point.emd.values()):.4f}"]
-    cells += (
-        ["", ""] if is_default or baseline is None else format_difference(point, baseline, settings)
-    )
-    return [*cells, str(len(point.emd)), str(point.num_failed)]
+        return [NOT_MEASURED, "", "", "", ""]
+    is_compared = baseline is not None and point is not baseline
+    difference = format_difference(point, baseline, settings) if is_compared else ["", ""]
+    return [
+        f"{fmean(point.emd.values()):.4f}",
+        *difference,
+        str(len(point.emd)),
+        str(point.num_failed),
+    ]
 
 
 def format_difference(
     point: PointScores, baseline: PointScores, settings: ReportParams
 ) -> list[str]:
-    """The mean over parts of what `one` scored less what `base` did, and its interval."""
+    """The mean paired difference of `point` to `baseline`, and its interval, as text."""
     change = paired_change(baseline.emd, point.emd, baseline.families, settings, BOOTSTRAP_SEED)
     if change is None:
         return ["", ""]
@@ -150,12 +139,10 @@ def format_difference(
 def ablation_table(
     points: list[PointScores], default_settings: dict[str, Any], settings: ReportParams
 ) -> str:
-    """A row for every point of the sweep, by how much worse it is than with all additions.
+    """A row for every point, the worst first, against the point with `default_settings`.
 
-    `usual` are the settings with all of them, by dotted key.  Raises BadArtifact if no point has
-    just these: there is nothing to compare with.
-
-    RGB MSE is of the parts that did not fail: of the others there are no pictures.
+    Settings are by dotted key. RGB MSE is over the parts that did not fail. Raises BadArtifact if
+    no point has the default settings.
     """
     by_change = {describe_changes(point.settings, default_settings): point for point in points}
     baseline = by_change.pop("", None)
@@ -163,23 +150,15 @@ def ablation_table(
         raise BadArtifact(
             "no finished point has the settings of params.yaml; were they changed after the sweep?"
         )
-    baseline_row = [
-        "nothing",
-        _mean(baseline.emd, 4),
-        "",
-        "",
-        "",
-        str(baseline.num_failed),
-        _mean(baseline.rgb_mse, 5),
-    ]
-    rows = [[*baseline_row, ""]]
+    emd, rgb_mse = _mean(baseline.emd, 4), _mean(baseline.rgb_mse, 5)
+    rows = [["nothing", emd, "", "", "", str(baseline.num_failed), rgb_mse, ""]]
     ranked = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
     rows += [_addition_row(name, point, baseline, settings) for name, point in ranked]
     return markdown_table(label_intervals(ADDITION_HEADERS, settings.confidence_level), rows)
 
 
 def describe_changes(settings: dict[str, Any], default_settings: dict[str, Any]) -> str:
-    """What is not as usual, as Markdown; empty if all is."""
+    """The settings that differ from the default, as Markdown; empty if none does."""
     values = [
         f"`{k}: {v}`"
         for k, v in settings.items()

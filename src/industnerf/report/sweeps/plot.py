@@ -1,4 +1,4 @@
-"""The plot of a sweep: EMD, seconds and memory over what was swept, and EMD against its price."""
+"""The plot of a sweep: EMD, seconds and memory over the swept key, and EMD against cost."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,18 +10,18 @@ from industnerf.report.figures.pareto import label_points, pareto_front
 from industnerf.report.sweeps.points import SELECT_KEY
 from industnerf.report.sweeps.series import COST_QUANTITIES, Series, Trend
 
-LINEAR_SPAN = 4  # numbers that span more than this factor stand on a logarithmic axis
-METHOD_PREFIX = "method."  # of the method, and so the points are of the same task and compete
+LINEAR_SPAN = 4  # values that span a larger factor get a logarithmic axis
+METHOD_PREFIX = "method."  # settings of a method: the points are of one task and compete
 FRONT_COLOR = "#d1495b"
 HEADROOM = 1.2  # times the largest value
-# Of the height of an axis: beside what is drawn, a row of a legend, and the most that is left free.
+# Shares of the height of an axis: free above the data, a row of a legend, the most of a legend.
 MARGIN, LEGEND_ROW, MAX_LEGEND_SHARE = 0.08, 0.09, 0.5
 AXIS_LABELS = {"seconds": "s a part", "peak_mb": "peak MB", "num_parameters": "learned parameters"}
-CHEAPER_WORDS = {"seconds": "quicker", "num_parameters": "smaller"}
+CHEAPER_WORDS = {"seconds": "faster", "num_parameters": "smaller"}
 
 
 def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: Path) -> None:
-    """Write the PNG `path`; a dashed line is a fitted power law, the legend has its exponent."""
+    """Write the PNG `path`; dashed lines are fitted power laws, whose exponents the legend has."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.4, 10.6), layout="constrained")
@@ -79,7 +79,7 @@ def _plot_cost(axis: Any, series: Series, quantity: str, trend: Trend | None, co
 
 
 def _set_y_axis(axis: Any, name: str) -> None:
-    """From 0 or logarithmic, with room for the legend above all that is drawn."""
+    """From 0 or logarithmic, with room for the legend above the data."""
     axis.set_ylabel(name)
     values = [float(y) for line in axis.lines for y in line.get_ydata()]
     legend_share = min(
@@ -94,7 +94,7 @@ def _set_y_axis(axis: Any, name: str) -> None:
 
 
 def _logarithmic(axis: Any, which: str) -> None:
-    """Labels at 1, 2, 5, 10, 20: never none, and they do not run into each other."""
+    """Ticks at 1, 2, 5, 10, 20: always some, and their labels do not overlap."""
     from matplotlib.ticker import LogLocator, NullFormatter
 
     axis.set(**{f"{which}scale": "log"})
@@ -105,12 +105,12 @@ def _logarithmic(axis: Any, which: str) -> None:
 
 
 def _needs_log_axis(values: Sequence[float | int]) -> bool:
-    """Whether `values` go onto a logarithmic axis, which has no label within a small span."""
+    """Whether `values` span enough for a logarithmic axis."""
     return bool(values) and min(values) > 0 and max(values) > LINEAR_SPAN * min(values)
 
 
 def _price_quantity(series_list: list[Series], key: str) -> str:
-    """The quantity a better EMD is paid with: `num_parameters` where a setting of a method changes it, else `seconds`."""
+    """`num_parameters` where a setting of a method changes it, else `seconds`."""
     counts = [[result.num_parameters for result in series.results] for series in series_list]
     is_varied = any(len(set(group)) > 1 for group in counts)
     all_known = all(number for group in counts for number in group)
@@ -120,14 +120,14 @@ def _price_quantity(series_list: list[Series], key: str) -> str:
 
 
 def _plot_tradeoff(axis: Any, series_list: list[Series], quantity: str) -> None:
-    """What a higher price buys, a line a method."""
+    """EMD against seconds or parameters, a line per series."""
     for i, series in enumerate(series_list):
         known = _tradeoff_points(series, quantity)
         axis.plot(
             [prices for prices, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}"
         )
     axis.set(xlabel=AXIS_LABELS[quantity], ylabel="EMD (even), diagonals")
-    axis.margins(0.1)  # for what stands beside the points
+    axis.margins(0.1)  # room for labels
     axis.set_ylim(
         0, HEADROOM * max(result.emd for series in series_list for result in series.results)
     )
@@ -137,7 +137,7 @@ def _plot_tradeoff(axis: Any, series_list: list[Series], quantity: str) -> None:
 
 
 def _tradeoff_points(series: Series, quantity: str) -> list[tuple[float, float, str]]:
-    """Price, EMD, and where in the sweep it stands, of each point whose price is known."""
+    """Cost, EMD and label of each point whose cost is known."""
     return [
         (float(getattr(result, quantity)), result.emd, f"{x:g}" if series.is_numeric else x)
         for x, result in zip(series.x, series.results, strict=True)
@@ -146,18 +146,14 @@ def _tradeoff_points(series: Series, quantity: str) -> list[tuple[float, float, 
 
 
 def _plot_front(axis: Any, series: Series, quantity: str) -> None:
-    """A red line through the points that no other is at or below in both coordinates."""
+    """The Pareto front as a red line."""
     prices = [(getattr(result, quantity), result.emd) for result in series.results]
     frontier = pareto_front(
         [(float(price_value), emd) for price_value, emd in prices if price_value is not None]
     )
     if frontier:
-        style = {
-            "where": "post",
-            "color": FRONT_COLOR,
-            "label": f"no point is {CHEAPER_WORDS[quantity]} and better",
-        }
-        axis.step(*zip(*frontier, strict=True), "o-", **style)
+        label = f"no point is {CHEAPER_WORDS[quantity]} and better"
+        axis.step(*zip(*frontier, strict=True), "o-", where="post", color=FRONT_COLOR, label=label)
         axis.legend(fontsize="small")
 
 

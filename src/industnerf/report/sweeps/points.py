@@ -19,21 +19,19 @@ MEAN_COLUMNS = ("emd_even", "ci_low", "ci_high", "emd_mm", "ratio_to_floor")  # 
 
 @dataclass(frozen=True)
 class PointResult:
-    """What one method reached at one point, over the parts of one split."""
+    """One method at one point, over the parts of one split."""
 
     method: str
     split: str
     emd: float  # even, in bounding-box diagonals
     low: float  # of the interval of report.confidence_level
     high: float
-    emd_mm: float | None  # mean of the same parts in mm; None where a published table has none
-    ratio_to_floor: float  # to the floor
-    seconds: float | None  # mean of a reconstruction; None where the store does not know
+    emd_mm: float | None  # None where a published table has no such column
+    ratio_to_floor: float
+    seconds: float | None  # mean of a reconstruction; None where unknown
     peak_mb: float | None
-    num_parameters: (
-        int | None
-    )  # learned for a part, less weights that are 0 for good; None as of mm
-    emd_by_part: dict[str, float]  # EMD (even) by part
+    num_parameters: int | None  # learned for a part, without pruned ones
+    emd_by_part: dict[str, float]  # EMD (even)
 
 
 @dataclass(frozen=True)
@@ -47,17 +45,17 @@ class SweepPoint:
     families: dict[str, str]  # by part
 
     def axis_value(self, key: str) -> Any:
-        """Where the point stands on the axis `key`: parts by how many faces they have."""
+        """The value of `key`; for a sweep over parts their mean number of faces."""
         return self.faces if key == SELECT_KEY else self.params.get(key)
 
 
 def read_points(sweep: Path) -> list[SweepPoint]:
-    """The finished points in the folder of a sweep, in their order."""
+    """The finished points in the folder of a sweep, by number."""
     return [_read_point(folder) for folder in _folders(sweep) if _is_finished(folder)]
 
 
 def count_unfinished(sweep: Path) -> int:
-    """How many points of the sweep were begun and have no report: they failed."""
+    """The number of points that have no report: they failed."""
     return sum(not _is_finished(folder) for folder in _folders(sweep))
 
 
@@ -138,7 +136,7 @@ def _costs(
 
 
 def core_seconds(sweep: Path) -> float:
-    """What all stages of all points took together; what points share counts once."""
+    """Seconds of all stages of all points; results that points share count once."""
     rows = [row for path in sweep.glob("*/reports/cost.csv") for row in read_csv(path)]
     distinct = {tuple(row.values()): row for row in rows}.values()
     return sum(float(row["seconds"]) + float(row["extra_seconds"]) for row in distinct)
@@ -149,7 +147,7 @@ def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], 
 
 
 def read_published_sweep(folder: Path) -> tuple[list[SweepPoint], list[str]]:
-    """The points of `folder`, and what was swept; of no part by itself is anything known."""
+    """The points of `folder` and the swept keys; single parts are not published."""
     rows = read_csv(folder / "sweep.csv")
     heads = list(rows[0])
     swept = heads[1 : heads.index("method")]
@@ -185,5 +183,5 @@ def _published_result(row: dict[str, str]) -> PointResult:
 
 
 def _optional_float(row: dict[str, str], name: str) -> float | None:
-    """None where the cell is empty, or the table is of before it had that column."""
+    """None where the cell is empty or the table is older than the column."""
     return float(row[name]) if row.get(name) else None

@@ -1,6 +1,6 @@
-"""The table of docs/reference/sweeps.md: every sweep preset, what it asks, and what came out.
+"""The table of docs/reference/sweeps.md: every sweep preset, its question and its result.
 
-Below it are the presets whose results have documents of their own.
+Below it are the presets whose results are in other documents.
 """
 
 import json
@@ -11,7 +11,7 @@ from typing import Any
 
 from industnerf.config import flatten, read_yaml
 from industnerf.report.publish.provenance import read_provenance
-from industnerf.report.tables.formats import format_significant, read_csv
+from industnerf.report.tables.formats import format_significant, markdown_table, read_csv
 
 PRESETS, PUBLISHED = Path("conf/experiment"), Path("docs/reference/sweeps")
 HEADERS = ("sweep", "question", "points", "time", "result", "cost exponents")
@@ -23,7 +23,7 @@ RESULT_LINKS = {
     "seeds": "[protocol.md](protocol.md)",
     "seeds_nets": "[protocol.md](protocol.md)",
 }
-# all others are brought by pipeline.sweep_docs
+# all others: pipeline.sweep_docs
 PUBLISHED_BY = {
     "ablation": "ablation_effects",
     "readings": "ablation_effects",
@@ -32,13 +32,13 @@ PUBLISHED_BY = {
 }
 COMMAND = "python -m pipeline.sweep --multirun"
 HYDRA_KEYS = ("defaults", "hydra")
-INFLATED_SECONDS = "seconds are inflated"  # is said of a machine that was shared with other work
+INFLATED_SECONDS = "seconds are inflated"  # in the notes on a machine that was not idle
 QUANTITIES = {"seconds": "seconds", "peak_mb": "MB"}
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A preset as its first comments describe it: what it asks, and how long it may take."""
+    """A preset as its first comments describe it: the question, and the estimated time."""
 
     name: str
     question: str
@@ -46,13 +46,13 @@ class Preset:
 
 
 def sweep_presets(root: Path) -> list[Preset]:
-    """The sweep presets below `root`, by name; `leakage` is one."""
+    """The sweep presets below `root`, by name, and the preset leakage."""
     paths = [*(root / PRESETS).glob("leakage.yaml"), *(root / PRESETS).glob("sweep-*.yaml")]
     return [_preset(path) for path in sorted(paths)]
 
 
 def _preset(path: Path) -> Preset:
-    """Comments: the package, the question, the time."""
+    """Parse the comments: the package, the question, the time."""
     _, question, time = (
         line.lstrip("# ") for line in path.read_text(encoding="utf-8").splitlines()[:3]
     )
@@ -60,13 +60,13 @@ def _preset(path: Path) -> Preset:
 
 
 def sweep_table(root: Path) -> str:
-    """Markdown: a row a preset, the line that each stands for, the plot of each that was run."""
+    """Markdown: a row per preset, its command in full, the plot of each that was run."""
     listed = sweep_presets(root)
-    rows = [list(HEADERS), ["---"] * len(HEADERS)] + [_row(root, preset) for preset in listed]
-    table = "".join(f"| {' | '.join(row)} |\n" for row in rows)
+    table = markdown_table(HEADERS, [_row(root, preset) for preset in listed])
     figures = [_figure(root, preset) for preset in listed if _is_published(root, preset)]
     commands = _command_lines(root, [preset.name for preset in listed])
-    return f"{table}\nThe same in full, a line each:\n\n{commands}{_other_sweeps(root)}{''.join(figures)}"
+    other_sweeps = f"{_other_sweeps(root)}{''.join(figures)}"
+    return f"{table}\nThe same in full, a line each:\n\n{commands}{other_sweeps}"
 
 
 def _command_lines(root: Path, names: list[str]) -> str:
@@ -75,7 +75,7 @@ def _command_lines(root: Path, names: list[str]) -> str:
 
 
 def _other_sweeps(root: Path) -> str:
-    """The presets that sweep and have no row: where their results stand, and their lines."""
+    """Sweeps without a row: where their results are, and their commands."""
     names = multirun_presets(root) - {preset.name for preset in sweep_presets(root)}
     if not names:
         return ""
@@ -86,7 +86,7 @@ def _other_sweeps(root: Path) -> str:
 
 def publishing_module(name: str) -> str:
     """The module that publishes a sweep of the preset `name`."""
-    return f"pipeline.{PUBLISHED_BY.get(name, 'sweeps')}"
+    return f"pipeline.{PUBLISHED_BY.get(name, 'sweep_docs')}"
 
 
 def multirun_presets(root: Path) -> set[str]:
@@ -99,7 +99,7 @@ def multirun_presets(root: Path) -> set[str]:
 
 
 def _result_location(root: Path, name: str) -> str:
-    """`pipeline.ablation_effects` leaves a table of the points, `pipeline.seed_variance` says what it read."""
+    """Where the result of a sweep is, or that it was not run."""
     seeds = (
         read_provenance(root / SEED_RESULTS)["sweeps"]
         if (root / SEED_RESULTS / "made.json").exists()
@@ -140,15 +140,15 @@ def _first_and_last_emd(rows: list[dict[str, str]]) -> str:
 
 
 def _format_emd(row: dict[str, str]) -> str:
-    """Such as `0.0179 (2.47 mm)`; sweeps of before have no mm."""
+    """Such as `0.0179 (2.47 mm)`; older sweeps have no mm."""
     mm = f" ({format_significant(float(row['emd_mm']))} mm)" if row.get("emd_mm") else ""
     return f"{float(row['emd']):.4f}{mm}"
 
 
 def _cost_exponents(folder: Path, has_timings: bool) -> str:
-    """Such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04: exponents with their standard errors.
+    """Exponents with standard errors, such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04.
 
-    Those of seconds only where they were `timed` with nothing beside.
+    Those of seconds only where `has_timings`: the machine was idle.
     """
     by_series: dict[str, list[str]] = {}
     for row in _read_if_exists(folder / "trend.csv"):
@@ -161,7 +161,7 @@ def _cost_exponents(folder: Path, has_timings: bool) -> str:
 
 
 def _read_if_exists(path: Path) -> list[dict[str, str]]:
-    """Nothing where there is no such table; sweeps of before had fewer."""
+    """The rows of a table; older sweeps lack some."""
     return read_csv(path) if path.exists() else []
 
 
@@ -169,7 +169,8 @@ def _figure(root: Path, preset: Preset) -> str:
     metadata = _read_metadata(root, preset)
     return (
         f"\n![{preset.name}](sweeps/{preset.name}/sweep.png)\n\n"
-        f"`{preset.name}`, {metadata['date']}, at commit {metadata['commit']}, {metadata['machine']}.\n"
+        f"`{preset.name}`, {metadata['date']}, at commit {metadata['commit']}, "
+        f"{metadata['machine']}.\n"
     )
 
 
@@ -182,10 +183,10 @@ def _is_published(root: Path, preset: Preset) -> bool:
 
 
 def command_line_of(path: Path) -> str:
-    """The line that the preset at `path` stands for: on what it builds, what it sets and sweeps.
+    """The command that the preset at `path` stands for: its base, what it sets, what it sweeps.
 
-    A line's settings win over those of files.  So where files are swept that set what the preset
-    does, it has to name the preset.
+    Overrides of a command win over those of files. Where swept files set the same keys as the
+    preset, the command has to name the preset.
     """
     preset = read_yaml(path)
     base = [f"experiment={name}" for name in preset.get("defaults", []) if name != "_self_"]
@@ -200,10 +201,10 @@ def command_line_of(path: Path) -> str:
 
 
 def _group_files(conf: Path, swept: dict[str, Any]) -> list[Path]:
-    """Those of the groups that are swept; what else is swept is no folder of `conf`."""
+    """The files of the configuration groups that are swept."""
     return [file for key in swept for file in sorted((conf / key).glob("*.yaml"))]
 
 
 def _hydra_text(value: Any) -> str:
-    """As Hydra reads it from a command line."""
+    """`value` as Hydra reads it from a command line."""
     return f"[{','.join(map(str, value))}]" if isinstance(value, list) else str(value)

@@ -16,7 +16,7 @@ COST_QUANTITIES = ("seconds", "peak_mb")
 
 @dataclass(frozen=True)
 class Series:
-    """One method, at one value of whatever else is swept; `x` are numbers, or else texts."""
+    """One method at one value of every other swept key; `x` are numbers, or else texts."""
 
     label: str
     x: list[Any]
@@ -29,7 +29,7 @@ class Series:
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """y = factor * x**exponent; `error` is the exponent's standard error, of `points` points."""
+    """y = factor * x**exponent; `error` is the standard error of the exponent."""
 
     exponent: float
     error: float
@@ -38,10 +38,9 @@ class PowerLaw:
 
 
 def power_law(x: Sequence[int | float], y: Sequence[int | float]) -> PowerLaw | None:
-    """The power law nearest to the points in log-log, each point counting alike.
+    """The least-squares fit in logarithms.
 
-    Points that have no logarithm are left out.  None where fewer than three remain, or all at one
-    x: with two there is no error to be known.
+    Points without a logarithm are left out. None if fewer than three remain, or all at one x.
     """
     points = np.array([pair for pair in zip(x, y, strict=True) if min(pair) > 0], float)
     if len(points) < 3 or np.ptp(points[:, 0]) == 0:
@@ -57,7 +56,7 @@ def power_law(x: Sequence[int | float], y: Sequence[int | float]) -> PowerLaw | 
 
 @dataclass(frozen=True)
 class Trend:
-    """How `quantity` of the series `label` grows."""
+    """The growth of `quantity` in the series `label`."""
 
     label: str
     quantity: str
@@ -65,7 +64,7 @@ class Trend:
 
 
 def make_series(points: list[SweepPoint], swept: list[str]) -> list[Series]:
-    """A series a method and split, and a value of each swept key but the first."""
+    """A series for every method, split, and combination of the other swept keys."""
     by_label: dict[str, list[tuple[Any, PointResult]]] = {}
     has_several_splits = len({result.split for point in points for result in point.results}) > 1
     for point in points:
@@ -86,7 +85,7 @@ def _ordered(label: str, pairs: list[tuple[Any, PointResult]]) -> Series:
 
 
 def fit_trends(series_list: list[Series], key: str) -> list[Trend]:
-    """The power law of every cost of every series over numbers of `key` that has one."""
+    """The power laws of the costs of all series; none unless `key` is a size."""
     if key == "seed":  # which is no size
         return []
     fitted = []
@@ -107,7 +106,7 @@ STEP_HEADERS = ["series", "from", "to", "EMD changes by", "ci_low", "ci_high", "
 
 @dataclass(frozen=True)
 class Step:
-    """One series from the point at `before` to the next, at `after`."""
+    """The change of a series from `before` to the next point, at `after`."""
 
     label: str
     before: Any
@@ -116,7 +115,7 @@ class Step:
 
 
 def step_changes(series_list: list[Series], points: list[SweepPoint]) -> list[Step]:
-    """Every step of every series; none where neighbors have no part in common."""
+    """Every step of every series whose points have parts in common."""
     families = {part: family for point in points for part, family in point.families.items()}
     settings = _report_params(points[0].params)
     return [
@@ -135,7 +134,7 @@ def step_changes(series_list: list[Series], points: list[SweepPoint]) -> list[St
 
 
 def step_table(steps: list[Step]) -> list[list[str]]:
-    """A line a step; below 0 the later point is better."""
+    """A header and a row per step; below 0 the later point is better."""
     return [STEP_HEADERS] + [
         [step.label, str(step.before), str(step.after), *_cells(step)] for step in steps
     ]

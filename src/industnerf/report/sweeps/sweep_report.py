@@ -1,8 +1,8 @@
-"""After a sweep: a table of its points, what each step changes, how costs grow, and a plot.
+"""The report of a sweep: a table of its points, changes per step, growth of costs, a plot.
 
-sweep.csv    a row a point, method and split: EMD with interval and in mm, costs, learned parameters
+sweep.csv    a row per point, method and split: EMD, interval, mm, costs, learned parameters
 steps.csv    from each point to the next: the mean paired difference of the EMD, with its interval
-trend.csv    exponents of seconds and memory, where what is swept is a number
+trend.csv    exponents of seconds and memory, where the swept key is a number
 sweep.png    the same
 """
 
@@ -25,29 +25,15 @@ from industnerf.report.sweeps.series import Trend, fit_trends, make_series, step
 from industnerf.report.tables.formats import csv_text, format_fixed
 
 COLUMNS = (
-    "method",
-    "split",
-    "emd",
-    "low",
-    "high",
-    "emd_mm",
-    "x floor",
-    "seconds",
-    "peak_mb",
+    *("method", "split", "emd", "low", "high", "emd_mm", "x floor", "seconds", "peak_mb"),
     "parameters",
 )
-FILE_ONLY_COLUMNS = (
-    "point",
-    "split",
-    "low",
-    "high",
-    "emd_mm",
-    "parameters",
-)  # the others fit into 80 characters
+# Left out of the printed table, which has 80 characters.
+FILE_ONLY_COLUMNS = ("point", "split", "low", "high", "emd_mm", "parameters")
 
 
 def write_sweep_report(folder: Path) -> int:
-    """Write the four files into `folder`, print the tables; returns failed points."""
+    """Write the four files into `folder` and print the tables; returns how many points failed."""
     points = read_points(folder)
     if points:
         swept = swept_keys(points)

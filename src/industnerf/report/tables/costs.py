@@ -1,6 +1,6 @@
-"""What each result and each method costs, from the store's side-cars; unknown without the store.
+"""Cost of every result and every method, from the side-cars of the store; unknown without it.
 
-The split, a fraction of a second, is in no store and is not counted; the report counts itself.
+The split, a fraction of a second, is not in the store and not counted; the report counts itself.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -26,7 +26,7 @@ class CostRow:
 
 
 def read_costs(folders: StudyFolders, methods: list[str]) -> list[CostRow]:
-    """All costs that the store still knows."""
+    """All costs that the store knows."""
     stages = {name: getattr(folders, name) for name in ("solids", "parts", "views", "truth")}
     rows = [row for name, folder in stages.items() for row in _rows(name, "", folder)]
     for method in methods:
@@ -46,14 +46,14 @@ def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
 
 
 def costs_csv(rows: list[CostRow]) -> str:
-    """`cost.csv`: stage,method,part_id,seconds,peak_mb,device,extra_seconds."""
+    """`cost.csv`: stage, method, part_id and the fields of Cost."""
     return csv_text(
         ["stage", "method", "part_id", *Cost.__dataclass_fields__], map(_row_cells, rows)
     )
 
 
 def add_cost(path: Path, row: CostRow) -> None:
-    """Append `row` to the cost.csv at `table`: what the report cost is known when it is written."""
+    """Append `row`, the cost of the report itself, to the cost.csv at `path`."""
     write_text(path, path.read_text(encoding="utf-8") + csv_text(_row_cells(row), []))
 
 
@@ -62,7 +62,7 @@ def _row_cells(row: CostRow) -> list[str]:
 
 
 def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str]) -> float | None:
-    """Mean seconds that `method` takes for one of `parts`; None if the store knows none."""
+    """Mean seconds of a reconstruction of `parts`; None if the store knows none."""
     seconds = [
         row.cost.seconds
         for row in rows
@@ -72,37 +72,29 @@ def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str
 
 
 COLUMNS = (
-    "method",
-    "s a part",
-    "renderings, s",
-    "peak MB",
-    "networks",
-    "minutes a network",
-    "peak MB of training",
-    "parameters",
-    "steps",
-    "scoring, s a part",
+    *("method", "s a part", "renderings, s", "peak MB", "networks", "minutes a network"),
+    *("peak MB of training", "parameters", "steps", "scoring, s a part"),
 )
 
 
 @dataclass(frozen=True)
 class MethodCost:
-    """One method: means over parts or nets, of memory the most; None where nothing is known."""
+    """One method: means over parts or networks, the maximum of memory; None where unknown."""
 
     method: str
     seconds: float | None
     extra_seconds: float | None  # renderings of the held-out views
     peak_mb: float | None
-    nets: int
-    net_minutes: float | None
-    net_peak_mb: float | None
+    networks: int
+    network_minutes: float | None
+    network_peak_mb: float | None
     num_parameters: int  # learned
     steps: int
     scoring_seconds: float | None
 
 
 def method_costs(study: Study, costs: Sequence[CostRow]) -> list[MethodCost]:
-    """A line a method, the quickest first, those of unknown cost last."""
+    """A row per method, the fastest first, unknown costs last."""
     rows = [_method_cost(study, name, costs) for name in study.methods]
     return sorted(rows, key=lambda row: (row.seconds is None, row.seconds))
 
@@ -132,15 +124,15 @@ def _mean(values: list[float]) -> float | None:
 
 
 def format_row(row: MethodCost) -> list[str]:
-    """`line` as people read it, one text for each of COLUMNS."""
+    """`row` as text, one for each of COLUMNS."""
     return [
         row.method,
         format_fixed(row.seconds, 2),
         format_fixed(row.extra_seconds, 2),
         format_fixed(row.peak_mb, 0),
-        str(row.nets or ""),
-        format_fixed(row.net_minutes, 1),
-        format_fixed(row.net_peak_mb, 0),
+        str(row.networks or ""),
+        format_fixed(row.network_minutes, 1),
+        format_fixed(row.network_peak_mb, 0),
         str(row.num_parameters or ""),
         str(row.steps or ""),
         format_fixed(row.scoring_seconds, 2),

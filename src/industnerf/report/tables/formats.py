@@ -1,4 +1,4 @@
-"""Tables as text: for machines, and for people."""
+"""Tables as text (CSV, Markdown), and numbers as text."""
 
 import csv
 import io
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A header and `lines`; None is empty, a float has six digits."""
+    """A CSV of `columns` and `rows`; None is empty, a float has six digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -19,7 +19,7 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
-    """What `csv_text` wrote to `path`, a row a line, by the names of the columns."""
+    """The rows of the CSV at `path`, by the names of the columns."""
     with path.open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
@@ -31,7 +31,7 @@ def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str
 
 
 def read_markdown_table(path: Path) -> list[dict[str, str]]:
-    """The table that `markdown` wrote at the start of `path`, a row a line, by its columns."""
+    """The rows of the Markdown table at the start of `path`, by the names of the columns."""
     heads, _, *rows = (
         line.removeprefix("| ").removesuffix(" |").split(" | ")
         for line in takewhile(
@@ -42,33 +42,29 @@ def read_markdown_table(path: Path) -> list[dict[str, str]]:
 
 
 def label_intervals(columns: Sequence[str], interval: float) -> list[str]:
-    """`columns` where that of the intervals, `95 %`, says which they are."""
+    """`columns` with the confidence level `interval` in place of 95 %."""
     return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
 
 
 def format_interval(low: float, high: float, families: int, format_spec: str) -> str:
-    """`low to high`; nothing of one family, whose parts there is nothing to draw from."""
+    """`low to high`; empty if there is one family alone, which has no interval."""
     return f"{low:{format_spec}} to {high:{format_spec}}" if families > 1 else ""
 
 
 def format_csv_number(cell: str | None) -> str:
-    """A number read from a CSV with three significant digits; nothing stays nothing."""
+    """A number of a CSV with three significant digits; an empty cell stays empty."""
     return f"{float(cell):#.3g}" if cell else ""
 
 
 def format_fixed(value: float | None, digits: int = 4) -> str:
-    """`value` with so many decimals, or nothing."""
+    """`value` with `digits` decimals; empty if None."""
     return "" if value is None else f"{value:.{digits}f}"
 
 
 def format_significant(value: float | None) -> str:
-    """`value` with three significant digits and no exponent, or nothing."""
+    """`value` with three significant digits and no exponent; empty if None."""
     if value is None:
         return ""
-    return (
-        f"{value:.0f}"
-        if abs(value) >= 100
-        else f"{value:#.3g}"
-        if abs(value) >= 1e-4
-        else f"{value:.2g}"
-    )
+    if abs(value) >= 100:
+        return f"{value:.0f}"
+    return f"{value:#.3g}" if abs(value) >= 1e-4 else f"{value:.2g}"

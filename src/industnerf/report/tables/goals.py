@@ -1,9 +1,9 @@
-"""What the suite set out to reach on the test parts, what it reached, and what could be reached.
+"""The goals of the suite on the test parts, and whether they are met.
 
-The bounds were written down before the methods were: they are the design's, not results.  Beside
-each that is about clouds stands the same quantity of YARDSTICKS, of which one is given true depth
-and one the answer: where a bound is beyond the oracle, no method can meet it.  Beside a mean length
-stands the mean in mm, and beside mean seconds the share of the parts that take longer than wanted.
+The bounds are those of the design, set before the methods were written. Goals about clouds show the
+same quantity for REFERENCE_METHODS: one is given true depth, one the true surface. No method can
+reach a goal that the oracle misses. A mean length has a supplement in mm, mean seconds the share of
+the parts that take longer than the bound.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,9 +30,7 @@ from industnerf.report.tables.scores import (
 
 PLUS, HULL = "industnerf_plus", "hull"
 REFERENCE_METHODS = ("tsdf", "oracle")
-FULLY_VISIBLE = (
-    0.98  # share of the surface that the reference rig sees, from which on it counts as all
-)
+FULLY_VISIBLE = 0.98  # share of the surface seen by the reference rig that counts as all
 POCKETS = "pockets"
 MEAN_EMD = "EMD (even)"
 FULLY_VISIBLE_EMD = (
@@ -46,24 +44,22 @@ ScoresByPart = dict[str, Score]  # by part
 
 @dataclass(frozen=True)
 class SupplementaryValue:
-    """What a mean alone does not say."""
+    """A second value beside a mean."""
 
     value: float
-    unit: str  # mm or mm^2: the same mean, parts in mm; or ABOVE: the parts beyond the bound
+    unit: str  # mm or mm^2: the same mean in mm; or SHARE_ABOVE: parts above the bound
 
 
 @dataclass(frozen=True)
 class Goal:
-    """One number that was to be at most, or at least, a bound."""
+    """A value that is to be at most, or at least, a bound."""
 
     method: str
     quantity: str
     bound: float
     at_least: bool
     value: float
-    reference_values: dict[str, float] = field(
-        default_factory=dict
-    )  # the same by each yardstick that ran
+    reference_values: dict[str, float] = field(default_factory=dict)  # of REFERENCE_METHODS
     supplement: SupplementaryValue | None = None
 
     @property
@@ -76,7 +72,7 @@ class Goal:
 
 
 def evaluate_goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
-    """All that the study has the methods, and the seconds, for."""
+    """All goals that the study has the methods, and `costs`, for."""
     results = [*_cloud_goals(study)]
     for method in (paper_results.METHOD, PLUS):
         results += [*_image_goals(study, method), *_confidence_goals(study, method)]
@@ -85,7 +81,7 @@ def evaluate_goals(study: Study, costs: Sequence[CostRow]) -> list[Goal]:
 
 
 def _cloud_goals(study: Study) -> Iterable[Goal]:
-    """Of the EMD (even), and of what is made of it."""
+    """Goals about the EMD (even)."""
     hull = emd_even_by_part(study, HULL)
     targets: list[tuple[str, str, float, bool, Callable[[ScoresByPart], float | None]]] = [
         (paper_results.METHOD, MEAN_EMD, 0.020, False, _mean),
@@ -123,7 +119,7 @@ def _mean(scores: ScoresByPart) -> float | None:
 
 
 def _mean_floor_ratio(study: Study, scores: ScoresByPart) -> float | None:
-    """Over parts of which the reference rig sees nearly all, none of it a pocket."""
+    """Over parts that the reference rig sees to FULLY_VISIBLE, without pockets."""
     ratios = [
         score.value / score.floor
         for part, score in scores.items()
@@ -150,13 +146,13 @@ def _pocket_ratio(study: Study, hull: ScoresByPart, scores: ScoresByPart) -> flo
 
 
 def _mm_supplement(study: Study, scores: Sequence[PartScore]) -> SupplementaryValue | None:
-    """None if `scores`, all of one metric, are of no length."""
+    """The mean in mm; None if `scores`, all of one metric, are no lengths."""
     unit = unit_in_mm(scores)
     return SupplementaryValue(fmean(values_in_mm(study, scores)), unit) if unit else None
 
 
 def _image_goals(study: Study, method: str) -> Iterable[Goal]:
-    """Of the held-out views, over the union of true and rendered foreground."""
+    """Goals about held-out views, over the union of true and rendered foreground."""
     bounds = {
         "rgb_mse": ("RGB MSE of held-out views", 0.004, False),
         "depth_mse": ("depth MSE of held-out views, diagonal 1", 0.0005, False),
@@ -206,7 +202,7 @@ def _cost_goals(study: Study, costs: Sequence[CostRow], method: str) -> Iterable
 
 
 def add_capture_goals(goals: Sequence[Goal], published: Sequence[Mapping[str, str]]) -> list[Goal]:
-    """`made` of scores, and in its place what no score tells: the goal about what the rig sees.
+    """`goals` with the published goal about fully visible parts, which scores alone do not give.
 
     `published` are the rows of a `goals.csv` of the same methods.
     """
@@ -219,7 +215,7 @@ def add_capture_goals(goals: Sequence[Goal], published: Sequence[Mapping[str, st
 
 def _parse_goal(row: Mapping[str, str]) -> Goal:
     direction, bound = row["target"].rsplit(" ", 1)
-    # an older file has no column of them
+    # an older file lacks their columns
     reference_values = {name: float(row[name]) for name in REFERENCE_METHODS if row.get(name)}
     value, at_least = float(row["value"]), direction == "at least"
     return Goal(row["method"], row["goal"], float(bound), at_least, value, reference_values)
@@ -250,7 +246,7 @@ COLUMNS = ("method", "goal", "target", "measured", "met", "also", *REFERENCE_MET
 
 
 def format_row(goal: Goal) -> list[str]:
-    """`goal` as people read it, one text for each of COLUMNS."""
+    """`goal` as text, one for each of COLUMNS."""
     references = [
         f"{goal.reference_values[name]:.3g}" if name in goal.reference_values else ""
         for name in REFERENCE_METHODS
@@ -268,7 +264,7 @@ def format_row(goal: Goal) -> list[str]:
 
 
 def _format_supplement(goal: Goal) -> str:
-    """Such as `3.35 mm`, or `29 % of parts above 30`."""
+    """Such as `3.35 mm` or `29 % of parts above 30`."""
     if goal.supplement is None:
         return ""
     if goal.supplement.unit == SHARE_ABOVE:

@@ -1,6 +1,6 @@
-"""Every method in millimeters, the language of inspection.
+"""Every method in millimeters, as inspection reports them.
 
-Parts are of very different sizes: a mean in mm is that of the large ones, so medians stand beside.
+Parts have very different sizes: large ones dominate a mean in mm, so medians stand beside it.
 """
 
 from collections.abc import Sequence
@@ -12,15 +12,12 @@ from industnerf.report.study import Study
 from industnerf.report.tables.formats import csv_text, format_significant, markdown_table
 from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores, values_in_mm
 
-WITHIN_PREFIX, COVERED_PREFIX = (
-    "within_",
-    "covered_",
-)  # names of metrics begin so, and end with a tolerance
+WITHIN_PREFIX, COVERED_PREFIX = "within_", "covered_"  # of metrics; a tolerance follows
 
 
 @dataclass(frozen=True)
 class InspectionRow:
-    """One method over the test parts, failures included; None of what was not measured."""
+    """One method over the test parts, failures included; None where a metric was not measured."""
 
     method: str
     emd_mm: float
@@ -33,7 +30,7 @@ class InspectionRow:
 
 
 def inspection_rows(study: Study) -> list[InspectionRow]:
-    """A line a method, the smallest median EMD first."""
+    """A row per method, the smallest median EMD first."""
     metrics = list(dict.fromkeys(row.score.metric for row in study.scores))
     rows = [
         _inspection_row(study, method, scores, metrics)
@@ -62,7 +59,7 @@ def _inspection_row(
 
 
 def _shares(scores: list[PartScore], metrics: list[str], prefix: str) -> dict[str, float | None]:
-    """By tolerance, the mean of the metrics whose names begin with `kind`."""
+    """By tolerance, the mean of the metrics whose names begin with `prefix`."""
     by_tolerance = {
         metric.removeprefix(prefix): _metric_values(scores, metric)
         for metric in metrics
@@ -78,7 +75,7 @@ def _metric_values(scores: list[PartScore], metric: str) -> list[float]:
 
 
 def inspection_csv(rows: Sequence[InspectionRow]) -> str:
-    """`inspection.csv`, one column a field of Inspected, and one a tolerance."""
+    """`inspection.csv`, a column per field of InspectionRow and per tolerance."""
     fixed_columns = ("method", "emd_mm", "emd_median_mm", "hausdorff95_mm", "hausdorff95_median_mm")
     return csv_text(
         [
@@ -94,7 +91,7 @@ def inspection_csv(rows: Sequence[InspectionRow]) -> str:
 
 
 def _tolerance_labels(rows: Sequence[InspectionRow], within: str, covered: str) -> list[str]:
-    """One text a share of `_of`, made of its tolerance."""
+    """A label for each of `_all_shares`, from the templates `within` and `covered`."""
     if not rows:
         return []
     first = rows[0]
@@ -106,7 +103,7 @@ def _all_shares(row: InspectionRow) -> list[float | None]:
 
 
 def headers(rows: Sequence[InspectionRow]) -> list[str]:
-    """Heads of what `cells` gives."""
+    """The heads of the columns of `format_row`."""
     shares = _tolerance_labels(rows, "cloud within {}", "surface within {}")
     return [
         "method",
@@ -120,7 +117,7 @@ def headers(rows: Sequence[InspectionRow]) -> list[str]:
 
 
 def format_row(row: InspectionRow) -> list[str]:
-    """`line` as people read it, one text for each of `columns`."""
+    """`row` as text, one for each of `headers`."""
     return [
         row.method,
         format_significant(row.emd_mm),

@@ -1,4 +1,4 @@
-"""The grid of protocols: which of them can the paper's numbers have come from?"""
+"""The grid of protocols: mean EMDs, and which protocols the paper's numbers can come from."""
 
 from collections import defaultdict
 from collections.abc import Mapping
@@ -26,11 +26,11 @@ INADMISSIBLE = "no: the floor is above it"
 
 @dataclass(frozen=True)
 class GridRow:
-    """One cell: the mean over the parts that have it, of every subject."""
+    """One protocol: the mean of every subject over the parts that have it."""
 
     cell: tuple
     means: dict[str, float]
-    mm: dict[str, float]  # the same, each part in mm or mm^2; empty where a table has none
+    mm: dict[str, float]  # the same in mm or mm^2; empty where a table has none
     parts: int
 
     @property
@@ -45,12 +45,12 @@ class GridRow:
 
     @property
     def decimals(self) -> int:
-        """With which a mean is told."""
+        """Of a mean as text."""
         return 6 if self.is_squared else 4
 
     @property
     def is_admissible(self) -> bool:
-        """Whether the paper's number is above what a perfect method scores in this cell."""
+        """Whether the paper's number is above the floor."""
         return self.means[FLOOR] <= paper_results.EMD["industnerf"]
 
 
@@ -87,7 +87,7 @@ def _by_cell(cells: ProtocolCells) -> dict[tuple, ValuesByPart]:
 def _values_in_mm(
     cell: tuple, values: dict[tuple, ValuesByPart], diagonals_mm: Mapping[str, float]
 ) -> ValuesByPart:
-    """The values of `cell`, whose scale is none in mm, or in mm^2 if it is of squares."""
+    """The values of `cell` in mm, or in mm^2 for squared distances; the scale cancels."""
     power = 2 if "squared" in cell else 1
     return {
         part: {
@@ -106,7 +106,7 @@ def _means(by_part: ValuesByPart) -> dict[str, float]:
 
 
 def grid_csv(rows: list[GridRow]) -> str:
-    """`grid.csv`: a row for every cell and subject."""
+    """`grid.csv`: a row for every protocol and subject."""
     table_rows = [
         [
             *row.cell,
@@ -127,7 +127,7 @@ def grid_csv(rows: list[GridRow]) -> str:
 
 
 def grid_md(rows: list[GridRow]) -> str:
-    """`grid.md`: a row for every cell, and whether the paper's number is possible in it."""
+    """`grid.md`: a row for every protocol, and whether the paper's number is possible."""
     return markdown_table(headers(rows), [format_row(row) for row in rows])
 
 
@@ -181,7 +181,7 @@ def headers(rows: list[GridRow]) -> list[str]:
 
 
 def format_row(row: GridRow) -> list[str]:
-    """`row` as people read it."""
+    """`row` as text, one for each of `headers`."""
     return [
         *map(str, row.cell),
         *(format_fixed(mean, row.decimals) for mean in row.means.values()),
@@ -192,5 +192,5 @@ def format_row(row: GridRow) -> list[str]:
 
 
 def format_mm(mean: float | None, row: GridRow) -> str:
-    """A mean of `line.mm` under a head that says mm: of squares it has its unit."""
+    """A mean of `row.mm`; a squared one with its unit."""
     return format_significant(mean) + (" mm²" if row.is_squared and mean is not None else "")

@@ -1,4 +1,4 @@
-"""The scores of a study: one of thousands, a selection of them, their lengths in mm, `scores.csv`."""
+"""Scores of a study: look-up, selection, conversion to mm, `scores.csv`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Scores:
 
     @staticmethod
     def from_study(study: Study) -> "Scores":
-        """Everything that `study` has been scored by."""
+        """The scores of `study`."""
         return Scores(
             {
                 (row.part_id, row.method, row.score.metric, row.score.protocol): row.score
@@ -34,11 +34,11 @@ class Scores:
     def get(
         self, part_id: str, method: str, metric_key: tuple[str, str] = EMD_EVEN
     ) -> Score | None:
-        """The score of `kind`, a metric and its protocol, if there is one."""
+        """The score under `metric_key`, a metric and its protocol; None if there is none."""
         return self.by_key.get((part_id, method, *metric_key))
 
     def units_by_metric_key(self) -> dict[tuple[str, str], str]:
-        """Every metric and protocol, in the order in which they were measured, with its unit."""
+        """The unit of every metric and protocol, in the order of measurement."""
         return {key[2:]: score.unit for key, score in self.by_key.items()}
 
 
@@ -56,7 +56,7 @@ def select_scores(scores: list[PartScore], metric: str, protocol: str) -> list[P
     return [row for row in scores if (row.score.metric, row.score.protocol) == (metric, protocol)]
 
 
-DIAGONAL_POWERS = {"diagonal": 1, "diagonal^2": 2}  # of the diagonal, that a unit is
+DIAGONAL_POWERS = {"diagonal": 1, "diagonal^2": 2}  # unit: power of the diagonal
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class MeanInMm:
 def mean_in_mm(
     study: Study, settings: ReportParams, scores: Sequence[PartScore]
 ) -> MeanInMm | None:
-    """The mean of `scores`, all of one metric; None if it is no length."""
+    """The mean of `scores`, all of one metric, each part in mm; None if they are no lengths."""
     unit = unit_in_mm(scores)
     if unit is None:
         return None
@@ -83,31 +83,20 @@ def mean_in_mm(
 
 
 def unit_in_mm(scores: Sequence[PartScore]) -> str | None:
-    """mm, or mm^2: of `scores`, all of one metric; None if it is no length."""
+    """mm or mm^2 for `scores`, all of one metric; None if they are no lengths."""
     unit = scores[0].score.unit
     return unit.replace("diagonal", "mm") if unit in DIAGONAL_POWERS else None
 
 
 def values_in_mm(study: Study, scores: Sequence[PartScore]) -> list[float]:
-    """The values of `scores`, lengths all of one metric, in mm or mm^2."""
+    """The values of `scores`, lengths of one metric, in mm or mm^2."""
     power = DIAGONAL_POWERS[scores[0].score.unit]
     return [row.score.value * study.parts[row.part_id].diagonal_mm ** power for row in scores]
 
 
 SCORE_COLUMNS = (
-    "part_id",
-    "family",
-    "method",
-    "scope",
-    "split",
-    "preset",
-    "seed",
-    "metric",
-    "protocol",
-    "value",
-    "floor",
-    "unit",
-    "status",
+    *("part_id", "family", "method", "scope", "split", "preset", "seed", "metric", "protocol"),
+    *("value", "floor", "unit", "status"),
 )
 
 
@@ -136,5 +125,5 @@ def _score_row(study: Study, row: PartScore) -> list[object]:
 
 
 def _lossless_text(value: float) -> str:
-    """The number itself when read back: small differences of scores need all of its digits."""
+    """All digits: small differences of scores need them."""
     return repr(float(value)).removesuffix(".0")

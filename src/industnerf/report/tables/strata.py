@@ -1,7 +1,6 @@
-"""How each method does on each kind of test part: thin ones, ones with pockets, and so on.
+"""Every method by stratum of the test parts: thin ones, ones with pockets, and so on.
 
-The strata are formulas on the mesh (docs/reference/dataset.md).  A part may be in several or in
-none, so their means do not add up to that of `all`.
+Strata are formulas on the mesh (docs/reference/dataset.md). A part may be in several, or in none.
 """
 
 from collections.abc import Sequence
@@ -19,14 +18,14 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class StratumRow:
-    """One method over the test parts of one kind."""
+    """One method over the test parts of one stratum."""
 
     stratum: str
     method: str
     emd_even: float
     ci_low: float
     ci_high: float
-    emd_mm: float  # of each part in mm, their mean
+    emd_mm: float  # mean of the parts in mm
     floor: float
     ratio_to_floor: float
     parts: int
@@ -73,12 +72,12 @@ def _row(study: Study, settings: ReportParams, stratum: str, method: str) -> Str
 
 
 def strata_csv(rows: Sequence[StratumRow]) -> str:
-    """`strata.csv`, one column a field of Stratum."""
+    """`strata.csv`, a column per field of StratumRow."""
     return csv_text([field.name for field in fields(StratumRow)], map(astuple, rows))
 
 
 def strata_md(rows: Sequence[StratumRow]) -> str:
-    """`strata.md`: a line a method, in the order of `all`, and a column a stratum."""
+    """`strata.md`: a row per method, in the order of `all`, and a column per stratum."""
     by_cell = {(row.method, row.stratum): row for row in rows}
     sizes = {row.stratum: row.parts for row in rows}
     methods = [row.method for row in rows if row.stratum == ALL]

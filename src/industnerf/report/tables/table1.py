@@ -20,7 +20,7 @@ from industnerf.report.tables.formats import (
 from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores, values_in_mm
 from industnerf.schema import ReportParams
 
-MUST_BEAT = ("retrieval", "mean_shape")  # by a net that deserves its name
+MUST_BEAT = ("retrieval", "mean_shape")  # else a network is undertrained
 STILL_TRAINING = "still learning"
 
 
@@ -33,7 +33,7 @@ class Table1Row:
     inputs: str
     split: str
     preset: str
-    views: int  # that an answer is made of
+    views: int  # per prediction
     emd_even: float
     ci_low: float
     ci_high: float
@@ -46,21 +46,19 @@ class Table1Row:
     parameters: int
     steps: int
     paper_emd: float | None
-    size: str  # of a net: full is as published
-    num_train_parts: int  # parts, the fewest of any fold
-    hold_out: str  # what those parts have not in common with the part asked for
-    undertrained: str  # why a net does not deserve its name, or empty
-    emd_mm: float  # EMD (even) of each part in mm, their mean
-    num_predictions: (
-        int  # whose mean the score is; but EMD (iid) and (full) are of the first with points
-    )
-    seeds_sd: float | None  # of the mean EMD (even) of some test parts, over seeds; where known
+    size: str  # of a network: full is as published
+    num_train_parts: int  # the fewest of any fold
+    hold_out: str  # what the training parts do not share with the part predicted
+    undertrained: str  # the reasons, or empty
+    emd_mm: float  # EMD (even), mean of the parts in mm
+    num_predictions: int  # EMD (even) is their mean; the others are of the first with points
+    seeds_sd: float | None  # of the mean EMD (even) over seeds, where known
     empty_predictions: int | None  # over the parts that did not fail; each scores as a failure
-    families: int  # of the parts; of one there is no interval: lowest and highest part instead
+    families: int  # with one the interval is that of the lowest and the highest part
 
 
 def table1_rows(study: Study, settings: ReportParams) -> list[Table1Row]:
-    """A row per split and method, reported parts first, best method first within a split."""
+    """A row per split and method, test parts first, the best method first within a split."""
     rows = [
         _table1_row(study, settings, method, split, scores)
         for split in ("test", "dev")
@@ -72,7 +70,7 @@ def table1_rows(study: Study, settings: ReportParams) -> list[Table1Row]:
 
 
 def undertrained_reason(study: Study, row: Table1Row, rows: list[Table1Row]) -> str:
-    """Why the net of `row` is weaker than it should be; empty if it is not, or no net at all."""
+    """Why the network of `row` is undertrained; empty if it is not, or there is no network."""
     if not row.size:
         return ""
     reasons = [] if study.training_summaries[row.method].has_converged else [STILL_TRAINING]
@@ -134,7 +132,7 @@ def _summary_fields(summary: TrainingSummary | None) -> tuple[str, int, str]:
 
 
 def inputs_label(method: Method) -> str:
-    """Declared inputs; a null or a bound says so, for its row is no competitor's."""
+    """The declared inputs, with the role of a null or a bound."""
     names = " + ".join(sorted(method.inputs))
     return names if method.role == Role.METHOD else f"{names} ({method.role.value})"
 
@@ -151,7 +149,7 @@ def mean_without_failures(study: Study, row: Table1Row) -> float | None:
 
 
 def ratio_to_paper_method(rows: list[Table1Row], row: Table1Row) -> float | None:
-    """EMD (even) of `row` as a multiple of the paper's method's on the same parts, if it ran."""
+    """EMD (even) of `row` over that of the paper's method on the same parts, if it ran."""
     reference_emds = [
         other.emd_even
         for other in rows
@@ -162,36 +160,20 @@ def ratio_to_paper_method(rows: list[Table1Row], row: Table1Row) -> float | None
 
 SEEDS_COLUMN = "sd, seeds"
 COLUMNS = (
-    "method",
-    "inputs",
-    "views",
-    "split",
-    "EMD (even)",
-    "95 %",
-    SEEDS_COLUMN,
-    "EMD, mm",
-    "floor",
-    "x floor",
-    "x industnerf",
-    "EMD (iid)",
-    "EMD (full)",
-    "parts",
-    "failed",
-    "without failures",
-    "s a part",
-    "learned from",
-    "paper",
+    *("method", "inputs", "views", "split", "EMD (even)", "95 %", SEEDS_COLUMN, "EMD, mm", "floor"),
+    *("x floor", "x industnerf", "EMD (iid)", "EMD (full)", "parts", "failed"),
+    *("without failures", "s a part", "learned from", "paper"),
 )
 ONE_FAMILY_NOTE = (
-    "Where all parts are of one family an interval has nothing to be drawn from: in its place "
-    "stand the lowest and the highest part, and no difference can be told from chance."
+    "Where all parts are of one family there is no interval: in its place stand the lowest and the "
+    "highest part."
 )
 HOLD_OUT_TEXTS = {"family": "of other families", "part": "others", "none": "and itself"}
 
 
 @dataclass(frozen=True)
 class Table1Extra:
-    """What Table 1 shows beside its columns."""
+    """What Table 1 shows beside the fields of its rows."""
 
     emd_without_failures: float | None
     seconds: float | None
@@ -200,12 +182,12 @@ class Table1Extra:
 
 
 def table1_csv(rows: list[Table1Row]) -> str:
-    """`table1.csv`, one column a field of Row."""
+    """`table1.csv`, a column per field of Table1Row."""
     return csv_text([field.name for field in fields(Table1Row)], map(astuple, rows))
 
 
 def format_row(row: Table1Row, extra: Table1Extra) -> list[str]:
-    """`row` as people read it, one text for each of COLUMNS."""
+    """`row` as text, one for each of COLUMNS."""
     return [
         row.method,
         row.inputs,
@@ -230,63 +212,64 @@ def format_row(row: Table1Row, extra: Table1Extra) -> list[str]:
 
 
 def _format_views(row: Table1Row) -> str:
-    """Such as `40`, or `1 (8 answers)`; nothing where no picture of the part was given."""
-    predictions = f" ({row.num_predictions} answers)" if row.num_predictions > 1 else ""
+    """Such as `40` or `1 (8 predictions)`; empty if the method sees no image of the part."""
+    predictions = f" ({row.num_predictions} predictions)" if row.num_predictions > 1 else ""
     return f"{row.views}{predictions}" if row.views else ""
 
 
 def table1_notes(rows: Sequence[Table1Row]) -> list[str]:
-    """What must be known to read Table 1, in words."""
+    """The notes below Table 1."""
     multi_prediction_rows = [
         row for row in rows if row.num_predictions > 1 and row.split == rows[0].split
     ]
     texts = [
-        f"{row.method} is given one view at a time and asked {row.num_predictions} times: EMD (even) is "
-        "the mean over its answers; EMD (iid), EMD (full), all pictures and the viewer are of the "
-        f"first answer that has points.{_empty_predictions_note(row)}"
+        f"{row.method} predicts {row.num_predictions} times, from one view each. EMD (even) is the "
+        "mean over its predictions; EMD (iid), EMD (full), the figures and the viewer are of the "
+        f"first prediction that has points.{_empty_predictions_note(row)}"
         for row in multi_prediction_rows
     ]
     if any(row.families < 2 for row in rows):
         texts.append(ONE_FAMILY_NOTE)
     if _has_seed_variance(rows):
         texts.append(
-            f"{SEEDS_COLUMN}: standard deviation, over the seeds of experiment=seeds, of the mean EMD "
-            f"(even) of {SEED_PARTS} fixed test parts (results/seeds); empty where it was not run, "
-            "or where these parts have other EMDs than there."
+            f"{SEEDS_COLUMN}: standard deviation of the mean EMD (even) of {SEED_PARTS} fixed test "
+            "parts over the seeds of experiment=seeds (results/seeds). It is empty for methods "
+            "that were not run there, or had other EMDs."
         )
     return texts
 
 
 def _empty_predictions_note(row: Table1Row) -> str:
-    """Nothing if every answer has points."""
+    """Empty if every prediction has points."""
     if not row.empty_predictions:
         return ""
+    predictions = row.num_predictions * (row.parts - row.failures)
     return (
-        f" {row.empty_predictions} of the {row.num_predictions * (row.parts - row.failures)} answers over the "
-        f"{row.split} parts that did not fail have none: each scores as a failure, of one answer."
+        f" {row.empty_predictions} of the {predictions} predictions over the {row.split} parts "
+        "that did not fail have none; each of them scores as a failure."
     )
 
 
 def _has_seed_variance(rows: Sequence[Table1Row]) -> bool:
-    """Whether any row has a spread over seeds."""
+    """Whether any row has a standard deviation over seeds."""
     return any(row.seeds_sd is not None for row in rows)
 
 
 def _format_paper_emd(emd: float | None) -> str:
-    """The paper's EMD, and which multiple of its own method's that is: `0.0482 (3.96 x)`."""
+    """The paper's EMD, and its ratio to the paper's method, such as `0.0482 (3.96 x)`."""
     return (
         "" if emd is None else f"{emd:.4f} ({emd / paper_results.EMD[paper_results.METHOD]:.2f} x)"
     )
 
 
 def describe_training(row: Table1Row) -> str:
-    """Such as `78 parts of other families, cpu: 1.2 M numbers, 4000 steps; undertrained: ...`."""
+    """Such as `78 parts of other families; cpu, 1.2 M parameters, 4000 steps`."""
     if not row.num_train_parts:
         return ""
     parts = "part" if row.num_train_parts == 1 else "parts"
     text = f"{row.num_train_parts} {parts} {HOLD_OUT_TEXTS[row.hold_out]}"
     if row.size:
-        text += f"; {row.size}, {row.parameters / 1e6:.2g} M numbers, {row.steps} steps"
+        text += f"; {row.size}, {row.parameters / 1e6:.2g} M parameters, {row.steps} steps"
     return text + (f"; **undertrained**: {row.undertrained}" if row.undertrained else "")
 
 

@@ -1,7 +1,7 @@
-"""Table 2: what a method's renderings of the held-out views are worth, and its confidence.
+"""Table 2: quality of the renderings of held-out views, and of the confidence.
 
-The paper scores in its Table 2 what its Figure 3 shows (section 4.6.2), yet the EMD there is that
-of its Table 1, of all parts.  So both stand here: all test parts, and the subset `figure3`.
+The paper's Table 2 scores the parts of its Figure 3 (section 4.6.2), yet its EMD is that of
+Table 1, of all parts. So both are here: all test parts, and the subset `figure3`.
 """
 
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ NO_TABLE2 = (
 
 @dataclass(frozen=True)
 class Loss:
-    """One line of a method: the paper's three in its words, and what belongs beside them."""
+    """One quantity of the table: the paper's three under its names, and ours."""
 
     name: str
     metric: str
@@ -59,23 +59,23 @@ class Table2Row:
     """One loss of one method over the parts of one subset that have it."""
 
     method: str
-    subset: str  # all: the test parts; figure3: one of them a family; dev: those tuned on
+    subset: str  # all: the test parts; figure3: one of each family; dev: the dev parts
     loss: Loss
     unit: str
     mean: float
     ci_low: float
     ci_high: float
-    whole_image: float | None  # over the whole frame, of what has a mean over it
-    best: float  # the floor, or the value that nothing beats
+    whole_image: float | None  # the mean over whole images, where there is one
+    best: float  # the floor of the EMD, or the best possible value
     paper: float | None
     parts: int
     families: int
-    failures: int  # in the mean of the EMD, in no other
-    mean_mm: MeanInMm | None  # of what is a length
+    failures: int  # counted in the EMD alone
+    mean_mm: MeanInMm | None  # of lengths
 
 
 def table2_rows(study: Study, settings: ReportParams) -> list[Table2Row]:
-    """The lines of every method that renders, reported parts first; empty if none does."""
+    """The rows of every method that renders, test parts first; empty if none does."""
     rendering_methods = {row.method for row in study.scores if row.score.metric == "rgb_mse"}
     figure3_ids = figure3_parts(study)
     return [
@@ -126,22 +126,13 @@ def _table2_row(
 
 
 COLUMNS = (
-    "method",
-    "loss",
-    "subset",
-    "score",
-    "95 %",
-    "mm",
-    "whole frame",
-    "best",
-    "paper",
-    "parts",
+    *("method", "loss", "subset", "score", "95 %", "mm", "whole frame", "best", "paper", "parts"),
     "failed",
 )
 
 
 def format_row(row: Table2Row) -> list[str]:
-    """`line` as people read it, one text for each of COLUMNS."""
+    """`row` as text, one for each of COLUMNS."""
     digits = row.loss.digits
     return [
         row.method,
@@ -159,7 +150,7 @@ def format_row(row: Table2Row) -> list[str]:
 
 
 def _format_mm(mean_mm: MeanInMm | None) -> str:
-    """The mean; if it is of squares, with its unit."""
+    """The mean; a squared one with its unit."""
     if mean_mm is None:
         return ""
     return format_significant(mean_mm.mean) + (" mm²" if mean_mm.unit == "mm^2" else "")
@@ -176,10 +167,9 @@ CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit",
 
 
 def table2_csv(rows: list[Table2Row]) -> str:
-    """`table2.csv`: the paper's three losses of the reported parts, its own number beside each.
+    """`table2.csv`: the paper's three losses on the test parts, beside the paper's numbers.
 
-    Below a loss that is a length stands the same in mm; the paper has no such number.  Of one
-    family there is no interval.
+    Below a length stands the same in mm. With one family alone there is no interval.
     """
     reported = [
         table_row
@@ -201,7 +191,7 @@ def _interval(mean: Table2Row | MeanInMm, families: int) -> tuple[float, float] 
 
 
 def metric_means(rows: list[Table2Row]) -> dict[str, float]:
-    """`method.split.metric` -> mean over a whole split, of all that Table 1 does not have."""
+    """`method.split.metric` -> mean over a split, for all metrics that Table 1 lacks."""
     splits = {"all": "test", "dev": "dev"}
     return {
         f"{row.method}.{splits[row.subset]}.{row.loss.metric}": row.mean

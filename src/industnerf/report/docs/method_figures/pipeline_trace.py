@@ -16,7 +16,7 @@ from industnerf.methods.industnerf.ray_sampler import RaySampler, footprint
 from industnerf.methods.industnerf.rerender import render_views
 from industnerf.methods.industnerf.scene import NerfScene, PosedImages, source_target_split
 from industnerf.methods.industnerf.trainer import Trainer
-from industnerf.report.figures.error_distances import best_view
+from industnerf.report.figures.contact_sheet import best_view
 from industnerf.schema import IndustnerfSettings
 
 CONFIDENCE_VIEWS = 3  # views whose own confidences are kept

@@ -1,5 +1,5 @@
 "use strict";
-// A camera that goes round a point, and the hand that moves it.  Lengths are in diagonals of the
+// A camera that goes round a point, and its controls.  Lengths are in diagonals of the
 // part's bounding box, z is up.  Matrices are 16 numbers, column by column, as WebGL reads them.
 
 const OPENING = Math.tan((12 * Math.PI) / 180); // half the height that the camera sees, at depth 1
@@ -62,7 +62,7 @@ const KEYS = {
   0: (camera) => Object.assign(camera, newCamera()),
 };
 
-// Drag turns, shift-drag or the right button shifts, the wheel zooms once the picture was clicked
+// Drag turns, shift-drag or the right button shifts, the wheel zooms once the canvas was clicked
 // (before that it scrolls the page), a double click or the key 0 goes back to the start.
 function attachControls(canvas, camera, redraw) {
   canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));

@@ -23,7 +23,7 @@ const DISC_SHADER = [`#version 300 es
   }`];
 
 const EDL_SHADER = [`#version 300 es
-  void main() { // one triangle over the whole picture
+  void main() { // one triangle over the whole canvas
     gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
   }`, `#version 300 es
   precision highp float;
@@ -73,7 +73,7 @@ function newRenderer(canvas) {
   return { gl, disc: compile(gl, DISC_SHADER), edl: compile(gl, EDL_SHADER), width: 0, height: 0 };
 }
 
-// The picture that the points are drawn to, and its depth, as large as the canvas.
+// The textures that the points are drawn to, as large as the canvas.
 function resize(renderer, canvas) {
   const { gl } = renderer;
   const scale = Math.min(2, window.devicePixelRatio);
