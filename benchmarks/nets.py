@@ -9,8 +9,8 @@ of params.yaml, or of a preset, and then reconstructs the parts of the fold.  Ot
 does not end early, and validates at least twenty times.  `minutes` are those of one processor, on
 a GPU by the clock, reading and targets included.  EMD is P1-even, the mean over reported parts and
 over dev parts; retrieval and the mean shape stand beside it.  `best step` is the step of the last
-phase whose weights were best on validation.  `memory` is torch's on the GPU.  Rows run one after the
-other, each in a process of its own.
+phase whose weights were best on validation.  `memory` is torch's on the GPU.  Rows run one after
+the other, each in a process of its own.
 """
 
 import argparse

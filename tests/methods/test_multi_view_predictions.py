@@ -32,5 +32,5 @@ def test_every_answer_is_kept_and_one_with_points_comes_first():
 
 @pytest.mark.parametrize("clouds", [[NONE], [NONE] * 3])
 def test_nothing_but_empty_answers_is_a_failure(clouds):
-    with pytest.raises(ReconstructionFailed, match=f"all {len(clouds)} answers .* are empty"):
+    with pytest.raises(ReconstructionFailed, match=f"all {len(clouds)} predictions .* are empty"):
         predictions_to_reconstruction(clouds, FRAME, STATE)

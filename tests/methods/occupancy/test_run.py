@@ -82,7 +82,7 @@ def test_every_view_that_is_asked_answers(rendered_part, fitted_state, asked, an
 
 def test_a_threshold_that_nothing_reaches_is_a_failure(rendered_part, fitted_state):
     settings = replace(SMALL, threshold=1 - 1e-12)
-    with pytest.raises(ReconstructionFailed, match=r"all 2 answers .* are empty"):
+    with pytest.raises(ReconstructionFailed, match=r"all 2 predictions .* are empty"):
         OCCUPANCY.reconstruct(inputs_of(rendered_part), settings, fitted_state, 1)
 
 
