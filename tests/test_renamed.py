@@ -109,10 +109,10 @@ def test_params_yaml_with_an_old_key_says_the_new_one(tmp_path):
 
 
 def test_set_with_an_old_key_says_the_new_one():
-    override = "method.industnerf.relief.fill_every=3"
-    new = r"method\.industnerf\.sdf\.median_filter_interval"
+    override = "method.industnerf_plus.relief.fill_every=3"
+    new = r"method\.industnerf_plus\.sdf\.median_filter_interval"
     with pytest.raises(BadParams, match=rf"relief\.fill_every is now {new}"):
-        resolve_config("industnerf", [override], ROOT / "params.yaml")
+        resolve_config("industnerf_plus", [override], ROOT / "params.yaml")
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,9 @@ KEYS = {
     "method.*nerf*.relief.start.outliers": "method.industnerf_plus.sdf.init.outlier_fraction",
     "method.*nerf*.relief.start.views": "method.industnerf_plus.sdf.init.min_views",
     "method.*nerf*.relief.start.sweeps": "method.industnerf_plus.sdf.init.max_sweeps",
-    "method.*nerf*.relief.start.least_filled": "method.industnerf_plus.sdf.init.min_silhouette_coverage",
+    "method.*nerf*.relief.start.least_filled": (
+        "method.industnerf_plus.sdf.init.min_silhouette_coverage"
+    ),
     "method.*nerf*.relief.rate": "method.industnerf_plus.sdf.lr",
     "method.*nerf*.relief.back": "method.industnerf_plus.sdf.relax_rate",
     "method.*nerf*.relief.back_in_doubt": "method.industnerf_plus.sdf.relax_rate_low_confidence",

@@ -168,6 +168,7 @@ def reading_settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, st
 def test_what_learns_from_other_parts_differs_in_its_encoder_alone():
     method = load_params(CONF.parent / "params.yaml").method
     own_settings, shared_settings = asdict(method.industnerf), asdict(method.industnerf_shared)
+    assert shared_settings.pop("pretraining")
     assert shared_settings == own_settings | {
         "readings": own_settings["readings"] | {"encoder": "pretrained"}
     }

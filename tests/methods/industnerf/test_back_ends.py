@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from industnerf.methods.industnerf.pipeline import ReconstructionResult, run
+from industnerf.methods.industnerf.pipeline import ReconstructionResult
 from industnerf.rendering import torch_renderer
 from industnerf.schema.industnerf import RendererName
+from tests.methods.industnerf.results import run
 from tests.methods.industnerf.synthetic_scenes import ball, default_settings, make_posed_images
 
 STEPS = 6
@@ -23,7 +24,6 @@ def reconstruct(method: str, renderer: RendererName) -> ReconstructionResult:
         settings,
         levels=[level, replace(level, steps=2)],
         warm_up=replace(settings.warm_up, steps=0),
-        color_refinement=replace(settings.color_refinement, steps=0),
         fusion=replace(settings.fusion, grid_res=32, points=4000),
         grid_res=12,
         rays_per_step=256,
@@ -31,6 +31,9 @@ def reconstruct(method: str, renderer: RendererName) -> ReconstructionResult:
         surface_spacing=0.1,
         renderer=renderer,
     )
+    if method == "industnerf_plus":
+        refinement = replace(settings.color_refinement, steps=0)
+        settings = replace(settings, color_refinement=refinement)
     return run(make_posed_images(ball(18.0)), settings, 1)
 
 

@@ -61,7 +61,7 @@ def reference_confidence(
     views: NerfScene, sampler: RaySampler, points, sigma, rgb, readings
 ) -> torch.Tensor:
     """(13) by view and point, from the readable renderer; confidences in a view are at most 1."""
-    scale = color_scale(readings.scale, color_contrast(sampler))
+    scale = color_scale(readings.color_scale, color_contrast(sampler))
     rows = []
     for view in range(len(views)):
         pixels = sampler.visible_pixels[sampler.visible_pixels[:, 0] == view]
