@@ -41,14 +41,14 @@ def supershape(edge_mm: float, diameter: float, lobes: int) -> Mesh:
         angle = np.arctan2(points[:, 1], points[:, 0])
         return 0.35 - np.cos(lobes * angle)
 
-    def grown(points: Points) -> Points:
+    def supershape(points: Points) -> Points:
         x, y, z = points.T
         around = superformula(np.arctan2(y, x), lobes, 2.4, 4.0)
         upright = superformula(np.arctan2(z, np.hypot(x, y)), 4, 7.0, 4.0)
         return points * upright[:, None] * np.stack([around, around, np.ones_like(z)], axis=1)
 
     ball = Manifold.sphere(diameter / 3.4, round(np.pi * diameter / edge_mm))
-    mesh = assemble([ball.warp_batch(lambda points: grown(np.array(points)))])
+    mesh = assemble([ball.warp_batch(lambda points: supershape(np.array(points)))])
     return color_faces(mesh, [crest], lambda p: np.where(crest(p) < 0, 1, 0))
 
 

@@ -23,7 +23,7 @@ This page is generated. Write it again with
 
 
 @dataclass(frozen=True)
-class Sources:
+class DocumentInputs:
     """What the document is made of."""
 
     values: dict[str, Any]  # dotted key -> value of params.yaml
@@ -33,48 +33,48 @@ class Sources:
 
 def render_document(text: str, values: dict[str, Any], stages: dict[str, dict[str, Any]]) -> str:
     """All parameters as Markdown; `text` is params.yaml, and `values` what it holds."""
-    sources = Sources(flatten(values, split_lists=True), parse_comments(text), stages)
+    inputs = DocumentInputs(flatten(values, split_lists=True), parse_comments(text), stages)
     sections = [name for name, value in values.items() if isinstance(value, dict)]
     sections.remove("method")
     methods = [f"method.{name}" for name in values["method"] if name not in NERF_METHODS]
-    top_level = [key for key in sources.values if "." not in key]
+    top_level = [key for key in inputs.values if "." not in key]
     return "".join(
         [
-            f"{HEAD}\n## The study\n\n{_table(sources, '', {'': top_level})}",
-            *(_section(sources, name) for name in sections),
-            _nerf_section(sources),
-            *(_section(sources, name) for name in methods),
+            f"{HEAD}\n## The study\n\n{_table(inputs, '', {'': top_level})}",
+            *(_section(inputs, name) for name in sections),
+            _nerf_section(inputs),
+            *(_section(inputs, name) for name in methods),
         ]
     )
 
 
-def _section(sources: Sources, prefix: str) -> str:
-    keys = {"": _keys_below(sources, prefix)}
-    return _heading(sources, prefix) + _table(sources, f"{prefix}.", keys)
+def _section(inputs: DocumentInputs, prefix: str) -> str:
+    keys = {"": _keys_below(inputs, prefix)}
+    return _heading(inputs, prefix) + _table(inputs, f"{prefix}.", keys)
 
 
-def _nerf_section(sources: Sources) -> str:
+def _nerf_section(inputs: DocumentInputs) -> str:
     descriptions = "".join(
-        f"- `{name}`: {sources.comments[f'method.{name}']}\n" for name in NERF_METHODS
+        f"- `{name}`: {inputs.comments[f'method.{name}']}\n" for name in NERF_METHODS
     )
-    keys = {f"method.{name}.": _keys_below(sources, f"method.{name}") for name in NERF_METHODS}
+    keys = {f"method.{name}.": _keys_below(inputs, f"method.{name}") for name in NERF_METHODS}
     title = ", ".join(f"`method.{name}`" for name in NERF_METHODS)
     text = f"\n## {title}\n\nOne implementation with five sets of values.\n\n{descriptions}\n"
-    return text + _table(sources, "", keys)
+    return text + _table(inputs, "", keys)
 
 
-def _keys_below(sources: Sources, prefix: str) -> list[str]:
-    return [key for key in sources.values if key.startswith(f"{prefix}.")]
+def _keys_below(inputs: DocumentInputs, prefix: str) -> list[str]:
+    return [key for key in inputs.values if key.startswith(f"{prefix}.")]
 
 
-def _heading(sources: Sources, prefix: str) -> str:
-    description = sources.comments.get(prefix, "")
+def _heading(inputs: DocumentInputs, prefix: str) -> str:
+    description = inputs.comments.get(prefix, "")
     period = "" if description.endswith("?") else "."
     text = f"{description[0].upper()}{description[1:]}{period}\n\n" if description else ""
     return f"\n## `{prefix}`\n\n{text}"
 
 
-def _table(sources: Sources, strip_prefix: str, columns: dict[str, list[str]]) -> str:
+def _table(inputs: DocumentInputs, strip_prefix: str, columns: dict[str, list[str]]) -> str:
     """A row for every key, without `strip_prefix`; a column of values for each of `columns`."""
     names = [prefix.removeprefix("method.").strip(".") or "value" for prefix in columns]
     rows = [["name", *names, "allowed", "paper", "meaning", "read by"]]
@@ -84,14 +84,14 @@ def _table(sources: Sources, strip_prefix: str, columns: dict[str, list[str]]) -
     for name in short_names:
         parent = name.rpartition(".")[0]
         if parent != section and not strip_prefix.startswith(f"{parent}."):
-            description = find_meaning(f"{next(iter(columns))}{parent}", sources.comments)
+            description = find_meaning(f"{next(iter(columns))}{parent}", inputs.comments)
             rows += (
                 [_subsection_row(f"**{parent.removeprefix(strip_prefix)}**", names, description)]
                 if description
                 else []
             )
         section = parent
-        rows.append(_row(sources, strip_prefix, list(columns), name))
+        rows.append(_row(inputs, strip_prefix, list(columns), name))
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)
 
 
@@ -100,16 +100,16 @@ def _subsection_row(title: str, names: list[str], description: str) -> list[str]
     return [title, *[""] * (len(names) + 2), escape_cell(description), ""]
 
 
-def _row(sources: Sources, strip_prefix: str, prefixes: list[str], name: str) -> list[str]:
+def _row(inputs: DocumentInputs, strip_prefix: str, prefixes: list[str], name: str) -> list[str]:
     keys = [f"{prefix}{name}" for prefix in prefixes]
-    present_key = next(key for key in keys if key in sources.values)
+    present_key = next(key for key in keys if key in inputs.values)
     return [
         f"`{name.removeprefix(strip_prefix)}`",
-        *(format_value(sources.values[key]) if key in sources.values else "" for key in keys),
+        *(format_value(inputs.values[key]) if key in inputs.values else "" for key in keys),
         escape_cell(allowed_values(present_key)),
         PAPER_SYMBOLS.get(present_key, ""),
-        escape_cell(find_meaning(present_key, sources.comments)),
-        ", ".join(reader_stages(present_key, sources.stages)),
+        escape_cell(find_meaning(present_key, inputs.comments)),
+        ", ".join(reader_stages(present_key, inputs.stages)),
     ]
 
 
