@@ -129,21 +129,21 @@ def _measure(
     return Reading("", len(meshes), num_faces, sides, area, volume, colors, unit, notes)
 
 
-def compare(ours: Reading, plain: Reading) -> str:
+def compare(ours: Reading, reference: Reading) -> str:
     """Whether the two agree, and in what they differ."""
-    if ours.error or plain.error:
-        if ours.error and plain.error:
+    if ours.error or reference.error:
+        if ours.error and reference.error:
             return "both refuse"
         return "only trimesh reads it" if ours.error else "only ours reads it"
     pairs = {
-        "bodies": ours.bodies == plain.bodies,
-        "faces": ours.faces == plain.faces,
-        "box": np.allclose(ours.sides, plain.sides, rtol=TOLERANCE),
-        "area": np.isclose(ours.area, plain.area, rtol=TOLERANCE),
+        "bodies": ours.bodies == reference.bodies,
+        "faces": ours.faces == reference.faces,
+        "box": np.allclose(ours.sides, reference.sides, rtol=TOLERANCE),
+        "area": np.isclose(ours.area, reference.area, rtol=TOLERANCE),
         "volume": np.isclose(
-            ours.volume, plain.volume, rtol=TOLERANCE, atol=TOLERANCE * ours.area**1.5
+            ours.volume, reference.volume, rtol=TOLERANCE, atol=TOLERANCE * ours.area**1.5
         ),
-        "colors": ours.colors == plain.colors,
+        "colors": ours.colors == reference.colors,
     }
     different = [name for name, is_same in pairs.items() if not is_same]
     return f"differ in {', '.join(different)}" if different else "same"
@@ -170,9 +170,9 @@ def compare_torn(path: Path) -> str:
     with TemporaryDirectory() as folder:
         torn = Path(folder) / path.name
         torn.write_bytes(data[: int(CUT * len(data))])
-        ours, plain = read_ours(torn), read_trimesh(torn)
-    if ours.error or plain.error:
-        return "both refuse" if ours.error and plain.error else compare(ours, plain)
+        ours, reference = read_ours(torn), read_trimesh(torn)
+    if ours.error or reference.error:
+        return "both refuse" if ours.error and reference.error else compare(ours, reference)
     return "both read it, ours with a warning" if ours.warnings else "both read it"
 
 
@@ -189,10 +189,10 @@ def main(arguments: list[str]) -> None:
             if key in seen:
                 continue
             seen.add(key)
-            ours, plain, torn = read_ours(path), read_trimesh(path), compare_torn(path)
-            verdict, form = compare(ours, plain), path.suffix[1:].upper()
+            ours, reference, torn = read_ours(path), read_trimesh(path), compare_torn(path)
+            verdict, form = compare(ours, reference), path.suffix[1:].upper()
             file = f"`{path.relative_to(folder).as_posix()}`"
-            rows.append((file, describe(ours), describe(plain), verdict, torn))
+            rows.append((file, describe(ours), describe(reference), verdict, torn))
             counts[form, verdict.partition(" in ")[0]] += 1
             torn_counts[form, torn] += 1
         blocks.append(f"## {name}\n\n{markdown_table(HEADER, rows)}\n")

@@ -98,6 +98,15 @@ def test_settings_that_changed_since_are_named(published):
     assert f"\nSince then params.yaml {changed}.\n" in results_text(published)
 
 
+def test_a_setting_that_several_methods_gained_is_named_once(published):
+    today = published.parents[1] / "params.yaml"
+    methods = "method: {a: {k: 1, own: 1}, b: {k: 1}}\n"
+    (published / "params.yaml").write_text("method: {a: {x: 1}, b: {x: 1}}\n")
+    today.write_text(methods.replace("{a: {", "{a: {x: 1, ").replace("b: {", "b: {x: 1, "))
+    expected = "\nSince then params.yaml has gained `method.*.k`, `method.a.own`.\n"
+    assert expected in results_text(published)
+
+
 def test_an_undertrained_network_is_marked_and_the_reason_given(published):
     path = published / "table1.csv"
     path.write_text(path.read_text().replace(",,0,,,", ",,0,,still learning,", 1))

@@ -1,6 +1,7 @@
 """Published results as Markdown: five rows for the README, all tables for a page of their own."""
 
-from collections import defaultdict
+import re
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence, Set
 from itertools import accumulate
 from pathlib import Path
@@ -18,6 +19,7 @@ from industnerf.report.tables.formats import (
 from industnerf.report.tables.table2 import LOSSES
 
 CsvRow = dict[str, str]
+METHOD_KEY = re.compile(r"^method\.\w+\.")
 README_METHODS = ("oracle", "industnerf_plus", "carve", "industnerf")  # and the best network
 COMPARED_PAIRS = (
     ("industnerf_plus", "hull"),
@@ -204,11 +206,22 @@ def _changes_since(published_params: Path, current_params: Path) -> str:
         "has lost": _only_in(old.keys(), new.keys()),
     }
     clauses = [
-        f"{verb} {', '.join(f'`{key}`' for key in sorted(keys))}"
+        f"{verb} {', '.join(f'`{key}`' for key in _join_methods(keys))}"
         for verb, keys in changes.items()
         if keys
     ]
     return f"Since then params.yaml {' and '.join(clauses)}.\n" if clauses else ""
+
+
+def _join_methods(keys: Set[str]) -> list[str]:
+    """`keys` in order; one that several methods share stands once, as `method.*.key`."""
+    settings = Counter(METHOD_KEY.sub("", key) for key in keys if METHOD_KEY.match(key))
+    return sorted(
+        {
+            f"method.*.{setting}" if settings[setting := METHOD_KEY.sub("", key)] > 1 else key
+            for key in keys
+        }
+    )
 
 
 def _only_in(these: Set[str], those: Set[str]) -> set[str]:
