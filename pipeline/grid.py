@@ -36,7 +36,7 @@ def main() -> None:
     test_parts = sorted(
         part for part in _reconstructed_parts() if assignments[part].split == "test"
     )
-    seed_subset = seed_parts(test_parts)  # those are asked with many points too
+    seed_subset = seed_parts(test_parts)  # those are measured with many points too
     tasks = [_grid_task(part, part in seed_subset, params) for part in test_parts]
     run_stage("grid", tasks, OUT, "report")
     rows = grid_rows(
@@ -67,13 +67,13 @@ def _reconstructed_parts() -> set[str]:
     return set.intersection(*(set(read_index(folder)) for folder in folders))
 
 
-def _grid_task(part: str, many: bool, params: Params) -> Task:
+def _grid_task(part: str, include_large: bool, params: Params) -> Task:
     clouds = {name: DATA / "clouds" / name / part for name in METHODS}
-    settings = {"settings": params.evaluate, "seed": params.seed, "many": many}
+    settings = {"settings": params.evaluate, "seed": params.seed, "include_large": include_large}
     make = partial(measure_grid, DATA / "parts" / part, DATA / "truth" / part, clouds, **settings)
     files = [file for folder in clouds.values() for file in cloud_files(folder)]
     inputs = (DATA / "parts" / part / "mesh.npz", DATA / "truth" / part, *files)
-    return Task(part, make, [params.evaluate, params.seed, many], inputs)
+    return Task(part, make, [params.evaluate, params.seed, include_large], inputs)
 
 
 if __name__ == "__main__":

@@ -38,11 +38,11 @@ def test_r2n2_learns_once_and_is_asked_with_one_to_five_views(root, tmp_path, mo
         },
     )
     run = create_autospec(module.run)
-    emd = create_autospec(module.emd, side_effect=lambda job, *_: job.settings.views / 10)
+    emd = create_autospec(module.mean_emd, side_effect=lambda job, *_: job.settings.max_views / 10)
     monkeypatch.setattr(module, "run", run)
-    monkeypatch.setattr(module, "emd", emd)
+    monkeypatch.setattr(module, "mean_emd", emd)
     settings = load_params(root / "params.yaml").method.r2n2
-    emds = module.asked(module.Job(tmp_path, "r2n2", 0, 1, settings))
+    emds = module.emd_by_view_count(module.Job(tmp_path, "r2n2", 0, 1, settings))
     assert emds == {views: {"a": views / 10} for views in (1, 2, 3, 4, 5)}
     assert run.call_count == 1
     assert {call.args[1] for call in emd.call_args_list} == {run.return_value.state}

@@ -6,9 +6,10 @@ industnerf, its variants and nerf.
 
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 from industnerf.errors import BadParams
+from industnerf.schema.readings import Readings
 
 KEYS = {
     "parts.clean": "parts.repair",
@@ -231,7 +232,10 @@ def new_choice(group: str, choice: str) -> str | None:
         return None
     old_key = f"method.industnerf.readings.{name}"
     key = new_key(old_key) or old_key
-    renamed = f"{key.rpartition('.')[2]}-{new_value(key, value) or value}"
+    field, renamed_value = key.rpartition(".")[2], new_value(key, value) or value
+    if renamed_value not in get_args(get_type_hints(Readings).get(field)):
+        return None
+    renamed = f"{field}-{renamed_value}"
     return renamed if renamed != choice else None
 
 

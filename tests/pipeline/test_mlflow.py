@@ -79,7 +79,7 @@ def test_a_nets_curves_are_those_that_its_training_kept(logged, net):
     # as sums of two floats, in either order, they are exact
     assert logged_run["curves"][f"{net}.fit.loss"] == [list(one) for one in losses]
     validated = mean_curve([fold / "validation" for fold in folds])
-    assert len(validated) >= STEPS // TRAINING_OVERRIDES["validate_every"]
+    assert len(validated) >= STEPS // TRAINING_OVERRIDES["val_interval"]
     assert logged_run["curves"][f"{net}.fit.validation"] == [list(one) for one in validated]
 
 

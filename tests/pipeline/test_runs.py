@@ -53,7 +53,7 @@ INSPECTION = (
     "method,emd_mm,emd_median_mm,hausdorff95_mm,hausdorff95_median_mm,"
     "within_0.1mm,within_0.5mm,within_1mm,covered_0.1mm,covered_0.5mm,covered_1mm,parts"
 )
-GOALS = "method,goal,wanted,value,met,beside,unit,tsdf,oracle"
+GOALS = "method,goal,target,value,met,supplement,unit,tsdf,oracle"
 COST = "stage,method,part_id,seconds,peak_mb,device,extra_seconds"
 
 

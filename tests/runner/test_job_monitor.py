@@ -48,16 +48,16 @@ def fake_queue(tmp_path):
 
 def test_what_a_job_noted_counts_whatever_slurm_thinks_of_it(fake_queue):
     queue = fake_queue(({"1": PENDING}, [0], []), ({"1": GONE}, [1], []))
-    monitor = queue.watch({"1": {0, 1}})
-    assert list(monitor.outcomes()) == [WorkResult(0, None), WorkResult(1, None)]
+    monitor = queue.monitor({"1": {0, 1}})
+    assert list(monitor.results()) == [WorkResult(0, None), WorkResult(1, None)]
     assert queue.time == 10.0
 
 
 def test_a_job_that_died_fails_what_it_was_at_and_leaves_the_rest(fake_queue):
     monitor = fake_queue(
         ({"1": FAILED, "2": RUNNING}, [], [0]), ({"1": FAILED, "2": RUNNING}, [3], [])
-    ).watch({"1": {0, 1, 2}, "2": {3}})
-    first, second = monitor.outcomes()
+    ).monitor({"1": {0, 1, 2}, "2": {3}})
+    first, second = monitor.results()
     assert first == WorkResult(3, None)
     assert second.index == 0
     assert second.lost
@@ -70,14 +70,14 @@ def test_a_job_that_died_fails_what_it_was_at_and_leaves_the_rest(fake_queue):
     ("state", "started"), [(JobState("CANCELLED"), [0]), (FAILED, []), (GONE, [])]
 )
 def test_what_was_cancelled_or_never_began_is_not_tried_again(fake_queue, state, started):
-    monitor = fake_queue(({"1": state}, [], started)).watch({"1": {0, 1}})
-    assert [result.index for result in monitor.outcomes()] == [0, 1]
+    monitor = fake_queue(({"1": state}, [], started)).monitor({"1": {0, 1}})
+    assert [result.index for result in monitor.results()] == [0, 1]
     assert monitor.orphans == []
 
 
 def test_the_last_note_of_a_job_may_come_late(fake_queue):
-    monitor = fake_queue(({"1": FAILED}, [], [0]), ({"1": FAILED}, [0], [])).watch({"1": {0}})
-    assert list(monitor.outcomes()) == [WorkResult(0, None)]
+    monitor = fake_queue(({"1": FAILED}, [], [0]), ({"1": FAILED}, [0], [])).monitor({"1": {0}})
+    assert list(monitor.results()) == [WorkResult(0, None)]
 
 
 def test_a_requeued_job_is_waited_for(fake_queue):
@@ -86,8 +86,8 @@ def test_a_requeued_job_is_waited_for(fake_queue):
         ({"1": PENDING}, [], []),
         ({"1": FAILED}, [], []),
         ({"1": RUNNING}, [0], []),
-    ).watch({"1": {0}})
-    assert list(monitor.outcomes()) == [WorkResult(0, None)]
+    ).monitor({"1": {0}})
+    assert list(monitor.results()) == [WorkResult(0, None)]
 
 
 @pytest.mark.parametrize(
@@ -100,8 +100,8 @@ def test_a_requeued_job_is_waited_for(fake_queue):
 )
 def test_without_news_jobs_are_given_up(fake_queue, states, state_text):
     queue = fake_queue((states, [], []))
-    monitor = queue.watch({"1": {0, 1}})
-    results = list(monitor.outcomes())
+    monitor = queue.monitor({"1": {0, 1}})
+    results = list(monitor.results())
     assert [result.index for result in results] == [0, 1]
     reason = "nothing heard for 1 min (INDUSTNERF_SLURM_PATIENCE_MIN)"
     assert results[0].error == f"SLURM job 1: {reason}: {state_text}; it wrote no log"
@@ -112,5 +112,5 @@ def test_without_news_jobs_are_given_up(fake_queue, states, state_text):
 
 def test_patience_begins_anew_with_every_job_that_works(fake_queue):
     queue = fake_queue(*[({"1": RUNNING}, [], [])] * 20, ({"1": PENDING}, [], []))
-    assert len(list(queue.watch({"1": {0}}).outcomes())) == 1
+    assert len(list(queue.monitor({"1": {0}}).results())) == 1
     assert queue.time == 19 * 10.0 + 60.0
