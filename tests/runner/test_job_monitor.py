@@ -62,8 +62,8 @@ def test_a_job_that_died_fails_what_it_was_at_and_leaves_the_rest(fake_queue):
     assert second.index == 0
     assert second.lost
     assert second.error == "SLURM job 1 ended without a result: FAILED; it wrote no log"
-    assert monitor.orphans == [1, 2]
-    assert not monitor.hopeless
+    assert monitor.unstarted == [1, 2]
+    assert not monitor.abandoned
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_a_job_that_died_fails_what_it_was_at_and_leaves_the_rest(fake_queue):
 def test_what_was_cancelled_or_never_began_is_not_tried_again(fake_queue, state, started):
     monitor = fake_queue(({"1": state}, [], started)).monitor({"1": {0, 1}})
     assert [result.index for result in monitor.results()] == [0, 1]
-    assert monitor.orphans == []
+    assert monitor.unstarted == []
 
 
 def test_the_last_note_of_a_job_may_come_late(fake_queue):
@@ -107,7 +107,7 @@ def test_without_news_jobs_are_given_up(fake_queue, states, state_text):
     assert results[0].error == f"SLURM job 1: {reason}: {state_text}; it wrote no log"
     assert results[0].lost
     assert queue.time == 60.0
-    assert monitor.hopeless == ["1"]
+    assert monitor.abandoned == ["1"]
 
 
 def test_patience_begins_anew_with_every_job_that_works(fake_queue):

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slurm
 
 STAGE = """
 import sys; from functools import partial; from pathlib import Path
-from industnerf.runner import runner_from_environment; from tests.slurm import works
+from industnerf.runner import runner_from_environment; from tests.slurm import work_items
 list(runner_from_environment().map([partial(work_items.hang, Path(sys.argv[1]))], 60.0))
 """
 
@@ -141,10 +141,10 @@ def test_jobs_that_run_together_have_a_gpu_each(slurm_folder, monkeypatch):
     """Neither ends before the other has begun; the node has two, which are files with a name."""
     monkeypatch.setenv("INDUSTNERF_SLURM_GRES", "gpu:1")
     gpu_files = [slurm_folder / "a", slurm_folder / "b"]
-    work_items = [
+    pieces = [
         partial(work_items.write_own_gpu, own, other) for own, other in (gpu_files, gpu_files[::-1])
     ]
-    results = list(runner_from_environment().map(work_items, 60.0))
+    results = list(runner_from_environment().map(pieces, 60.0))
     assert [result.error for result in results] == [None, None]
     assert {gpu_file.read_text() for gpu_file in gpu_files} == {"0", "1"}
 
@@ -183,7 +183,7 @@ def test_a_preempted_job_goes_on_where_it_was(
 def test_a_job_that_never_starts_is_given_up(cluster, slurm_folder, monkeypatch):
     monkeypatch.setenv("INDUSTNERF_SLURM_PARTITION", "closed")
     runner = runner_from_environment()
-    runner = replace(runner, wait_settings=replace(runner.waiting, patience_s=1.8))
+    runner = replace(runner, wait_settings=replace(runner.wait_settings, patience_s=1.8))
     [result] = runner.map([partial(work_items.write, slurm_folder / "a")], 60.0)
     assert "nothing heard for 0.03 min (INDUSTNERF_SLURM_PATIENCE_MIN): PENDING, " in result.error
     assert result.lost
