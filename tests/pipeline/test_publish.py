@@ -22,6 +22,7 @@ DOCUMENTS = {
     "docs/results/study.md": ["study"],
     "docs/reference/baselines.md": ["nets"],
     "docs/reference/scaling.md": ["costs", "cluster"],
+    "docs/reference/readings.md": ["measuring"],
     "docs/reference/sweeps.md": ["sweeps"],
 }
 MARKS = "<!-- study -->\n<!-- end study -->\n"
