@@ -48,8 +48,8 @@ def _check_part_sizes(published: Path, text: str) -> None:
         if published_value and published_value != row["emd_mm"]:
             raise BadArtifact(
                 f"{published}: the mean EMD of {row['method']} was {published_value} mm, and the "
-                f"same scores are {row['emd_mm']} mm today: the parts have another size than when they "
-                "were scored. Run the study anew instead."
+                f"same scores are {row['emd_mm']} mm today: the parts have another size than "
+                "when they were scored. Run the study anew instead."
             )
 
 

@@ -81,8 +81,8 @@ def _rounding_warnings(points: np.ndarray, truth: np.ndarray) -> list[str]:
         return []
     return [
         f"its coordinates reach {max_coordinate:.4g} mm, where float32, in which clouds are "
-        f"scored, has steps of {step:.2g} mm, {step / diagonal:.1g} of the diagonal: its points are "
-        "rounded to that; move cloud and part to the origin"
+        f"scored, has steps of {step:.2g} mm, {step / diagonal:.1g} of the diagonal: its points "
+        "are rounded to that; move cloud and part to the origin"
     ]
 
 
