@@ -3,15 +3,18 @@ PYTHON ?= python3
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 INSTALLED := .venv/.installed
 
-.PHONY: help demo test smoke repro ui lint docs results clean
+.PHONY: help demo test test-all smoke repro ui lint docs results clean
 
 help:  ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
 
-test: $(INSTALLED)  ## the test suite, on all cores
+test: $(INSTALLED)  ## the tests of seconds, on all cores
+	@python -m pytest -n auto --dist loadfile -m "not slow and not slurm"
+
+test-all: $(INSTALLED)  ## all tests: also those that train or run whole pipelines
 	@python -m pytest -n auto --dist loadfile
 
 smoke: $(INSTALLED)  ## two parts at 64x64 through every stage

@@ -14,6 +14,8 @@ from industnerf.artifacts.views import Views, load_views
 from industnerf.geometry.cameras import project
 from tests.pipeline.conftest import SMALL, Project
 
+pytestmark = pytest.mark.slow  # runs whole pipelines
+
 NETS = ("atlasnet", "occupancy", "r2n2")
 STEPS = 12  # the net of a fold learns from one part, in so few steps next to nothing
 TRAINING_OVERRIDES = {"max_steps": STEPS, "batch_size": 2, "val_interval": 4}

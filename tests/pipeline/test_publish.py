@@ -17,6 +17,8 @@ from pipeline import publish
 from tests.pipeline.conftest import Project
 from tests.pipeline.lock_check import lock_mismatches
 
+pytestmark = pytest.mark.slow  # runs whole pipelines
+
 DOCUMENTS = {
     "README.md": ["study"],
     "docs/results/study.md": ["study"],

@@ -14,6 +14,8 @@ from industnerf.artifacts.views import load_views
 from industnerf.stage import read_failures, read_index
 from tests.pipeline.conftest import Project
 
+pytestmark = pytest.mark.slow  # runs whole pipelines
+
 REPORT_FILES = {
     "comparisons.csv",
     "comparisons.md",

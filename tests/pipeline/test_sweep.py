@@ -6,6 +6,8 @@ import pytest
 
 from tests.pipeline.conftest import SMALL, Project
 
+pytestmark = pytest.mark.slow  # runs whole pipelines
+
 
 def run_sweep(project, *overrides):
     return project.run("python", "-m", "pipeline.sweep", "--multirun", *SMALL, *overrides)

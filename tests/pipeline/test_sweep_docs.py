@@ -142,7 +142,8 @@ def test_a_sweep_of_no_preset_is_refused(project: Path):
     with pytest.raises(BadArtifact, match=r"preset 'study', which has no row here$"):
         main("runs/sweeps/now")
     (project / "runs/sweeps/now/0/params.yaml").write_text("preset: seeds\n")
-    with pytest.raises(BadArtifact, match=r"here; `python -m pipeline\.seed_variance` publishes it"):
+    message = r"here; `python -m pipeline\.seed_variance` publishes it"
+    with pytest.raises(BadArtifact, match=message):
         main("runs/sweeps/now")
 
 
