@@ -11,7 +11,7 @@ from industnerf.stage import Task, read_failures, read_index, run_stage
 
 
 def main(cfg: StageParams, parts: str, out: str) -> None:
-    # Without a random knob another seed gives the same photographs, and finds them in the store.
+    # Without a random setting another seed gives the same photographs, and finds them in the store.
     settings = [cfg.views, cfg.seed] if is_random(cfg.views) else cfg.views
     tasks = [
         Task(

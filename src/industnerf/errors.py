@@ -14,7 +14,7 @@ SuiteError            shown to the user as one message, without a traceback
 
 
 class SuiteError(Exception):
-    """A refusal whose text says what, where, how much, and which knob to turn."""
+    """A refusal whose text says what, where, how much, and which setting to change."""
 
 
 class BadParams(SuiteError):

@@ -1,4 +1,4 @@
-"""The type and range of every key of params.yaml, and no value: one knob a line."""
+"""The type and range of every key of params.yaml, and no value: one key a line."""
 
 from industnerf.schema.carving import SpaceCarvingSettings
 from industnerf.schema.industnerf import (

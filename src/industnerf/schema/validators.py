@@ -46,6 +46,6 @@ GridRes = Annotated[int, in_interval("[8, 512]")]  # cells along each side
 
 
 def require(condition: bool, key: str, value: object, rule: str) -> None:
-    """Raise BadValue unless `holds`; `key` is relative to the section."""
+    """Raise BadValue unless `condition` holds; `key` is relative to the section."""
     if not condition:
         raise BadValue(f"{key} is {value!r}, must be {rule}")

@@ -1,4 +1,4 @@
-"""`views`: cameras, light and pictures."""
+"""`views`: cameras, light and images."""
 
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -42,7 +42,7 @@ class LightParams:
 
 @dataclass(frozen=True)
 class PhotorealisticParams:
-    """Read with `views.shading: photo` alone."""
+    """Read with `views.shading: photorealistic` alone."""
 
     light_half_angle_deg: Annotated[float, in_interval("[0, 90)")]
     shadow_samples: PositiveInt
@@ -60,7 +60,7 @@ class JitterParams:
 
 @dataclass(frozen=True)
 class CalibrationParams:
-    """How wrong the recorded training cameras are; the pictures do not change."""
+    """How wrong the recorded training cameras are; the images do not change."""
 
     rotation_deg: HalfTurnDeg
     position: HalfFraction

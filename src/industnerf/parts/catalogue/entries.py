@@ -42,7 +42,7 @@ class CatalogueEntry:
     back_face_share: float  # of the rays from outside that hit; 0 for a sound surface
     reference: Literal["b-rep", "finer mesh"]  # what the volume is compared with
     reference_volume_mm3: float  # exact if the part is one B-rep solid; else of a 4x finer mesh
-    sha256: str  # of the mesh: see `digest`
+    sha256: str  # of the mesh: see `mesh_digest`
 
     @property
     def volume_deviation(self) -> float:

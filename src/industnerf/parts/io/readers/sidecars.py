@@ -1,6 +1,6 @@
 """Files that a CAD file names: materials, pictures, buffers.
 
-A sidecar is a file in the folder of the CAD file, or below, of one of the types `TYPES`, that the
+A sidecar is a file in the folder of the CAD file, or below, of a type in SIDECAR_SUFFIXES, that the
 text names.  Readers open no other, so a result depends on the file and on its sidecars alone.
 """
 

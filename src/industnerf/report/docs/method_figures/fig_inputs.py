@@ -136,7 +136,7 @@ def slice_height(trace: PipelineTrace) -> float:
 
 
 def grid_slice(trace: PipelineTrace, values: Float32[Tensor, "m c"]) -> Float[np.ndarray, "y x c"]:
-    """The points' values in the plane at `slab`; not a number where there is no point."""
+    """The points' values in the plane at `slice_height`; not a number where there is no point."""
     grid_res, points = trace.settings.grid_res, trace.coarse.points
     layer = int((slice_height(trace) + 1) / 2 * grid_res)
     occupied = grid_mean(points, torch.ones_like(points[:, 0]), grid_res)[:, :, layer] > 0

@@ -34,7 +34,7 @@ def trace_ray(trace: PipelineTrace, row: int, column: int) -> RayProfile:
     view = torch.tensor([trace.view])
     rays = cameras.rays(view, uv, torch.full_like(uv[:, 0], 0.5))
     half_size, radius = 1 + fine.spacing, settings.neighbor_radius * fine.spacing
-    support_diagonal = 3**0.5 * radius  # the farthest that a neighbor can be, of a tent
+    support_diagonal = 3**0.5 * radius  # of the cube that trilinear weights reach
     nearby = (
         distance_to_line(fine.points, rays.origins[0], rays.directions[0]) < 1.01 * support_diagonal
     )
