@@ -11,7 +11,7 @@ help:  ## this list
 demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
 
-test: $(INSTALLED)  ## the tests of seconds, on all cores
+test: $(INSTALLED)  ## the fast tests, on all cores
 	@python -m pytest -n auto --dist loadfile -m "not slow and not slurm"
 
 test-all: $(INSTALLED)  ## all tests: also those that train or run whole pipelines
