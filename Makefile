@@ -49,7 +49,7 @@ if command -v uv >/dev/null; then \
   UV_FIND_LINKS="$$links" uv pip install -q --python .venv/bin/python -c constraints.txt -e '.[$(1)]'; \
 else \
   echo "uv is not installed: setting up with pip, which takes some minutes (pip install uv: seconds)"; \
-  $(PYTHON) -m venv .venv && .venv/bin/python -m pip install -q -c constraints.txt -e '.[$(1)]'; \
+  { [ -x .venv/bin/python ] || $(PYTHON) -m venv .venv; } && .venv/bin/python -m pip install -q -c constraints.txt -e '.[$(1)]'; \
 fi
 @touch $@
 endef
