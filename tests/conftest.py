@@ -4,6 +4,10 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from jaxtyping import install_import_hook
+
+# Shapes are checked in every call.  `industnerf` itself is loaded before numpy (pyproject.toml).
+install_import_hook("industnerf", "beartype.beartype")
 
 ROOT = Path(__file__).parents[1]
 

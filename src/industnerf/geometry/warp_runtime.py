@@ -1,10 +1,17 @@
 """NVIDIA Warp, which compiles our inner loops for CPU and CUDA alike, started silently."""
 
 import os
+import platform
 
 import warp as wp
 
-from industnerf import environment
+from industnerf import environment, processor
+
+# Whatever the processor is, kernels are compiled for the same one; the rest is Warp's default.
+CPU_FLAGS = (
+    f"-target-cpu {processor.ISA} -mllvm=-inline-threshold=9000"
+    " -mllvm=-inline-cold-callsite-threshold=3000 -mllvm=-slp-recursion-max-depth=4"
+)
 
 mat34 = wp.types.matrix(shape=(3, 4), dtype=wp.float32)  # from a point to its pixel
 
@@ -15,6 +22,8 @@ def init_warp() -> None:
     The warning is printed by the library itself, past Python's stderr.
     """
     wp.config.log_level = wp.LOG_ERROR
+    if platform.machine() in ("x86_64", "AMD64"):
+        wp.config.cpu_compiler_flags = CPU_FLAGS
     stderr_copy = os.dup(2)
     with open(os.devnull, "w") as devnull:
         os.dup2(devnull.fileno(), 2)

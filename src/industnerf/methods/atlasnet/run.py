@@ -27,6 +27,7 @@ from industnerf.methods.atlasnet.network import (
 from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings, TrainingSettings
 from industnerf.seeds import generator, seed_for
+from industnerf.torch_kernels import use_reproducible_kernels
 
 PHASES = ("auto_encoder", "encoder", "together")
 LAST_PHASE_LR_FACTOR = 0.1  # of the last phase, which fine-tunes all weights
@@ -36,7 +37,7 @@ def train_phases(
     examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
 ) -> ModelState:
     """The network for images, trained as published: training/launcher.py of the authors' code."""
-    torch.set_num_threads(1)  # folds are what runs side by side
+    use_reproducible_kernels()  # folds are what runs side by side
     dataset = AtlasNetDataset(examples, settings, generator(seed, "lessons"))
     autoencoder, net = new_nets(settings, seed)
     split = train_val_split([one.part_id for one in examples], settings.training.val_fraction)
@@ -126,7 +127,7 @@ def predict_clouds(
 
     The network predicts points @ rotation.
     """
-    torch.set_num_threads(1)
+    use_reproducible_kernels()
     net = AtlasNet(build_image_encoder(settings), build_decoder(settings)).to(device()).eval()
     load_arrays(net, state.arrays)
     uv, faces = square_mesh(settings.grid_res)

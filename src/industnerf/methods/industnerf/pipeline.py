@@ -30,6 +30,7 @@ from industnerf.methods.industnerf.scene import PosedImages, make_scene
 from industnerf.methods.industnerf.trainer import Trainer
 from industnerf.methods.industnerf.variant import Variant
 from industnerf.schema import IndustnerfSettings
+from industnerf.torch_kernels import use_reproducible_kernels
 
 
 class Callback:
@@ -93,7 +94,7 @@ def run(
 
     Raises ReconstructionFailed if a field becomes empty.  Same seed, same bytes on a CPU.
     """
-    torch.set_num_threads(1)  # parts are what runs side by side
+    use_reproducible_kernels()  # parts are what runs side by side
     callback = callback or Callback()
     reconstructor = Reconstructor(posed, settings, seed, callback, pretrained, make_variant)
     if resume:

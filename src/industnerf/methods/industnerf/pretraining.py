@@ -29,6 +29,7 @@ from industnerf.methods.industnerf.scene import NerfScene, PosedImages, make_sce
 from industnerf.methods.industnerf.trainer import Trainer
 from industnerf.schema import IndustnerfSharedSettings
 from industnerf.seeds import seed_for
+from industnerf.torch_kernels import use_reproducible_kernels
 
 
 def pretrain(
@@ -41,7 +42,7 @@ def pretrain(
 
     Raises ReconstructionFailed if the field of a part becomes empty.
     """
-    torch.set_num_threads(1)  # folds are what runs side by side
+    use_reproducible_kernels()  # folds are what runs side by side
     settings = _with_divided_lr(settings, len(training_parts))
     scenes = [make_scene(posed, device()) for posed in training_parts]
     shared_modules, losses = _new_modules(scenes[0], settings, seed), []

@@ -23,6 +23,7 @@ from industnerf.methods.occupancy.mise import mise
 from industnerf.methods.occupancy.network import OccupancyNet
 from industnerf.schema import OccupancySettings
 from industnerf.seeds import generator
+from industnerf.torch_kernels import use_reproducible_kernels
 
 POINT_BATCH = 16384  # points that the network is evaluated on at once
 
@@ -31,7 +32,7 @@ def fit(
     examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
 ) -> ModelState:
     """Train on the parts that are not for validation; same seed, same bytes on a CPU."""
-    torch.set_num_threads(1)  # folds are what runs side by side
+    use_reproducible_kernels()  # folds are what runs side by side
     dataset = OccupancyDataset.of(examples, settings, generator(seed, "lessons"))
     with torch_seed(seed):
         net = OccupancyNet(settings).to(device())
@@ -51,7 +52,7 @@ def reconstruct(
 
     Raises ReconstructionFailed if all are empty.
     """
-    torch.set_num_threads(1)  # parts are what runs side by side
+    use_reproducible_kernels()  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
     load_arrays(net, state.arrays)
     view_indices = evenly_spaced_indices(len(inputs.rgb), settings.eval_views)

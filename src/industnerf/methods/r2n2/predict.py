@@ -1,7 +1,6 @@
 """From images of a part to points of its surface, by a trained network."""
 
 import numpy as np
-import torch
 from jaxtyping import Float32
 
 from industnerf.artifacts.state import ModelState
@@ -16,6 +15,7 @@ from industnerf.methods.multi_view_predictions import predictions_to_reconstruct
 from industnerf.methods.r2n2.decoder import VOXELS
 from industnerf.methods.r2n2.network import R2N2, new_net
 from industnerf.schema import R2n2Settings
+from industnerf.torch_kernels import use_reproducible_kernels
 
 
 def predict_part(
@@ -32,7 +32,7 @@ def predict_part(
 
 def load_net(settings: R2n2Settings, state: ModelState) -> R2N2:
     """The network with the weights of `state`."""
-    torch.set_num_threads(1)  # parts are what runs side by side
+    use_reproducible_kernels()  # parts are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed=0)
     load_arrays(net, state.arrays)
     return net.to(device()).eval()

@@ -20,13 +20,14 @@ from industnerf.methods.r2n2.decoder import VOXELS
 from industnerf.methods.r2n2.network import R2N2, new_net
 from industnerf.schema import R2n2Settings
 from industnerf.seeds import generator
+from industnerf.torch_kernels import use_reproducible_kernels
 
 
 def fit_net(
     examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path
 ) -> ModelState:
     """The weights that were best on the validation parts; resumes from `scratch`."""
-    torch.set_num_threads(1)  # folds are what runs side by side
+    use_reproducible_kernels()  # folds are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed).to(device())
     dataset = R2N2Dataset.of(examples, settings, net, seed)
     names = [example.part_id for example in examples]

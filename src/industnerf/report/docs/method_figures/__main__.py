@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from industnerf.cli import exit_with_message
+from industnerf.torch_kernels import use_reproducible_kernels
 
 DEFAULT_PART = "handwheel-din950-d160"  # holes, thin bars, and two colors
 
@@ -32,11 +33,10 @@ def main() -> None:
 
 def write_part_figures(views: Path, out: Path) -> None:
     """Run the method on the photographs in `views`; replace the figures in `out`."""
-    import torch
 
     from industnerf.report.docs.method_figures.figures import trace_part, write_figures
 
-    torch.set_num_threads(1)  # as the study does: same seed, same bytes
+    use_reproducible_kernels()  # as the study does: same seed, same bytes
     for path in write_figures(trace_part(views), out):
         print(f"wrote {path}")
 
