@@ -52,6 +52,12 @@ def load_params(path: Path = PARAMS) -> Params:
     return build(Params, read_yaml(path), str(path))
 
 
+def load_preset(preset: Path, path: Path = PARAMS) -> Params:
+    """params.yaml with the values of a preset over it, checked."""
+    values = OmegaConf.merge(read_yaml(path), read_yaml(preset))
+    return build(Params, OmegaConf.to_container(values), str(preset))
+
+
 @dataclasses.dataclass(frozen=True)
 class Stage:
     """What dvc.yaml says of one stage."""

@@ -1,8 +1,8 @@
 """How and where to execute: INDUSTNERF_* variables, from the environment or .industnerf.env.
 
-Never part of params.yaml: none of them changes a result by more than the rounding of another
-processor, so none may cause a rerun.  (Over a training roundings grow: benchmarks/results.md has
-what another device does.)  The file is for one machine and one person, git does not see it, and
+Never part of params.yaml: none of them changes a result by more than the rounding of a GPU, so
+none may cause a rerun.  (Over a training roundings grow: benchmarks/results.md has what another
+device does.)  The file is for one machine and one person, git does not see it, and
 the environment wins over it:
 
     # .industnerf.env

@@ -29,11 +29,11 @@ def use_reproducible_kernels(threads: int = 1) -> None:
             stacklevel=2,
         )
     torch.set_num_threads(threads)
-    _register()
+    register_kernels()
 
 
 @cache
-def _register() -> torch.library.Library:
+def register_kernels() -> torch.library.Library:
     library = torch.library.Library("aten", "IMPL")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="(?s).*overrid")

@@ -1,6 +1,6 @@
 """Say what is wrong with this working copy, and what mends it.  Changes nothing.
 
-python -m industnerf.doctor              every check
+python -m industnerf.doctor              every check but `reproducible`
 python -m industnerf.doctor cache store  these
 
 Exit code 1 if something is wrong, else 0.
@@ -13,13 +13,15 @@ from pathlib import Path
 from rich.console import Console
 
 from industnerf.cli import exit_with_message
-from industnerf.doctor import CHECKS, run_check
+from industnerf.doctor import CHECKS, ON_REQUEST, run_check
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.project_paths import ProjectPaths
 
 
 def main() -> None:
-    listed = "\n".join(f"  {name:12} {description}" for name, description in CHECKS.items())
+    listed = "\n".join(
+        f"  {name:12} {description}" for name, description in (CHECKS | ON_REQUEST).items()
+    )
     parser = argparse.ArgumentParser(
         prog="python -m industnerf.doctor",
         description=f"{__doc__}\nChecks:\n{listed}",
