@@ -20,6 +20,7 @@ from industnerf.schema import Params
 
 T = TypeVar("T")
 PARAMS, PIPELINE = Path("params.yaml"), Path("dvc.yaml")
+DEFAULT_PARAMS = Path(__file__).parents[2] / PARAMS
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -50,6 +51,11 @@ def build(schema: type[T], values: object, source: str = "params.yaml") -> T:
 def load_params(path: Path = PARAMS) -> Params:
     """The whole of params.yaml, checked."""
     return build(Params, read_yaml(path), str(path))
+
+
+def find_params() -> Path:
+    """params.yaml of the current folder, else the one that came with the code."""
+    return PARAMS if PARAMS.exists() else DEFAULT_PARAMS
 
 
 @dataclasses.dataclass(frozen=True)
