@@ -20,7 +20,7 @@ def main(cfg: StageParams, source: str, out: str) -> None:
     tasks = [
         Task(
             file.file_id,
-            partial(write_solids, file.path, units, override_units),
+            partial(write_solids, file.path, units, override_units=override_units),
             [file.path.name, units, override_units],
             (file.path, *find_sidecars(file.path)),
         )

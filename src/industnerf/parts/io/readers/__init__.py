@@ -44,7 +44,7 @@ MAX_MESSAGE_CHARS = 300  # characters of a library's own message
 UNPARSED_NUMBER_WARNING = "string or file could not be read to its end"  # numpy's
 
 
-def write_solids(path: Path, units: str, override_units: bool, target: Path) -> None:
+def write_solids(path: Path, units: str, target: Path, override_units: bool = False) -> None:
     """Read the file at `path` into the folder `target`; raises as `read_solids`."""
     read_solids(path, units, override_units).save(target)
 
