@@ -5,20 +5,23 @@ from pathlib import Path
 
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
-from industnerf.parts.io.cad_files import find_cad_files
+from industnerf.parts.io.cad_files import find_cad_files, print_unread_files
 from industnerf.parts.io.readers import write_solids
 from industnerf.parts.io.readers.sidecars import find_sidecars
 from industnerf.stage import Task, run_stage
 
 
 def main(cfg: StageParams, source: str, out: str) -> None:
-    is_user_cad, units = cfg.parts.source == "path", cfg.parts.units
-    files = find_cad_files(Path(source), cfg.parts.pattern, cfg.parts.select) if is_user_cad else []
+    units, override_units = cfg.parts.units, cfg.parts.override_units
+    files = []
+    if cfg.parts.source == "path":
+        files = find_cad_files(Path(source), cfg.parts.pattern, cfg.parts.select)
+        print_unread_files("solids", Path(source), Path(source).glob(cfg.parts.pattern))
     tasks = [
         Task(
             file.file_id,
-            partial(write_solids, file.path, units),
-            [file.path.name, units],
+            partial(write_solids, file.path, units, override_units=override_units),
+            [file.path.name, units, override_units],
             (file.path, *find_sidecars(file.path)),
         )
         for file in files

@@ -20,6 +20,7 @@ from industnerf.schema import Params
 
 T = TypeVar("T")
 PARAMS, PIPELINE = Path("params.yaml"), Path("dvc.yaml")
+DEFAULT_PARAMS = Path(__file__).parents[2] / PARAMS
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -56,6 +57,11 @@ def load_preset(preset: Path, path: Path = PARAMS) -> Params:
     """params.yaml with the values of a preset over it, checked."""
     values = OmegaConf.merge(read_yaml(path), read_yaml(preset))
     return build(Params, OmegaConf.to_container(values), str(preset))
+
+
+def find_params() -> Path:
+    """params.yaml of the current folder, else the one that came with the code."""
+    return PARAMS if PARAMS.exists() else DEFAULT_PARAMS
 
 
 @dataclasses.dataclass(frozen=True)

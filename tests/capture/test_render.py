@@ -9,7 +9,8 @@ import trimesh
 
 from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh, save_part
 from industnerf.artifacts.views import load_true_cameras, load_views
-from industnerf.capture.render import backgrounds, render_part
+from industnerf.capture.backgrounds import backgrounds
+from industnerf.capture.render import render_part
 from industnerf.capture.rng import random_streams
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.geometry.cameras import pixel_centers, unproject
@@ -126,7 +127,7 @@ def test_without_a_random_knob_the_seed_does_not_matter(block, tmp_path, setting
         ({"calibration": CalibrationParams(1.0, 0.01, 0.01)}, {"cameras.json", "transforms.json"}),
         ({"sensor": SensorParams(1.0, 0.02, 80)}, {"rgb"}),
         ({"shading": "photorealistic"}, {"rgb"}),
-        ({"background": "gray"}, {"cameras.json", "rgb"}),
+        ({"background": "gray"}, {"cameras.json", "transforms.json", "rgb"}),
     ],
     ids=["calibration", "sensor", "photorealistic", "background"],
 )
@@ -250,17 +251,19 @@ def test_a_flat_open_sheet_can_be_photographed(as_part, tmp_path, settings):
 
 @pytest.mark.parametrize(("name", "level"), [("white", 255), ("gray", 128), ("black", 0)])
 def test_a_named_background_is_the_same_in_all_views(settings, name, level):
-    levels = backgrounds(replace(settings, background=name), random_streams(0, "part", settings))
+    levels = backgrounds(
+        replace(settings, background=name), random_streams(0, "part", settings), []
+    )
     np.testing.assert_array_equal(levels, np.full((6, 3), level / 255))
 
 
 def test_random_backgrounds_differ_and_are_whole_levels(shipped):
     settings = replace(shipped, background="random", count=392)
-    levels = 255 * backgrounds(settings, random_streams(0, "part", settings))
+    levels = 255 * backgrounds(settings, random_streams(0, "part", settings), [])
     np.testing.assert_allclose(levels, np.rint(levels), rtol=0, atol=1e-9)
     assert len(np.unique(levels, axis=0)) == 400
     # 1200 levels, uniform: their mean is 127.5 to 73.9 / sqrt(1200) = 2.1; five times that is
     # chance once in 1e6
     assert levels.mean() == pytest.approx(127.5, abs=10.7)
-    other = 255 * backgrounds(settings, random_streams(1, "part", settings))
+    other = 255 * backgrounds(settings, random_streams(1, "part", settings), [])
     assert not np.array_equal(levels, other)

@@ -24,12 +24,15 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_files_of_a_folder_are_named_after_their_parts(folder):
+def test_files_of_a_folder_are_named_after_their_parts(folder, capsys):
+    (folder / "scan.pcd").touch()
     clouds = find_clouds(folder, "")
     assert {part: path.name for part, path in clouds.items()} == {
         GEAR: f"{GEAR}.ply",
         "nut-square-din557-m12": "nut-square-din557-m12.xyz",
     }
+    printed = capsys.readouterr().out
+    assert printed == "left out, for they are no clouds that are read: notes.txt, scan.pcd\n"
 
 
 def test_a_single_file_may_be_named_otherwise(folder):

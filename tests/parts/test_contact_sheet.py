@@ -1,6 +1,7 @@
 """Contact sheets: every part has its place."""
 
 from itertools import pairwise
+from unicodedata import normalize
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from industnerf.parts.contact_sheet import (
     LINE_PX,
     TILE_PX,
     Tile,
+    caption_font,
     face_albedo,
     render_tile,
     write_contact_sheet,
@@ -55,6 +57,17 @@ def test_a_caption_has_two_lines_and_keeps_to_its_tile(tmp_path):
     for top, bottom in pairwise(rows):
         assert (sheet[top:bottom, :TILE_PX] < 100).any()
     assert (sheet[TILE_PX:, TILE_PX:] == 255).all()
+
+
+@pytest.mark.parametrize("letter", ["ä", "ß", "é", "Ω", "ж", "a\u0308"])
+def test_letters_beyond_ascii_are_no_boxes(letter, tmp_path):
+    """Also where a file's name has them in two characters, as on a Mac."""
+    font, composed = caption_font(letter), normalize("NFC", letter)
+    missing = bytes(font.getmask("\ufffe"))
+    assert bytes(font.getmask(composed)) != missing
+    sheet = draw_sheet(tmp_path, Tile(letter, None), Tile(composed, None), columns=1)
+    np.testing.assert_array_equal(sheet[TILE_PX:HEIGHT], sheet[HEIGHT + TILE_PX :])
+    assert (sheet[TILE_PX:HEIGHT] < 255).any()
 
 
 def test_few_tiles_make_a_narrow_sheet(tmp_path):

@@ -30,7 +30,7 @@ class Solids:
 
     file: str  # its name
     format: str  # for people, by content: "binary STL", "STEP"
-    unit: str  # of the file: "mm, stated", "inch, stated", "mm, assumed" (parts.units)
+    unit: str  # "inch, stated" by the file; "mm, assumed" or "mm, overridden" by parts.units
     finishes: tuple[Appearance, ...]  # that the `finish` of every mesh indexes; at least one
     warnings: tuple[str, ...]  # what the reader could not keep, or had to assume
     solids: tuple[Solid, ...]  # at least one, each with at least one face

@@ -159,10 +159,15 @@ def _camera_rows(cameras: Cameras) -> list[dict]:
 
 
 def _transforms_json(views: Views) -> dict:
-    """One lens for all frames where they share it, else one for each: NeRF tools read both."""
+    """One lens for all frames where they share it, else one for each: NeRF tools read both.
+
+    So it is with the `background`, a key of our own.
+    """
     cameras, names = views.cameras, [f"rgb/{i:03d}.png" for i in range(len(views.cameras))]
     intrinsics = [_intrinsics(K, cameras.width) for K in cameras.K]
     shared = all(own_intrinsics == intrinsics[0] for own_intrinsics in intrinsics)
+    colors = [{"background": color.tolist()} for color in views.background]
+    same_color = all(color == colors[0] for color in colors)
     frames = [
         {
             "file_path": name,
@@ -171,11 +176,15 @@ def _transforms_json(views: Views) -> dict:
             "transform_matrix": (c2w @ OPENGL).tolist(),
         }
         | ({} if shared else own_intrinsics)
-        for name, c2w, own_intrinsics in zip(names, cameras.c2w, intrinsics, strict=True)
+        | ({} if same_color else color)
+        for name, c2w, own_intrinsics, color in zip(
+            names, cameras.c2w, intrinsics, colors, strict=True
+        )
     ]
     return {
         "camera_model": "OPENCV",
         **(intrinsics[0] if shared else {}),
+        **(colors[0] if same_color else {}),
         "w": cameras.width,
         "h": cameras.height,
         "depth_unit_scale_factor": views.depth_scale_mm,

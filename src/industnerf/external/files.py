@@ -7,7 +7,7 @@ from pathlib import Path
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import read_catalogue
-from industnerf.parts.io.cad_files import find_cad_files
+from industnerf.parts.io.cad_files import find_cad_files, name_files
 from industnerf.parts.io.readers.formats import SUFFIXES as CAD
 from industnerf.schema.parts import PartsParams
 
@@ -25,8 +25,12 @@ def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
         raise BadParams(f"{path} is a folder: its files are named after their parts, not {part_id}")
     files = [path] if path.is_file() else visible_files(path)
     cloud_files = [file for file in files if file.suffix.lower() in SUFFIXES]
+    others = [file for file in files if file not in cloud_files]
     if not cloud_files:
-        raise BadParams(f"{path}: no file ends in {', '.join(SUFFIXES)}")
+        found = f"; it has {name_files(others)}" if others else ""
+        raise BadParams(f"{path}: no file ends in {', '.join(SUFFIXES)}{found}")
+    if others:
+        print(f"left out, for they are no clouds that are read: {name_files(others)}")
     clouds: dict[str, Path] = {}
     for file in cloud_files:
         name = part_id or file.stem

@@ -4,7 +4,7 @@ python -m industnerf.parts list [--set organic]
 python -m industnerf.parts build [--family gears]     needs the [cad] extra
 python -m industnerf.parts build --set organic        does not
 python -m industnerf.parts export PART... | --all --format step|stl|glb|ply|obj --out FOLDER
-python -m industnerf.parts check FILES... [--units mm] [--split-bodies] [--out cad-check]
+python -m industnerf.parts check FILES... [--units mm [--override-units]] [--out cad-check]
 python -m industnerf.parts card                       docs/reference/dataset.md and its sheets
 """
 
@@ -72,6 +72,9 @@ def _parser() -> argparse.ArgumentParser:
     check_command = commands.add_parser("check", help="defects of your own CAD files")
     check_command.add_argument("paths", nargs="+", type=Path, metavar="FILE", help="or folder")
     check_command.add_argument("--units", choices=UNITS, help="of files that state none")
+    check_command.add_argument(
+        "--override-units", action="store_true", help="--units of all files, whatever they state"
+    )
     check_command.add_argument("--split-bodies", action="store_true", help="one row per solid")
     check_command.add_argument("--out", type=Path, default=Path("cad-check"), metavar="FOLDER")
     commands.add_parser("card", help="write docs/reference/dataset.md and its contact sheets")
@@ -79,17 +82,18 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def run_check(console: Console, arguments: argparse.Namespace) -> int:
-    """Check files under `parts` of params.yaml, less what the command line says otherwise."""
-    from industnerf.config import load_params
+    """Check files under `find_params`, less what the command line says otherwise."""
+    from industnerf.config import find_params, load_params
     from industnerf.parts.validation.check_command import check_cad_files
 
-    settings = load_params().parts
+    params = load_params(find_params())
     settings = replace(
-        settings,
-        units=arguments.units or settings.units,
-        split_bodies=arguments.split_bodies or settings.split_bodies,
+        params.parts,
+        units=arguments.units or params.parts.units,
+        override_units=arguments.override_units or params.parts.override_units,
+        split_bodies=arguments.split_bodies or params.parts.split_bodies,
     )
-    return check_cad_files(arguments.paths, settings, arguments.out, console)
+    return check_cad_files(arguments.paths, replace(params, parts=settings), arguments.out, console)
 
 
 def run_data_card(console: Console) -> None:

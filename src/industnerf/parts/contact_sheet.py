@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
+from unicodedata import normalize
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +15,7 @@ from industnerf.geometry.thumbnail import render_thumbnail
 
 TILE_PX = 200
 FONT_PX = 13
+WIDE_FONT_PX = 12  # of the font for letters beyond ASCII, which is wider
 LINE_PX = 17
 GAP_PX = 6  # between captions
 CAPTION_LINES = 2  # of a caption
@@ -44,10 +47,10 @@ def write_contact_sheet(tiles: Sequence[Tile], path: Path, columns: int) -> None
     height = TILE_PX + CAPTION_LINES * LINE_PX + LINE_PX // 2
     rows = -(-len(tiles) // columns)
     sheet = Image.new("RGB", (columns * TILE_PX, rows * height), BACKGROUND_COLOR)
-    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(FONT_PX)
+    pen = ImageDraw.Draw(sheet)
     for number, tile in enumerate(tiles):
         row, column = divmod(number, columns)
-        _draw_tile(sheet, pen, font, tile, (column * TILE_PX, row * height))
+        _draw_tile(sheet, pen, tile, (column * TILE_PX, row * height))
     sheet.save(path)
 
 
@@ -71,7 +74,6 @@ def _render(mesh: Mesh, finishes: tuple[Appearance, ...], side_px: int) -> Image
 def _draw_tile(
     sheet: Image.Image,
     pen: ImageDraw.ImageDraw,
-    font: ImageFont.FreeTypeFont,
     tile: Tile,
     corner: tuple[int, int],
 ) -> None:
@@ -82,7 +84,17 @@ def _draw_tile(
         sheet.paste(tile.image, corner)
     for number, line in enumerate(tile.caption.splitlines()[:CAPTION_LINES]):
         anchor = (left + TILE_PX // 2, top + TILE_PX + number * LINE_PX)
-        pen.text(anchor, _truncate(line, font), TEXT_COLOR, font, anchor="ma")
+        font, composed = caption_font(line), normalize("NFC", line)
+        pen.text(anchor, _truncate(composed, font), TEXT_COLOR, font, anchor="ma")
+
+
+def caption_font(text: str) -> ImageFont.FreeTypeFont:
+    """A font that has the letters of `text`: Pillow's own has those of ASCII alone."""
+    package = find_spec("matplotlib")  # for its font files; it is not imported
+    if text.isascii() or package is None or package.origin is None:
+        return ImageFont.load_default(FONT_PX)
+    path = Path(package.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"
+    return ImageFont.truetype(path, WIDE_FONT_PX) if path.exists() else caption_font("")
 
 
 def _draw_crossed_box(pen: ImageDraw.ImageDraw, left: int, top: int) -> None:

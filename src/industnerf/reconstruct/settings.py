@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from industnerf import renamed
-from industnerf.config import PARAMS, build, flatten, read_yaml
+from industnerf.config import build, find_params, flatten, read_yaml
 from industnerf.errors import BadParams
 from industnerf.schema import Params
-
-DEFAULT_PARAMS = Path(__file__).parents[3] / PARAMS
 
 
 @dataclass(frozen=True)
@@ -34,13 +32,12 @@ def resolve_config(
 ) -> ResolvedConfig:
     """The settings of `method` from `params`, with `overrides` such as `method.hull.points=9`.
 
-    `params` is by default params.yaml of the current folder, else the one that came with the
-    code.  Raises BadParams that names the key if one is unknown, mistyped or out of range, or
-    `params` if it is not there.
+    `params` is by default that of `find_params`.  Raises BadParams that names the key if one is
+    unknown, mistyped or out of range, or `params` if it is not there.
     """
     if params and not params.exists():
         raise BadParams(f"--params {params} is missing")
-    path = params or (PARAMS if PARAMS.exists() else DEFAULT_PARAMS)
+    path = params or find_params()
     values = read_yaml(path)
     for override in overrides:
         _apply_override(values, override, method)

@@ -10,6 +10,7 @@ import numpy as np
 from industnerf.artifacts.cloud import EXTRA_CLOUDS, Cloud, load_warnings
 from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.part import Part, load_parts
+from industnerf.artifacts.remarks import load_remarks
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import SplitAssignment, load_split
 from industnerf.artifacts.state import ModelState
@@ -74,7 +75,7 @@ class Study:
     assignments: dict[str, SplitAssignment]
     scores: list[PartScore]
     failures: dict[str, dict[str, str]]  # stage or method -> part id -> reason
-    input_warnings: dict[str, dict[str, list[str]]]  # method -> part id -> messages
+    input_warnings: dict[str, dict[str, list[str]]]  # stage or method -> part id -> messages
     parameters_and_steps: dict[str, tuple[int, int]]  # learned, of the largest part or network
     training_summaries: dict[str, TrainingSummary]  # of methods that learn from other parts
     train_visible_share: dict[str, float]  # of the surface, in the training views
@@ -111,7 +112,11 @@ def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
         assignments=assignments,
         scores=[row for name in methods for row in load_method_scores(folders.scores / name, name)],
         failures=failures_of(folders, methods),
-        input_warnings={name: _load_input_warnings(folders.clouds / name) for name in methods},
+        input_warnings={
+            "parts": load_remarks(folders.parts, "parts"),
+            "views": load_remarks(folders.views, "views"),
+        }
+        | {name: _load_input_warnings(folders.clouds / name) for name in methods},
         parameters_and_steps={
             name: _parameters_and_steps(folders.clouds / name) for name in methods
         },

@@ -30,6 +30,7 @@ class PartsParams:
     path: Annotated[str, SHELL_SAFE_PATH]
     pattern: str
     units: Units
+    override_units: bool
     select: list[str]
     split_bodies: bool
     time_limit_s: PositiveFloat

@@ -85,7 +85,7 @@ class ViewsParams:
     radius: float
     rig: Literal["sphere", "turntable", "hemisphere"]
     elevations_deg: Annotated[list[Annotated[float, in_interval("(-90, 90)")]], non_empty("angle")]
-    background: Literal["white", "gray", "black", "random"]
+    background: Literal["contrast", "white", "gray", "black", "random"]
     albedo: Annotated[list[float], COLOR]
     shading: Literal["matte", "photorealistic"]
     light: LightParams

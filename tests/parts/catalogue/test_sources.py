@@ -10,7 +10,7 @@ from industnerf.artifacts.part import UNSPECIFIED, Mesh
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadParams
 from industnerf.parts.catalogue.sources import embedded_parts, user_parts
-from industnerf.parts.io.cad_files import file_ids, find_cad_files, require_path
+from industnerf.parts.io.cad_files import file_ids, find_cad_files, require_path, unread_files
 from industnerf.schema import RepairParams
 
 REPAIR = RepairParams(1e-6, 0.0, 0.0, 0.0, False, False, False, 0)
@@ -39,6 +39,14 @@ def test_a_folder_gives_its_cad_files_and_passes_over_the_rest(folder):
     files = find_cad_files(folder, "**/*", [])
     assert ids(files) == [("a-b", "own"), ("sub-c-obj", "sub"), ("sub-c-step", "sub")]
     assert files[0].path == folder / "A b.STL"
+
+
+def test_what_is_passed_over_has_a_name_but_for_sidecars(folder):
+    (folder / "sub/c.obj").write_text("mtllib c.mtl\nv 0 0 0\n")
+    unread = unread_files(folder, folder.glob("**/*"))
+    assert [path.name for path in unread] == ["notes.txt"]
+    (folder / "sub/c.obj").write_text("v 0 0 0\n")
+    assert [path.name for path in unread_files(folder, folder.glob("sub/*"))] == ["c.mtl"]
 
 
 def test_a_pattern_and_select_choose_among_them(folder):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.part import UNSPECIFIED, Appearance, load_mesh, load_part
+from industnerf.artifacts.remarks import load_remarks
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.io.ingest import ingest, used_appearances
@@ -69,6 +70,7 @@ def test_a_size_that_the_assumed_unit_makes_unlikely_has_a_note(tmp_path):
     ingest(tmp_path, "m", "own", None, settings(), tmp_path / "out")
     (warning,) = load_part(tmp_path / "out").defects
     assert warning.startswith("its largest side is 0.03 mm if its numbers are mm, as assumed")
+    assert load_remarks(tmp_path, "parts") == {"out": [warning]}
 
 
 def test_an_open_part_has_no_volume_and_lists_its_defects(tmp_path):

@@ -29,11 +29,22 @@ def test_only_units_that_make_the_size_likely_are_offered():
         ("mm, stated", 0.92),  # the file says so
         ("mm, assumed", 5.0),
         ("mm, assumed", 5000.0),
-        ("mm, assumed", 5e6),  # no unit is smaller
-        ("mm, assumed", 1e-4),  # none is large enough
-        ("mm, assumed", 0.0),
-        ("", 0.0),  # of a file that was refused
+        ("mm, stated", 2e4),
+        ("mm, overridden", 2e4),
     ],
 )
-def test_likely_stated_and_hopeless_units_have_no_note(unit, largest_mm):
+def test_likely_sizes_and_what_a_file_may_mean_have_no_note(unit, largest_mm):
     assert unit_note(unit, largest_mm) == ""
+
+
+def test_an_absurd_size_is_remarked_upon_whoever_states_the_unit():
+    knob = "(parts.override_units, --override-units)"
+    assert unit_note("m, stated", 743e3) == (
+        f"its largest side is 7.43e+05 mm if its numbers are m, as stated; it is 743 if mm {knob}"
+    )
+    assert "are mm, as stated; it is 10 if m (parts.o" in unit_note("mm, stated", 0.01)
+    assert "; it is 60 if mm, 600 if cm" in unit_note("m, overridden", 6e4)
+    assert unit_note("m, overridden", 6e4).endswith("(parts.units, --units)")
+    # no unit is smaller, none is large enough, and one is unknown
+    for unit, size in (("mm, assumed", 5e6), ("mm, assumed", 1e-4), ("foot, stated", 1e6)):
+        assert unit_note(unit, size).endswith(", which few parts are")

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from industnerf.artifacts.part import Mesh
 from industnerf.geometry.raycast import RaycastingScene
-from industnerf.parts.repair.orient import fix_winding, ray_votes
+from industnerf.parts.repair.orient import MIN_GAIN, fix_winding, ray_votes
 from industnerf.parts.validation.checks import back_face_share, bad_edges
 from tests.parts.repair.shapes import (
     ball,
@@ -14,6 +15,7 @@ from tests.parts.repair.shapes import (
     scaled,
     select_faces,
     settings,
+    triangle_soup,
     tube,
     volume,
 )
@@ -81,9 +83,7 @@ def test_a_ball_that_stands_alone_meets_the_rays_that_cauchy_promises():
 def test_a_hidden_solid_of_another_solid_is_oriented_by_its_volume():
     [_, inner], repairs, _ = fix_winding([box((4, 4, 4)), flipped(box((2, 2, 2)))], settings())
     assert volume(inner) == pytest.approx(8)
-    assert repairs == [
-        "faces turned: 12 of 24; of the rays from outside, 0.00% met a face from behind, now 0.00%"
-    ]
+    assert repairs == ["faces turned: 12 of 24, which hardly a ray from outside meets"]
 
 
 def test_a_sheet_seen_from_both_sides_stays_as_it_is():
@@ -102,6 +102,48 @@ def test_a_box_without_a_lid_shows_its_inside_and_is_not_turned():
     [mesh], repairs, _ = fix_winding([flipped(lidless, [3])], settings())
     np.testing.assert_array_equal(mesh.faces, lidless.faces)
     assert len(repairs) == 1
+
+
+def ball_with_a_window_on(fragment):
+    """A hollow ball, open at the top, and below its floor's inside a `fragment` that faces out."""
+    wall = ball(1.0, subdivisions=4)
+    open_top = wall.triangles[..., 2].min(axis=1) < 0.9
+    return concatenated(select_faces(wall, open_top), scaled(fragment, 1.0, (0, 0, -0.9)))
+
+
+def test_a_turn_that_improves_nothing_is_undone():
+    """A few rays meet the fragment from behind, through the window; its front none."""
+    corners = np.array([[0.0, 0, 0], [0, 0.1, 0], [0.1, 0, 0]])  # wound to face down, and out
+    mesh = ball_with_a_window_on(Mesh.with_one_appearance(corners, np.array([[0, 1, 2]], np.int32)))
+    votes = ray_votes(mesh)
+    assert 0 < votes.back[-1] < MIN_GAIN * (votes.front + votes.back).sum()
+    assert votes.front[-1] == 0
+    assert fix_winding([mesh], settings()) == ([mesh], [], [])
+
+
+def test_of_a_soup_all_triangles_count_together():
+    """Each one alone would improve too little."""
+    soup = flipped(triangle_soup(ball(1.0, subdivisions=5)))
+    votes = ray_votes(soup)
+    assert votes.back.max() < MIN_GAIN * (votes.front + votes.back).sum()
+    [mesh], _, _ = fix_winding([soup], settings())
+    np.testing.assert_array_equal(mesh.faces, soup.faces[:, ::-1])
+
+
+def test_a_sliver_that_no_ray_meets_is_wound_as_its_neighbors():
+    lidless = select_faces(box((4, 4, 4)), slice(0, 10))
+    a, b = lidless.faces[0, :2]
+    far = len(lidless.vertices)
+    middle = lidless.vertices[[a, b]].mean(axis=0) * (1 + 1e-9)
+    faces = lidless.faces.copy()
+    c = faces[0, 2]
+    split = np.array([[a, far, c], [far, b, c], [a, far, b]], np.int32)  # the last: wrongly wound
+    mesh = Mesh.with_one_appearance(
+        np.concatenate([lidless.vertices, middle[None]]), np.concatenate([split, faces[1:]])
+    )
+    [fixed], repairs, _ = fix_winding([mesh], settings())
+    np.testing.assert_array_equal(fixed.faces[2], mesh.faces[2, ::-1])
+    assert repairs == ["faces turned: 1 of 12, which hardly a ray from outside meets"]
 
 
 def test_a_solid_that_crosses_itself_keeps_windings_that_hide_its_inside():

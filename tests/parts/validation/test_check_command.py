@@ -41,14 +41,12 @@ def folder(tmp_path):
     return tmp_path
 
 
-def settings(**changes):
-    return replace(load_params(ROOT / "params.yaml").parts, **changes)
-
-
-def run(paths, out, **changes):
+def run(paths, out, *, views=None, **changes):
     """The exit code, what was printed, and the rows of check.csv by file name."""
-    console = Console(file=io.StringIO(), width=120)
-    code = check_cad_files(paths, settings(**changes), out, console)
+    console, params = Console(file=io.StringIO(), width=140), load_params(ROOT / "params.yaml")
+    params = replace(params, parts=replace(params.parts, **changes))
+    params = replace(params, views=replace(params.views, **(views or {})))
+    code = check_cad_files(paths, params, out, console)
     with (out / "check.csv").open() as file:
         rows = {os.path.basename(row["file"]): row for row in csv.DictReader(file)}
     return code, console.file.getvalue(), rows
@@ -130,9 +128,61 @@ def test_a_unit_that_makes_a_tiny_part_is_a_note_and_no_defect(tmp_path):
     assert code == 0
     note = "its largest side is 0.3 mm if its numbers are mm, as assumed; it is 300 if m, 7.62 if"
     assert f"meters.stl: usable\n    note: {note}" in text
-    assert note in rows["meters.stl"]["note"]
-    assert rows["stated.glb"]["note"] == ""
+    assert note in rows["meters.stl"]["notes"]
+    assert rows["stated.glb"]["notes"] == ""
     assert "GLB (m), 3 x 1 x 2" in text
+
+
+def test_area_volume_and_bodies_are_those_of_the_solid(folder):
+    two = trimesh.creation.box((30, 20, 10)), trimesh.creation.box((5, 5, 5))
+    two[1].apply_translation((40, 0, 0))
+    trimesh.util.concatenate(two).export(folder / "two.stl")
+    _, text, rows = run([folder], folder / "out")
+    measured = {
+        name: [rows[name][key] for key in ("area_mm2", "volume_mm3", "bodies")]
+        for name in ("good.stl", "two.stl", "open.ply")
+    }
+    assert measured["good.stl"] == ["2200", "6000", "1"]
+    assert measured["two.stl"] == ["2350", "6125", "2"]
+    assert measured["open.ply"][1:] == ["", "2"]  # what is open holds no volume
+    for words in (("area", "volume", "bodies"), ("2200", "6000"), ("2350", "6125"), ("open",)):
+        assert any(all(word in line for word in words) for line in text.splitlines())
+
+
+def test_what_is_no_cad_in_a_folder_is_named_but_for_sidecars(tmp_path):
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\nf 3 2 1\n")
+    (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    for name in ("cloud.pcd", "notes.txt", ".hidden"):
+        (tmp_path / name).write_text("x")
+    _, text, _ = run([tmp_path], tmp_path / "out")
+    assert "left out, for they are no CAD: cloud.pcd, notes.txt\n" in text
+
+
+def test_a_light_part_before_white_is_remarked_upon(tmp_path):
+    (tmp_path / "light.mtl").write_text("newmtl light\nKd 0.9 0.9 0.9\n")
+    box = trimesh.creation.box((30, 20, 10))
+    box.export(tmp_path / "plain.obj")
+    text = (tmp_path / "plain.obj").read_text()
+    (tmp_path / "light.obj").write_text(f"mtllib light.mtl\nusemtl light\n{text}")
+    files = [tmp_path / "plain.obj", tmp_path / "light.obj"]
+    _, _, rows = run(files, tmp_path / "out", views={"background": "white"})
+    assert rows["plain.obj"]["notes"] == ""
+    assert "within 0.02 of the background's color" in rows["light.obj"]["notes"]
+    _, _, rows = run(files, tmp_path / "out")
+    assert rows["light.obj"]["notes"] == ""
+
+
+def test_a_stated_unit_can_be_overridden_and_an_absurd_one_is_remarked_upon(tmp_path):
+    trimesh.creation.box((60, 40, 32)).export(tmp_path / "mm.glb")
+    _, text, rows = run([tmp_path / "mm.glb"], tmp_path / "out")
+    assert (
+        "    note: its largest side is 6e+04 mm if its numbers are m, as stated; it is 60 if mm, "
+        "600 if cm, 1524 if inch (parts.override_units, --override-units)\n"
+    ) in text
+    _, text, rows = run([tmp_path / "mm.glb"], tmp_path / "out", override_units=True)
+    assert rows["mm.glb"]["size_mm"] == "60; 32; 40"
+    assert rows["mm.glb"]["unit"] == "mm, overridden"
+    assert rows["mm.glb"]["notes"] == ""
 
 
 def test_solids_can_be_checked_one_by_one(tmp_path):
@@ -154,7 +204,7 @@ def test_a_named_file_is_checked_under_any_type(folder):
 
 def test_a_folder_without_cad_is_named(tmp_path):
     (tmp_path / "readme.txt").touch()
-    with pytest.raises(BadParams, match=r"check: no file in .* ends in \.step"):
+    with pytest.raises(BadParams, match=r"check: no file in .* ends in \.step.*; it has readme"):
         expand_folders([tmp_path])
 
 
@@ -164,7 +214,9 @@ def test_a_folder_is_searched_for_files_and_not_for_hidden_ones_or_folders(folde
     # macOS writes the first beside each file
     for name in ("._good.stl", ".venv/sample.stl", "deep.stl/more.STL"):
         (folder / name).write_bytes((folder / "good.stl").read_bytes())
-    names = [str(path.relative_to(folder)) for path in expand_folders([folder])]
+    files, unread = expand_folders([folder])
+    names = [str(path.relative_to(folder)) for path in files]
+    assert [path.name for path in unread] == ["readme.txt"]
     assert names == ["bad.stl", "deep.stl/more.STL", "good.stl", "open.ply"]
 
 
@@ -212,10 +264,10 @@ def test_the_only_solid_of_a_file_is_the_file(folder):
 def test_ctrl_c_leaves_what_was_finished(folder, monkeypatch):
     original = validate_file.read_solids
 
-    def read(path, units):
+    def read(path, *units):
         if path.name == "open.ply":
             raise KeyboardInterrupt
-        return original(path, units)
+        return original(path, *units)
 
     monkeypatch.setattr(validate_file, "read_solids", read)
     code, _, rows = run([folder], folder / "out")
@@ -226,8 +278,8 @@ def test_ctrl_c_leaves_what_was_finished(folder, monkeypatch):
 def test_the_command_line(folder, monkeypatch, capsys):
     from industnerf.parts.__main__ import main
 
-    monkeypatch.chdir(ROOT)
-    arguments = ["check", str(folder / "good.stl"), "--units", "cm", "--out", str(folder / "out")]
+    monkeypatch.chdir(folder)  # no params.yaml here: the one that came with the code
+    arguments = ["check", "good.stl", "--units", "cm", "--out", "out"]
     monkeypatch.setattr("sys.argv", ["industnerf.parts", *arguments])
     assert main() == 0
     assert "good.stl: usable\n" in capsys.readouterr().out

@@ -20,7 +20,7 @@ def run(tmp_path, monkeypatch):
 
     def run(source="path", on_failure="report", **changes):
         values = {"pattern": "**/*", "units": "mm", "select": [], "source": source}
-        values |= {"time_limit_s": 60.0, "memory_limit_mb": 4096}
+        values |= {"override_units": False, "time_limit_s": 60.0, "memory_limit_mb": 4096}
         cfg = SimpleNamespace(parts=SimpleNamespace(**(values | changes)), on_failure=on_failure)
         main(cfg, str(tmp_path / "cad"), str(tmp_path / "out"))
         return read_index(tmp_path / "out")
@@ -44,6 +44,15 @@ def test_a_file_is_read_once_and_again_when_it_or_its_material_changes(run, tmp_
     assert run() != first
     assert [f.name for f in Solids.load(tmp_path / "out" / "t").finishes] == ["#00ff00"]
     assert run(units="cm") != first
+
+
+def test_what_is_no_cad_is_named_and_a_unit_can_be_overridden(run, tmp_path, capsys):
+    (tmp_path / "cad" / "t.obj").write_bytes(TRIANGLE)
+    (tmp_path / "cad" / "t.mtl").write_text("newmtl paint\nKd 1 0 0\n")
+    (tmp_path / "cad" / "scan.pcd").touch()
+    first = run()
+    assert "solids: left out, for they are no CAD: scan.pcd\n" in capsys.readouterr().out
+    assert run(override_units=True) != first
 
 
 def test_files_that_fail_are_listed_and_only_selected_ones_are_read(run, tmp_path):

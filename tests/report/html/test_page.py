@@ -63,10 +63,10 @@ def test_what_others_wrote_stays_text(study):
 
 
 def test_input_warnings_stand_with_the_part_and_in_a_list(study):
-    input_warnings = {"hull": {"near-ball": ["the <images> contradict each other"]}}
+    input_warnings = {"hull": {"near-ball": ["the <images> contradict each other"]}, "views": {}}
     page_html = bare_page(replace(study, input_warnings=input_warnings))
     assert page_html.count("the &lt;images&gt; contradict each other") == 2
-    assert "Warnings about the images" not in bare_page(study)
+    assert "Warnings about parts and images" not in bare_page(study)
 
 
 def test_curves_stand_where_there_are_some(study):

@@ -2,12 +2,15 @@
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from industnerf.errors import BadParams
 from industnerf.parts.io.readers.formats import SUFFIXES
+from industnerf.parts.io.readers.sidecars import find_sidecars
+
+MAX_NAMED = 10  # of the files that are left out
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,8 @@ class CadFile:
 def find_cad_files(root: Path, pattern: str, select: list[str]) -> list[CadFile]:
     """The CAD files at `root`: itself, or those in it that match `pattern`, by id.
 
-    In a folder, unknown types are skipped, as are hidden files and folders.  With `select`,
-    only files that it names, or of which it names a solid.
+    In a folder, unknown types are skipped, which `unread_files` names, as are hidden files and
+    folders.  With `select`, only files that it names, or of which it names a solid.
     Raises BadParams if there is none, or if two would share an id.
     """
     require_path(root)
@@ -103,9 +106,40 @@ def solid_slugs(names: Sequence[str]) -> list[str]:
 
 def is_cad_file(path: Path, root: Path) -> bool:
     """Whether `path` is a file of a type that is read, and not hidden, nor in a hidden folder."""
+    return path.suffix.lower() in SUFFIXES and is_visible_file(path, root)
+
+
+def is_visible_file(path: Path, root: Path) -> bool:
+    """Whether `path` is a file, and not hidden, nor in a hidden folder below `root`."""
     parts_below = path.relative_to(root).parts
     is_hidden = any(name.startswith(".") and name != ".." for name in parts_below)
-    return not is_hidden and path.suffix.lower() in SUFFIXES and path.is_file()
+    return not is_hidden and path.is_file()
+
+
+def unread_files(root: Path, paths: Iterable[Path]) -> list[Path]:
+    """The visible files of `paths`, all below the folder `root`, that no reader opens.
+
+    They are of no type that is read, and no CAD file among them names them as its sidecar.
+    """
+    files = [path for path in sorted(paths) if is_visible_file(path, root)]
+    cad_files = [path for path in files if is_cad_file(path, root)]
+    opened = set(cad_files)
+    if len(cad_files) < len(files):
+        opened.update(sidecar for path in cad_files for sidecar in find_sidecars(path.resolve()))
+    return [path for path in files if path not in opened and path.resolve() not in opened]
+
+
+def print_unread_files(label: str, root: Path, paths: Iterable[Path]) -> None:
+    """Print a line that names `unread_files`, if there are any."""
+    if unread := unread_files(root, paths):
+        print(f"{label}: left out, for they are no CAD: {name_files(unread)}")
+
+
+def name_files(paths: Sequence[Path]) -> str:
+    """The names of the first MAX_NAMED of `paths`, and how many more there are."""
+    more = len(paths) - MAX_NAMED
+    names = ", ".join(path.name for path in paths[:MAX_NAMED])
+    return f"{names} and {more} more" if more > 0 else names
 
 
 def _selected_ids(select: Sequence[str], file_ids: set[str]) -> set[str]:

@@ -1,31 +1,36 @@
-"""Units of files, and whether one that was assumed gives a part of a likely size.
+"""Units of files, and whether they give a part of a likely size.
 
 STL, OBJ, PLY and OFF state no unit.  Robots are drawn in meters and American parts in inches; read
-as mm, they come out smaller than any part is.
+as mm, they come out smaller than any part is.  Other formats state one, and not all programs write
+the right one: glTF is in meters, whatever the numbers in the file are.
 """
 
 MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}  # of parts.units
 LIKELY_SIZE_MM = 5.0, 5000.0  # largest side of a part; watches and bridges are elsewhere
+POSSIBLE_SIZE_MM = 0.5, 20000.0  # largest side that a stated unit is believed without a remark
+ASSUMED, STATED, OVERRIDDEN = ", assumed", ", stated", ", overridden"  # how `Solids.unit` ends
+OVERRIDE = "parts.override_units, --override-units"  # the knob
 
 
 def unit_note(unit: str, largest_mm: float) -> str:
-    """What the largest side would be in other units, where the assumed one makes it unlikely.
+    """What the largest side would be in other units, where the one in use makes it unlikely.
 
-    `unit` is as `Solids` tells it.  Empty if the file states its unit, or the size is likely, or
-    no other unit would make it so.
+    `unit` is as `Solids` tells it.  Empty if the size is likely, or one that a file that states
+    its unit may mean.
     """
-    name, assumed, _ = unit.partition(", assumed")
-    if not assumed or _is_likely(largest_mm):
+    name, _, source = unit.partition(", ")
+    is_assumed = source == ASSUMED[2:]
+    low, high = LIKELY_SIZE_MM if is_assumed else POSSIBLE_SIZE_MM
+    if not source or low <= largest_mm <= high:
         return ""
-    sizes = {other: largest_mm * mm / MM_PER_UNIT[name] for other, mm in MM_PER_UNIT.items()}
-    likely = [f"{size:.4g} if {other}" for other, size in sizes.items() if _is_likely(size)]
+    size = f"its largest side is {largest_mm:.4g} mm if its numbers are {name}, as {source}"
+    numbers = largest_mm / MM_PER_UNIT.get(name, float("nan"))
+    likely = [
+        f"{numbers * mm:.4g} if {other}"
+        for other, mm in MM_PER_UNIT.items()
+        if other != name and LIKELY_SIZE_MM[0] <= numbers * mm <= LIKELY_SIZE_MM[1]
+    ]
     if not likely:
-        return ""
-    return (
-        f"its largest side is {largest_mm:.4g} mm if its numbers are {name}, as assumed; "
-        f"it is {', '.join(likely)} (parts.units, --units)"
-    )
-
-
-def _is_likely(size_mm: float) -> bool:
-    return LIKELY_SIZE_MM[0] <= size_mm <= LIKELY_SIZE_MM[1]
+        return f"{size}, which few parts are"
+    knob = "parts.units, --units" if source != STATED[2:] else OVERRIDE
+    return f"{size}; it is {', '.join(likely)} ({knob})"

@@ -18,7 +18,8 @@ from industnerf.parts.repair.defects import (
 from industnerf.parts.repair.edges import build_edges
 from industnerf.parts.repair.holes import fill_holes
 from industnerf.parts.repair.invalid_faces import deduplicate_faces, drop_nonfinite
-from industnerf.parts.repair.mesh_ops import concatenate, fit_normalization
+from industnerf.parts.repair.loose_faces import drop_loose_faces
+from industnerf.parts.repair.mesh_ops import Normalization, concatenate, fit_normalization
 from industnerf.parts.repair.orient import fix_winding
 from industnerf.parts.repair.small_components import drop_small_components
 from industnerf.parts.repair.smooth import smooth
@@ -27,7 +28,6 @@ from industnerf.parts.repair.weld import weld
 from industnerf.schema import RepairParams
 
 STEPS = (
-    weld,
     deduplicate_faces,
     drop_small_components,
     fix_winding,
@@ -55,8 +55,12 @@ def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
     """
     bodies, repairs = drop_nonfinite(list(solids))
     defects: list[str] = []
-    normalization = fit_normalization(bodies)
-    bodies = [normalization.normalize(body) for body in bodies]
+    normalization, welded, weld_repairs = normalize_and_weld(bodies, settings)
+    bodies, loose_repairs = drop_loose_faces(bodies, welded, settings)
+    if loose_repairs:  # they may have been most of the bounding box
+        normalization, welded, weld_repairs = normalize_and_weld(bodies, settings)
+    repairs += loose_repairs + weld_repairs
+    bodies = welded
     for step in STEPS:
         require_surface(bodies)
         bodies, step_repairs, step_defects = step(bodies, settings)
@@ -69,3 +73,14 @@ def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
     return RepairResult(
         normalization.denormalize(mesh), tuple(repairs), tuple(defects), open_edges, back_face_share
     )
+
+
+def normalize_and_weld(
+    bodies: Sequence[Mesh], settings: RepairParams
+) -> tuple[Normalization, list[Mesh], list[str]]:
+    """The normalization of `bodies`, and these normalized and welded."""
+    normalization = fit_normalization(list(bodies))
+    normalized = [normalization.normalize(body) for body in bodies]
+    require_surface(normalized)
+    welded, repairs, _ = weld(normalized, settings)
+    return normalization, welded, repairs

@@ -4,7 +4,7 @@ Each patch of faces that are wound alike is turned if most rays meet it from beh
 windings can be made to agree is turned as a whole unless the rays contradict it.  A closed shell
 that hardly a ray reaches is judged by its volume and by the shell that contains it, in
 `_orient_hidden_shells`: such rays came in through a crack.  No other shell can come out worse than
-it was.
+it was, and no open one is touched where that improves nothing.
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ from industnerf.schema import RepairParams
 MAJORITY_SHARE = 0.55  # of a patch's rays; a sheet is seen from both sides alike and stays
 MAX_STRAY_SHARE = 0.01  # of a shell's rays: so many may speak against making its windings agree
 HIDDEN_SHARE = 0.05  # of the rays that would reach a closed shell if it stood alone: it is hidden
+MIN_GAIN = 1e-4  # of all rays that hit: so many turned open shells must spare from the back
 NUM_BEAMS, RAYS_PER_SIDE = 100, 96
 
 
@@ -52,13 +53,14 @@ def fix_winding(
     shells, votes = find_shells(whole), ray_votes(whole)
     first = np.unique(shells.shell_of_face, return_index=True)[1]
     flipped = _faces_to_flip(whole, shells, votes, solid_of_faces(solids)[first])
+    flipped &= _is_improved(shells, votes, flipped)[shells.shell_of_face]
     if not flipped.any():
         return solids, [], []
-    before, after = votes.back_share(np.zeros_like(flipped)), votes.back_share(flipped)
-    message = (
-        f"faces turned: {flipped.sum()} of {len(flipped)}; of the rays from outside, {before:.2%} "
-        f"met a face from behind, now {after:.2%}"
-    )
+    before, after = (f"{votes.back_share(mask):.2%}" for mask in (np.zeros_like(flipped), flipped))
+    effect = f"; of the rays from outside, {before} met a face from behind, now {after}"
+    if before == after:
+        effect = ", which hardly a ray from outside meets"
+    message = f"faces turned: {flipped.sum()} of {len(flipped)}{effect}"
     faces = np.where(flipped[:, None], whole.faces[:, ::-1], whole.faces)
     return replace_faces(solids, faces), [message], []
 
@@ -85,6 +87,23 @@ def _faces_to_flip(
     return np.where(
         (prefers_shell & (num_votes > 0) | hidden)[shells.shell_of_face], shell_flips, patch_flips
     )
+
+
+def _is_improved(
+    shells: Shells, votes: OrientationVotes, flipped: Bool[np.ndarray, "m"]
+) -> Bool[np.ndarray, "s"]:
+    """Whether to turn the `flipped` faces of each shell.
+
+    A closed shell has one right winding, and faces that no ray meets are best wound as their
+    neighbors.  Other faces of open shells are turned if fewer rays then meet them from behind, by
+    at least MIN_GAIN for all such shells together: a soup is as many shells as triangles.
+    """
+    num_votes = votes.front + votes.back
+    is_visible = shells.sum_per_shell(np.where(flipped, num_votes, 0)) > 0
+    gain = shells.sum_per_shell(votes.back - votes.back_votes(flipped))
+    is_gaining = ~shells.is_closed & (gain > 0)
+    is_gaining &= gain[is_gaining].sum() >= MIN_GAIN * num_votes.sum()
+    return shells.is_closed | ~is_visible | is_gaining
 
 
 def _patches_to_flip(shells: Shells, votes: OrientationVotes) -> Bool[np.ndarray, "m"]:

@@ -14,7 +14,7 @@ from rich.console import Console
 from industnerf.artifacts.solids import Solids
 from industnerf.errors import BadParams
 from industnerf.parts.contact_sheet import Tile, render_tile, write_contact_sheet
-from industnerf.parts.io.cad_files import is_cad_file
+from industnerf.parts.io.cad_files import is_cad_file, name_files, unread_files
 from industnerf.parts.io.ingest import used_appearances
 from industnerf.parts.io.readers.formats import SUFFIXES
 from industnerf.parts.validation.findings import (
@@ -26,48 +26,56 @@ from industnerf.parts.validation.findings import (
 from industnerf.parts.validation.validate_file import Finding, load_findings, validate_file
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
-from industnerf.schema import PartsParams
+from industnerf.schema import Params
 from industnerf.store import Cost
 
 COLUMNS = 6  # of the contact sheet
 INTERRUPTED_EXIT_CODE = 130  # what a shell reports after Ctrl-C
 
 
-def check_cad_files(
-    paths: Sequence[Path], settings: PartsParams, out: Path, console: Console
-) -> int:
+def check_cad_files(paths: Sequence[Path], params: Params, out: Path, console: Console) -> int:
     """Print a table and verdicts, and write `check.csv` and `check.png` into `out`.
 
     Returns 0, 1 if a file is refused, or 130 after Ctrl-C: then for the files that were finished.
     Raises BadParams if a folder among `paths` holds no file that could be read, or `out` cannot be
     written.
     """
-    files = expand_folders(paths)
+    files, unread = expand_folders(paths)
     _make_folder(out)
     results: dict[int, tuple[list[Finding], list[Tile]]] = {}
     code = 0
     with tempfile.TemporaryDirectory() as scratch:
         try:
-            for number, file_findings, file_tiles in _validate_all(files, settings, Path(scratch)):
+            for number, file_findings, file_tiles in _validate_all(files, params, Path(scratch)):
                 results[number] = file_findings, file_tiles
         except KeyboardInterrupt:
             code = INTERRUPTED_EXIT_CODE
     findings = [finding for number in sorted(results) for finding in results[number][0]]
     tiles = [tile for number in sorted(results) for tile in results[number][1]]
     if findings:
-        _report(findings, tiles, out, console)
+        _report(findings, tiles, unread, out, console)
     return code or int(any(finding.refused for finding in findings))
 
 
-def expand_folders(paths: Sequence[Path]) -> list[Path]:
-    """`paths`, with the files of every known type in place of each folder; no hidden ones."""
+def expand_folders(paths: Sequence[Path]) -> tuple[list[Path], list[Path]]:
+    """`paths`, with the files of every known type in place of each folder; and the others in it.
+
+    Neither has hidden files, nor the others the sidecars of a CAD file.
+    """
     files: list[Path] = []
+    unread: list[Path] = []
     for path in paths:
+        if not path.is_dir():
+            files.append(path)
+            continue
+        others = unread_files(path, path.rglob("*"))
         cad_files = [p for p in sorted(path.rglob("*")) if is_cad_file(p, path)]
-        if path.is_dir() and not cad_files:
-            raise BadParams(f"check: no file in {path} ends in {', '.join(SUFFIXES)}")
-        files += cad_files if path.is_dir() else [path]
-    return files
+        if not cad_files:
+            found = f"; it has {name_files(others)}" if others else ""
+            raise BadParams(f"check: no file in {path} ends in {', '.join(SUFFIXES)}{found}")
+        files += cad_files
+        unread += others
+    return files, unread
 
 
 def _make_folder(out: Path) -> None:
@@ -80,15 +88,13 @@ def _make_folder(out: Path) -> None:
 
 
 def _validate_all(
-    files: Sequence[Path], settings: PartsParams, scratch: Path
+    files: Sequence[Path], params: Params, scratch: Path
 ) -> Iterator[tuple[int, list[Finding], list[Tile]]]:
     """The number, findings and tiles of each file, in the order in which they finish."""
     targets = [scratch / str(i) for i in range(len(files))]
-    works = [
-        partial(validate_file, f, settings.units, settings.split_bodies, settings.repair, t)
-        for f, t in zip(files, targets, strict=True)
-    ]
-    outcomes = runner_from_environment().map(works, settings.time_limit_s, settings.memory_limit_mb)
+    works = [partial(validate_file, f, params, t) for f, t in zip(files, targets, strict=True)]
+    limits = params.parts.time_limit_s, params.parts.memory_limit_mb
+    outcomes = runner_from_environment().map(works, *limits)
     with Progress("check", "check", len(files), reused=0) as progress:
         for outcome in outcomes:
             path, target = files[outcome.index], targets[outcome.index]
@@ -117,10 +123,17 @@ def _tiles(findings: Sequence[Finding], target: Path) -> list[Tile]:
 
 
 def _report(
-    findings: Sequence[Finding], tiles: Sequence[Tile], out: Path, console: Console
+    findings: Sequence[Finding],
+    tiles: Sequence[Tile],
+    unread: Sequence[Path],
+    out: Path,
+    console: Console,
 ) -> None:
     write_csv(out / "check.csv", findings)
     write_contact_sheet(tiles, out / "check.png", COLUMNS)
     console.print(findings_table(findings))
-    for line in (*verdict_lines(findings), f"written: {out / 'check.csv'}, {out / 'check.png'}"):
+    lines = list(verdict_lines(findings))
+    if unread:
+        lines.append(f"left out, for they are no CAD: {name_files(unread)}")
+    for line in (*lines, f"written: {out / 'check.csv'}, {out / 'check.png'}"):
         console.print(line, markup=False, highlight=False, soft_wrap=True)

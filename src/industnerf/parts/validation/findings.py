@@ -22,12 +22,15 @@ COLUMNS = (
     "unit",
     "solids",
     "size_mm",
+    "area_mm2",
+    "volume_mm3",
+    "bodies",
     "faces",
     "open_edges",
     "back_face_share",
     "repairs",
     "residual_defects",
-    "note",
+    "notes",
     "seconds",
     "peak_mb",
 )
@@ -38,7 +41,9 @@ def findings_table(findings: Sequence[Finding]) -> Table:
     grid = Table(title=_count_verdicts(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
     for heading in (
-        "solids",
+        "area\nmm\u00b2",
+        "volume\nmm\u00b3",
+        "bodies",
         "faces",
         "open\nedges",
         "back\nfaces",
@@ -63,9 +68,11 @@ def _heading(finding: Finding) -> Text:
 
 def _counts(finding: Finding) -> tuple[str, ...]:
     if finding.refused:
-        return ("",) * 6
+        return ("",) * 8
     return (
-        str(finding.solids),
+        f"{finding.area_mm2:.4g}",
+        "open" if finding.volume_mm3 is None else f"{finding.volume_mm3:.4g}",
+        str(finding.bodies),
         str(finding.faces),
         str(finding.open_edges),
         f"{finding.back_face_share:.2%}",
@@ -94,7 +101,7 @@ def verdict_lines(findings: Sequence[Finding]) -> Iterator[str]:
         )
         yield from (f"    repair: {sentence}" for sentence in finding.repairs)
         yield from (f"    defect: {sentence}" for sentence in finding.residual_defects)
-        yield from (f"    note: {sentence}" for sentence in (finding.note,) if sentence)
+        yield from (f"    note: {sentence}" for sentence in finding.notes)
 
 
 def write_csv(path: Path, findings: Sequence[Finding]) -> None:
@@ -107,7 +114,10 @@ def write_csv(path: Path, findings: Sequence[Finding]) -> None:
     write_text(path, text.getvalue())
 
 
-def _cell(value: object) -> object:
-    if not isinstance(value, tuple):
-        return value
-    return "; ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in value)
+def _cell(value: object) -> str:
+    """`value` with six digits; nothing for None, and a list with semicolons."""
+    if isinstance(value, tuple):
+        return "; ".join(map(_cell, value))
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "" if value is None else str(value)

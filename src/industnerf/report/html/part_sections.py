@@ -42,7 +42,7 @@ class PartSection:
     facts: dict[str, str]
     tables: list[HtmlTable]
     failures: list[tuple[str, str]]  # stage or method, and the reason
-    warnings: list[tuple[str, str]]  # method, and what it said of the images
+    warnings: list[tuple[str, str]]  # stage or method, and what it said of the part or the images
 
 
 def part_sections(

@@ -39,6 +39,19 @@ def test_step_comes_in_mm_from_any_unit(tmp_path, unit, stated):
     assert [finish.name for finish in solids.finishes] == ["unstated"]
 
 
+@pytest.mark.parametrize(
+    ("stated", "units", "scale"), [("INCH", "mm", 1 / 25.4), ("MM", "m", 1000.0), ("MM", "mm", 1.0)]
+)
+def test_a_stated_unit_can_be_overridden(tmp_path, stated, units, scale):
+    """The kernel turns lengths into mm: the numbers in the file count in the other unit."""
+    drawing = Drawing()
+    drawing.add(drawings.box(), "block")
+    path = drawing.write_step(tmp_path / "a.step", stated)
+    solids = read_solids(path, units, override_units=True)
+    assert volumes(solids) == pytest.approx([6000 * scale**3])
+    assert solids.unit == f"{units}, {'stated' if scale == 1 else 'overridden'}"
+
+
 @pytest.mark.parametrize("odd", [drawings.half_space, drawings.empty_solid])
 def test_a_body_without_end_or_extent_is_left_out_with_a_warning(tmp_path, odd):
     both = drawings.compound_of(odd(), drawings.box())

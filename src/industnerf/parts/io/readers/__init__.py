@@ -27,7 +27,7 @@ from industnerf.parts.io.readers.ply import read_ply
 from industnerf.parts.io.readers.stl import read_stl
 from industnerf.parts.io.readers.threedxml import read_threedxml
 from industnerf.parts.io.readers.threemf import read_threemf
-from industnerf.parts.io.units import MM_PER_UNIT
+from industnerf.parts.io.units import ASSUMED, MM_PER_UNIT, OVERRIDDEN, STATED
 
 MESH_READERS: dict[Format, Callable[[Path], MeshContent]] = {
     formats.OBJ: read_obj,
@@ -44,21 +44,23 @@ MAX_MESSAGE_CHARS = 300  # characters of a library's own message
 UNPARSED_NUMBER_WARNING = "string or file could not be read to its end"  # numpy's
 
 
-def write_solids(path: Path, units: str, target: Path) -> None:
+def write_solids(path: Path, units: str, target: Path, override_units: bool = False) -> None:
     """Read the file at `path` into the folder `target`; raises as `read_solids`."""
-    read_solids(path, units).save(target)
+    read_solids(path, units, override_units).save(target)
 
 
-def read_solids(path: Path, units: str) -> Solids:
+def read_solids(path: Path, units: str, override_units: bool = False) -> Solids:
     """The solids of the file at `path`.
 
-    `units` (mm, cm, m or inch) are those of a file that states none.  Raises BadPart that names
-    the file and says what is wrong, if it cannot be read or holds no face.
+    `units` (mm, cm, m or inch) are those of a file that states none and, with `override_units`,
+    of any.  Raises BadPart that names the file and says what is wrong, if it cannot be read or
+    holds no face.
     """
     try:
         file_format, format_warnings = detect_format(path)
         format_name, content = _read_content(path, file_format)
-        return _to_solids(path.name, format_name, content, units, format_warnings)
+        scale, unit = settle_unit(content, units, override_units)
+        return _to_solids(path.name, format_name, content, scale, unit, format_warnings)
     except BadPart as error:
         sentence = " ".join(str(error).split())  # libraries break theirs into lines
         raise BadPart(f"{path.name}: {sentence}") from None
@@ -93,8 +95,31 @@ def _read_with_occt(path: Path, file_format: Format) -> MeshContent:
     return readers.get(file_format, occt.read_brep)(path)
 
 
+def settle_unit(content: MeshContent, units: str, override: bool) -> tuple[float, str]:
+    """The mm in one unit of the coordinates, and the unit as `Solids` tells it.
+
+    Raises BadPart if `units` are to override several that the file states.
+    """
+    if content.scale is None:
+        return MM_PER_UNIT[units], units + ASSUMED
+    if not override or content.unit == units:
+        return content.scale, f"{content.unit}{STATED}"
+    if not content.is_in_mm:
+        return MM_PER_UNIT[units], units + OVERRIDDEN
+    if content.unit not in MM_PER_UNIT:
+        raise BadPart(
+            f"it states {content.unit}, which {units} cannot override (parts.override_units)"
+        )
+    return MM_PER_UNIT[units] / MM_PER_UNIT[content.unit], units + OVERRIDDEN
+
+
 def _to_solids(
-    file: str, format_name: str, content: MeshContent, units: str, format_warnings: tuple[str, ...]
+    file: str,
+    format_name: str,
+    content: MeshContent,
+    scale: float,
+    unit: str,
+    format_warnings: tuple[str, ...],
 ) -> Solids:
     bodies = tuple(body for body in content.bodies if len(body.faces))
     if not bodies:
@@ -104,11 +129,9 @@ def _to_solids(
         raise BadPart(f"{format_name}: no face has three finite corners")
     float_warnings = precision_warnings(bodies) if content.is_float32 else ()
     finishes, finish, color_warnings = quantize_finishes(bodies)
-    scale = MM_PER_UNIT[units] if content.scale is None else content.scale
     solids = tuple(
         Solid(body.name, Mesh(scale * body.vertices, body.faces.astype(np.int32), face_finish))
         for body, face_finish in zip(bodies, finish, strict=True)
     )
-    unit = f"{units}, assumed" if content.unit is None else f"{content.unit}, stated"
     all_warnings = (*format_warnings, *content.warnings, *float_warnings, *color_warnings)
     return Solids(file, format_name, unit, finishes, all_warnings, solids)

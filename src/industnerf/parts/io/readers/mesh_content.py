@@ -40,6 +40,7 @@ class MeshContent:
     unit: str | None  # the unit that the file states, for people
     is_float32: bool  # the file keeps coordinates as 32-bit numbers
     warnings: tuple[str, ...] = ()
+    is_in_mm: bool = False  # the reader has turned the file's numbers into mm
 
 
 def normalize_unit(unit: str) -> str:

@@ -201,7 +201,7 @@ def _read_content(document: TDocStd_Document, unit: str) -> MeshContent:
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(roots)
     walker = _AssemblyWalker()
     bodies = [body for root in roots for body in walker.iter_bodies(root, np.eye(4), None)]
-    return MeshContent(tuple(bodies), 1.0, unit, False, walker.warnings())
+    return MeshContent(tuple(bodies), 1.0, unit, False, walker.warnings(), is_in_mm=True)
 
 
 def _with_color(body: MeshBody, albedo: np.ndarray | None) -> MeshBody:
