@@ -29,7 +29,8 @@ from industnerf.store import Store
 from industnerf.tracking import database_dir, is_enabled
 
 HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
-DVC_CONFIG = {"core.analytics": "false", "cache.type": "hardlink,copy"}
+# No links: whoever writes to an output would write into DVC's cache, which DVC then hands out.
+DVC_CONFIG = {"core.analytics": "false", "cache.type": "reflink,copy"}
 CODE_PATHS = ("src", "pipeline", "conf", "dvc.yaml")
 SHARED_PATHS = (*CODE_PATHS, "data/embedded", "data/organic", "results/grid", "results/seeds")
 
@@ -105,7 +106,7 @@ def create_project(root: Path, project: Path, overrides: list[str]) -> None:
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
     config = project / ".dvc" / "config"
-    if "cache" not in _read_text(config):  # new, or interrupted before
+    if DVC_CONFIG["cache.type"] not in _read_text(config):  # new, or interrupted before
         for key, value in DVC_CONFIG.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote

@@ -81,8 +81,13 @@ def run_stage(
                 tasks[index_of_task].part_id, outcome.error, store.cost(stage, keys[index_of_task])
             )
     for task, key in zip(tasks, keys, strict=True):
-        if task.part_id not in failures:
-            store.link_result(stage, key, out / task.part_id)
+        if task.part_id in failures:
+            continue
+        if store.has(stage, key):  # it may be long since this was asked
+            store.place(stage, key, out / task.part_id)
+        else:
+            failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
+            lost.add(task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "keys": index})
     write_failures(out, failures)
