@@ -19,7 +19,6 @@ from omegaconf.errors import OmegaConfBaseException
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
-from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.io.cad_files import require_path
 from industnerf.renamed import check_overrides, flatten_preset
@@ -46,7 +45,7 @@ def main(preset: str) -> None:
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
     project = root / "runs" / preset
     create_project(root, project, [f"experiment={preset}"])
-    lockfile.require_intact(ProjectPaths.from_root(root), project)
+    lockfile.replace_torn(project)
     # whatever is relative is relative to the root, not to the project
     os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
     if is_enabled():
