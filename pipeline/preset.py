@@ -20,7 +20,6 @@ from industnerf.artifacts.remarks import print_remarks
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
-from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.io.cad_files import require_path
 from industnerf.renamed import check_overrides, flatten_preset
@@ -30,7 +29,8 @@ from industnerf.store import Store
 from industnerf.tracking import database_dir, is_enabled
 
 HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
-DVC_CONFIG = {"core.analytics": "false", "cache.type": "hardlink,copy"}
+# No links: whoever writes to an output would write into DVC's cache, which DVC then hands out.
+DVC_CONFIG = {"core.analytics": "false", "cache.type": "reflink,copy"}
 CODE_PATHS = ("src", "pipeline", "conf", "dvc.yaml")
 SHARED_PATHS = (*CODE_PATHS, "data/embedded", "data/organic", "results/grid", "results/seeds")
 
@@ -46,7 +46,7 @@ def main(preset: str) -> None:
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
     project = root / "runs" / preset
     create_project(root, project, [f"experiment={preset}"])
-    lockfile.require_intact(ProjectPaths.from_root(root), project)
+    lockfile.replace_torn(project)
     # whatever is relative is relative to the root, not to the project
     os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
     if is_enabled():
@@ -108,7 +108,7 @@ def create_project(root: Path, project: Path, overrides: list[str]) -> None:
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
     config = project / ".dvc" / "config"
-    if "cache" not in _read_text(config):  # new, or interrupted before
+    if DVC_CONFIG["cache.type"] not in _read_text(config):  # new, or interrupted before
         for key, value in DVC_CONFIG.items():
             subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote

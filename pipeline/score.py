@@ -134,10 +134,7 @@ def print_scores(params: Params, out: Path) -> None:
     Console().print(table)
     for part_id, reason in read_failures(out / "clouds").items():
         print(f"{part_id} failed: {reason}")
-    reported = read_failures(out / "clouds") | read_failures(out / "scores")
-    for part_id, reason in read_failures(out / "scores").items():
-        print(f"{part_id} counts as failed, it could not be scored: {reason}")
-    for part_id in sorted(failed_parts(scores) - reported.keys()):
+    for part_id in sorted(failed_parts(scores) - read_failures(out / "clouds").keys()):
         print(f"{part_id} counts as failed: no point of its cloud can be scored")
     for part_id in read_index(out / "clouds"):
         for warning in load_warnings(out / "clouds" / part_id):
@@ -152,8 +149,9 @@ def print_scores(params: Params, out: Path) -> None:
 
 def require_scored(out: Path) -> None:
     """Raise PartsFailed if not one cloud below `out` was read and scored."""
-    reported = read_failures(out / "clouds") | read_failures(out / "scores")
-    failed = reported.keys() | failed_parts(load_method_scores(out / "scores", out.name))
+    failed = read_failures(out / "clouds").keys() | failed_parts(
+        load_method_scores(out / "scores", out.name)
+    )
     if not read_index(out / "clouds").keys() - failed:
         if len(failed) == 1:
             raise PartsFailed("the cloud could not be scored; the reason stands above")

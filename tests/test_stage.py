@@ -257,6 +257,18 @@ def test_what_was_lost_is_said_however_much_failed_before(workdir, monkeypatch):
         )
 
 
+def test_where_failures_are_losses_report_mode_does_not_end_well(workdir):
+    with pytest.raises(PartsFailed, match=r"(?s)p13: thirteen.*1 were lost by .* a metric"):
+        run_stage(
+            "s",
+            make_tasks(workdir, [1, 13]),
+            workdir / "out",
+            "report",
+            failures_are_losses=True,
+        )
+    assert list(read_index(workdir / "out")) == ["p1"]
+
+
 class RepeatingRunner:
     """A cluster that does everything again, as a job does that is requeued at the wrong moment."""
 

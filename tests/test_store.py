@@ -1,6 +1,7 @@
 """The store: whole results or none, whatever happens to the process that makes them."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,7 +27,7 @@ def test_what_is_put_can_be_placed_and_its_cost_is_known(tmp_path):
     store = Store(tmp_path / "store")
     assert not store.has("step", "k")
     store.put("step", "k", make_writer())
-    store.link_result("step", "k", tmp_path / "out")
+    store.place("step", "k", tmp_path / "out")
     assert (tmp_path / "out" / "deep" / "a.txt").read_text() == "hello"
     assert store.cost("step", "k") == COST
     assert store.cost("step", "other") is None
@@ -43,7 +44,7 @@ def test_a_placed_result_replaces_what_was_there(tmp_path):
     store.put("step", "k", make_writer())
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "stale").write_text("")
-    store.link_result("step", "k", tmp_path / "out")
+    store.place("step", "k", tmp_path / "out")
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["deep"]
 
 
@@ -51,6 +52,68 @@ def test_results_are_read_only(tmp_path):
     store = Store(tmp_path)
     store.put("step", "k", make_writer())
     assert (store.result_path("step", "k") / "deep" / "a.txt").stat().st_mode & 0o222 == 0
+
+
+def unlink(path):
+    path.unlink()
+
+
+def write_through(path):
+    """What root can do to a read-only file, here or through a link elsewhere."""
+    path.chmod(0o644)
+    path.write_text("HELLO")
+    path.chmod(0o444)
+
+
+DAMAGE = {
+    "a lost file": lambda entry: unlink(entry / "out/deep/a.txt"),
+    "a lost folder": lambda entry: shutil.rmtree(entry / "out"),
+    "a changed file": lambda entry: write_through(entry / "out/deep/a.txt"),
+    "a file too many": lambda entry: (entry / "out/b.txt").touch(),
+    "a lost manifest": lambda entry: unlink(entry / "manifest.json"),
+    "a torn manifest": lambda entry: write_through(entry / "manifest.json"),
+    "a lost cost": lambda entry: unlink(entry / "cost.json"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE.values(), ids=DAMAGE)
+def test_a_damaged_result_is_set_aside_and_made_anew(tmp_path, damage, capfd):
+    store = Store(tmp_path / "store")
+    store.put("step", "k", make_writer())
+    damage(store.root / "step/k")
+    assert not store.has("step", "k")
+    (aside,) = store.root.glob("step/.damaged-k-*")
+    assert f"a damaged result is set aside and made anew: {aside}: it " in capfd.readouterr().err
+    store.put("step", "k", make_writer())
+    assert (store.result_path("step", "k") / "deep/a.txt").read_text() == "hello"
+
+
+def test_a_damaged_result_does_not_block_put(tmp_path):
+    """Another process, or the doctor, may look away between the question and the rename."""
+    store = Store(tmp_path)
+    (tmp_path / "step/k").mkdir(parents=True)
+    (tmp_path / "step/k/cost.json").write_text("{}")
+    store.put("step", "k", make_writer())
+    assert store.has("step", "k")
+    assert len(list(tmp_path.glob("step/.damaged-k-*"))) == 1
+
+
+def test_a_write_through_a_placed_file_is_noticed(tmp_path):
+    """Where the disk has no clones it is a link; where it has, the result is not touched."""
+    store = Store(tmp_path / "store")
+    store.put("step", "k", make_writer())
+    store.place("step", "k", tmp_path / "out")
+    write_through(tmp_path / "out/deep/a.txt")
+    stored = store.result_path("step", "k") / "deep/a.txt"
+    assert stored.read_text() == "hello" or not store.has("step", "k")
+
+
+def test_a_result_of_other_times_is_whole_if_its_bytes_are(tmp_path):
+    """A store that was copied without its times is no damage."""
+    store = Store(tmp_path)
+    store.put("step", "k", make_writer())
+    os.utime(store.result_path("step", "k") / "deep/a.txt", (0, 0))
+    assert store.has("step", "k")
 
 
 def test_the_first_of_two_workers_wins(tmp_path):

@@ -10,7 +10,7 @@ from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_files
 from industnerf.metrics.protocol import score_failure, score_part
-from industnerf.stage import Task, read_failures, read_index, run_stage, write_failures
+from industnerf.stage import Task, read_failures, read_index, run_stage
 
 
 def main(
@@ -19,12 +19,8 @@ def main(
     folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
     failed = set(read_failures(Path(clouds)))
     tasks = evaluation_tasks(cfg, folders, part_ids, failed)
-    run_stage("evaluate", tasks, Path(out), cfg.on_failure, needs_one=False)
-    unscored = read_failures(Path(out))
-    if unscored:  # without a score a part would be missing from this method's means, and no other's
-        tasks = evaluation_tasks(cfg, folders, part_ids, failed | set(unscored))
-        run_stage("evaluate", tasks, Path(out), "strict")
-        write_failures(Path(out), unscored)
+    # What cannot be scored says nothing of the method: without its score there is no mean at all.
+    run_stage("evaluate", tasks, Path(out), "strict", failures_are_losses=True)
     gather_scores(Path(out), method)
 
 

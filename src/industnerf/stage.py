@@ -54,6 +54,7 @@ def run_stage(
     limit_s: float = math.inf,
     memory_mb: int | None = None,
     needs_one: bool = True,
+    failures_are_losses: bool = False,
 ) -> None:
     """Bring every task's result to `out`, finished ones from the store.
 
@@ -62,8 +63,9 @@ def run_stage(
     Raises PartsFailed, after everything else is stored and placed, if a part failed and
     `on_failure` is `strict`, or if not one part succeeded and `needs_one`: a later stage can do
     nothing then.  It also does where a part was lost, by the cluster or for want of memory, of room
-    on a disk or in a GPU: that is no result, and DVC must not take it for one.  Raises BadParams
-    before anything is done for what INDUSTNERF_* do not allow.
+    on a disk or in a GPU: that is no result, and DVC must not take it for one.  With
+    `failures_are_losses` every failure is one: of the stage's own code, and not of a part's.
+    Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
     keys = [_store_key(stage, task) for task in tasks]
@@ -75,17 +77,23 @@ def run_stage(
             index_of_task = pending[outcome.index]
             if outcome.error is not None:
                 failures[tasks[index_of_task].part_id] = outcome.error
-            if outcome.lost:
+            if outcome.lost or (outcome.error is not None and failures_are_losses):
                 lost.add(tasks[index_of_task].part_id)
             progress.advance(
                 tasks[index_of_task].part_id, outcome.error, store.cost(stage, keys[index_of_task])
             )
     for task, key in zip(tasks, keys, strict=True):
-        if task.part_id not in failures:
-            store.link_result(stage, key, out / task.part_id)
+        if task.part_id in failures:
+            continue
+        if store.has(stage, key):  # it may be long since this was asked
+            store.place(stage, key, out / task.part_id)
+        else:
+            failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
+            lost.add(task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
     write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "keys": index})
-    write_failures(out, failures)
+    ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
+    write_json(out / "failures.json", {"schema": SCHEMA, "failures": ordered})
     is_empty = needs_one and not index
     if lost or (failures and (on_failure == "strict" or is_empty)):
         raise _failure_error(stage, out, failures, len(index), lost, is_empty)
@@ -102,12 +110,6 @@ def read_index(folder: Path) -> dict[str, str]:
 def read_failures(folder: Path) -> dict[str, str]:
     """Part id -> reason of each part that failed in the stage output `folder`, or before it."""
     return _read_record(folder / "failures.json")["failures"]
-
-
-def write_failures(folder: Path, failures: dict[str, str]) -> None:
-    """What `read_failures` reads."""
-    ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
-    write_json(folder / "failures.json", {"schema": SCHEMA, "failures": ordered})
 
 
 def _read_record(path: Path) -> Any:
@@ -195,8 +197,8 @@ def _failure_error(
         advice = "No later stage can do anything then: mend them, or choose other parts."
     if lost:
         advice = (
-            f"Of these, {len(lost)} were lost by the machine or the cluster, which says nothing of "
-            "them: mend what is named, and give the same command again."
+            f"Of these, {len(lost)} were lost by the machine, the cluster or a metric, which says "
+            "nothing of them: mend what is named, and give the same command again."
         )
     return PartsFailed(
         f"stage {stage}: {len(failures)} of {len(failures) + num_succeeded} {unit} failed, the "

@@ -1,26 +1,33 @@
 """The content-addressed store: one folder per finished result, whole or absent.
 
-    <root>/<step>/<key>/out/...      what the step wrote, read-only
-    <root>/<step>/<key>/cost.json    what it cost; never part of a key, never hashed
+    <root>/<step>/<key>/out/...          what the step wrote, read-only
+    <root>/<step>/<key>/cost.json        what it cost; never part of a key
+    <root>/<step>/<key>/manifest.json    what all of it is, see `manifest.py`
+    <root>/<step>/.damaged-<key>-<time>  what was found otherwise, for whoever wants to know why
 
 `dvc repro`, sweeps and workers on other machines share it.  A key is a hash of the step, its
 parameters, its code and the content of its inputs.  Not in it are the libraries and the kind of
 processor: on another, the same entry may differ in its last digits.
 """
 
+import fcntl
 import hashlib
 import json
 import os
 import re
 import shutil
 import socket
+import sys
+import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from industnerf import environment
 from industnerf.code_hash import code_digest
+from industnerf.manifest import find_damage, fsync, write_manifest
 
 
 @dataclass(frozen=True)
@@ -74,8 +81,17 @@ class Store:
         return self.root / stage / key / "out"
 
     def has(self, stage: str, key: str) -> bool:
-        """Whether the result is finished."""
-        return self.result_path(stage, key).is_dir()
+        """Whether the result is finished and whole; a damaged one is set aside, and it is said."""
+        entry = self.root / stage / key
+        with suppress(FileNotFoundError):  # another process sets it aside
+            damage = find_damage(entry) if entry.is_dir() else ""
+            if not damage:
+                return entry.is_dir()
+            aside = entry.with_name(f".damaged-{key}-{time.time_ns()}")
+            entry.rename(aside)  # not removed: it may tell what happened
+            message = f"store: a damaged result is set aside and made anew: {aside}: it {damage}"
+            print(message, file=sys.stderr)
+        return False
 
     def scratch_dir(self, stage: str, key: str) -> Path:
         """A folder for what an interrupted result resumes from; gone once the result is there."""
@@ -83,8 +99,11 @@ class Store:
 
     def cost(self, stage: str, key: str) -> Cost | None:
         """What the result cost, or None where that is not known here."""
-        path = self.root / stage / key / "cost.json"
-        return Cost(**json.loads(path.read_text(encoding="utf-8"))) if path.exists() else None
+        try:
+            text = (self.root / stage / key / "cost.json").read_text(encoding="utf-8")
+            return Cost(**json.loads(text))
+        except (OSError, ValueError, TypeError):  # gone or torn since the result was used
+            return None
 
     def put(self, stage: str, key: str, make: Callable[[Path], Cost]) -> None:
         """Let `make` fill a folder, then move it into place in one rename.
@@ -99,8 +118,10 @@ class Store:
             (draft / "out").mkdir(parents=True)
             cost = make(draft / "out")
             (draft / "cost.json").write_text(json.dumps(asdict(cost)))
-            _fsync_read_only(draft)
+            write_manifest(draft)
+            self.has(stage, key)  # a damaged one must not stand in the way
             draft.rename(self.root / stage / key)
+            fsync(self.root / stage)
         except Exception:  # it may have taken from under this one what both resumed from
             if not self.has(stage, key):
                 raise
@@ -108,25 +129,26 @@ class Store:
             shutil.rmtree(draft, ignore_errors=True)
         shutil.rmtree(self.scratch_dir(stage, key), ignore_errors=True)
 
-    def link_result(self, stage: str, key: str, target: Path) -> None:
-        """Put the result at `target` as read-only links, or as copies across file systems."""
+    def place(self, stage: str, key: str, target: Path) -> None:
+        """Put the result at `target`: clones, links or copies, by what the disk can do."""
         if target.exists():
             shutil.rmtree(target)
-        shutil.copytree(self.result_path(stage, key), target, copy_function=_link_or_copy)
+        shutil.copytree(self.result_path(stage, key), target, copy_function=_clone_link_or_copy)
 
 
-def _link_or_copy(source: str, target: str) -> None:
+FICLONE = 0x40049409  # linux/fs.h: another file of the same blocks, until one of them is written to
+
+
+def _clone_link_or_copy(source: str, target: str) -> None:
+    """Links last: whoever may write to read-only files writes through them into the store."""
+    try:
+        with open(source, "rb") as original, open(target, "xb") as clone:
+            fcntl.ioctl(clone, FICLONE, original.fileno())
+        shutil.copystat(source, target)
+        return
+    except OSError:  # XFS and Btrfs can, ext4 cannot
+        Path(target).unlink(missing_ok=True)
     try:
         os.link(source, target)
     except OSError:
         shutil.copy2(source, target)
-
-
-def _fsync_read_only(folder: Path) -> None:
-    """Make every file read-only and force it to disk, so that a rename never outruns its data."""
-    for path in sorted(folder.rglob("*")):
-        if path.is_file():
-            path.chmod(0o444)
-            descriptor = os.open(path, os.O_RDONLY)
-            os.fsync(descriptor)
-            os.close(descriptor)

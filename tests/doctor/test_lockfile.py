@@ -1,11 +1,12 @@
 """dvc.lock, cut short or foreign."""
 
+import shutil
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from industnerf.doctor import lockfile
-from industnerf.errors import BadArtifact
 from tests.doctor.conftest import WorkingCopy
 
 FAULTS = {
@@ -49,19 +50,48 @@ def test_what_git_has_is_put_back(dvc_copy: WorkingCopy):
     assert lock.read_text() == original
 
 
-def test_dvc_is_not_started_on_a_spoilt_lock_file(dvc_copy: WorkingCopy):
+@pytest.mark.parametrize("fault", ["empty", "ends within a word", "two versions in conflict"])
+def test_a_torn_lock_file_is_set_aside_and_the_run_goes_on(
+    dvc_copy: WorkingCopy, fault: str, capsys: pytest.CaptureFixture[str]
+):
     lock = dvc_copy.folder / "dvc.lock"
     original = lock.read_text()
-    lockfile.require_intact(dvc_copy.paths, dvc_copy.folder)
+    torn = FAULTS[fault](original)
+    lock.write_text(torn)
+    lockfile.replace_torn(dvc_copy.folder)
+    said = capsys.readouterr().err
+    aside = max(dvc_copy.folder.glob(".dvc/tmp/dvc.lock.torn-*"))
+    assert f"It is set aside, {aside}, and " in said
+    assert aside.read_text() == torn
+    assert dvc_copy.run("dvc repro -q") == (0, "")
+    assert lock.read_text() == original
+
+
+def test_of_a_torn_lock_file_the_committed_one_is_put_back(
+    dvc_copy: WorkingCopy, capsys: pytest.CaptureFixture[str], tmp_path: Path
+):
+    project = tmp_path / "project"
+    shutil.copytree(dvc_copy.folder, project, ignore=shutil.ignore_patterns(".git"))
+    commit = "git -c user.name=a -c user.email=a@b commit -qm all"
+    assert WorkingCopy(project).run(f"git init -q && git add -f dvc.lock && {commit}")[0] == 0
+    lock = project / "dvc.lock"
+    original = lock.read_text()
+    lock.write_text("")
+    lockfile.replace_torn(project)
+    assert lock.read_text() == original
+    assert "the last committed one is put back" in capsys.readouterr().err
+
+
+def test_a_whole_lock_file_stays(dvc_copy: WorkingCopy):
+    """Also where it has a stage that is no more, which DVC passes over."""
+    lock = dvc_copy.folder / "dvc.lock"
+    original = lock.read_text()
+    foreign = FAULTS["a stage that is no more"](original)
     try:
-        lock.write_text(FAULTS["a stage that is no more"](original))  # DVC passes it over
-        lockfile.require_intact(dvc_copy.paths, dvc_copy.folder)
-        lock.write_text("")
-        with pytest.raises(BadArtifact, match=r"cut short(.|\n)*mends it: .* dvc.lock"):
-            lockfile.require_intact(dvc_copy.paths, dvc_copy.folder)
-        lockfile.require_intact(
-            dvc_copy.paths, dvc_copy.folder / "runs" / "demo"
-        )  # is another project
+        lock.write_text(foreign)
+        lockfile.replace_torn(dvc_copy.folder)
+        assert lock.read_text() == foreign
+        lockfile.replace_torn(dvc_copy.folder / "runs" / "demo")  # has none
     finally:
         lock.write_text(original)
 

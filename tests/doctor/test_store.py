@@ -1,6 +1,7 @@
-"""Results in the store that something spoilt."""
+"""Results in the store that something damaged."""
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -42,15 +43,24 @@ def halve(path: Path) -> None:
     path.chmod(0o444)
 
 
+def swap_bytes(path: Path) -> None:
+    """Another content of the same size and time, as a failing disk has it."""
+    status, content = path.stat(), path.read_bytes()
+    path.chmod(0o644)
+    path.write_bytes(content[::-1])
+    os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
+    path.chmod(0o444)
+
+
 CORRUPTIONS = {
-    "out": (lambda entry: shutil.rmtree(entry / "out"), "has nothing in out/"),
-    "a file": (lambda entry: rewrite(entry / "out/cameras.json", ""), "1 of 3 files are empty"),
-    "half a cloud": (lambda entry: halve(entry / "out/cloud.npz"), "1 of 3 files are cut short"),
-    "half a camera": (lambda entry: halve(entry / "out/cameras.json"), "such as cameras.json"),
-    "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as 000.png"),
-    "no cost": (lambda entry: (entry / "cost.json").unlink(), "has no cost.json"),
-    "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "cost.json is torn"),
-    "another cost": (lambda entry: rewrite(entry / "cost.json", '{"s": 1}'), "cost.json is torn"),
+    "out": (lambda entry: shutil.rmtree(entry / "out"), "3 of 4 files are missing"),
+    "a file": (lambda entry: (entry / "out/cloud.npz").unlink(), "such as out/cloud.npz"),
+    "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as out/rgb/000.png"),
+    "a bit": (lambda entry: swap_bytes(entry / "out/cloud.npz"), "1 of 4 files have another"),
+    "a stranger": (lambda entry: (entry / "out/a").touch(), "1 files do not belong to it"),
+    "no cost": (lambda entry: (entry / "cost.json").unlink(), "such as cost.json"),
+    "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "have another content"),
+    "half a manifest": (lambda entry: halve(entry / "manifest.json"), "manifest.json is torn"),
 }
 
 
@@ -59,7 +69,7 @@ def test_a_result_as_the_store_makes_it_is_right(bare_copy: WorkingCopy, entry: 
 
 
 @pytest.mark.parametrize(("corrupt", "message"), CORRUPTIONS.values(), ids=CORRUPTIONS)
-def test_a_torn_result_is_removed_and_can_be_made_anew(
+def test_a_damaged_result_is_set_aside_and_can_be_made_anew(
     bare_copy: WorkingCopy, entry: Path, corrupt: Callable[[Path], None], message: str
 ):
     corrupt(entry)
@@ -83,7 +93,17 @@ def test_the_stage_that_took_a_torn_result_is_named(dvc_copy: WorkingCopy):
     store = dvc_copy.paths.store
     rerun = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct@hull)` makes it anew"
     assert finding.message.endswith(f"; once it is gone, {rerun}")
-    assert finding.fix == f"rm -rf {dvc_copy.paths.shell_words(entry)}"
+    assert finding.fix.startswith(f"mv {dvc_copy.paths.shell_words(entry)} store/views/.damaged-")
+
+
+def test_what_no_run_uses_is_worth_knowing_only(bare_copy: WorkingCopy, entry: Path):
+    entry.rename(entry.with_name(f".damaged-{KEY}-1"))
+    (entry / "out").mkdir(parents=True)
+    older, damaged = bare_copy.check("store")
+    assert older.message.startswith("1 results have no manifest.json")
+    assert damaged.message.startswith("1 results were found damaged and set aside")
+    assert not older.is_error
+    assert not damaged.is_error
 
 
 def test_what_is_not_the_stores_is_left_alone(bare_copy: WorkingCopy):

@@ -16,6 +16,7 @@ from industnerf.methods import MODULES, load_method
 from industnerf.methods.base import Scope
 from industnerf.report.study import failures_of
 from industnerf.schema import MethodSettings
+from pipeline.preset import DVC_CONFIG
 
 # Corridors that move results about and log them: they are no dependency of any result.
 CORE_MODULES = {
@@ -26,6 +27,7 @@ CORE_MODULES = {
         "stage",
         "resume_time",
         "store",
+        "manifest",
         "code_hash",
         "device",
         "environment",
@@ -163,3 +165,37 @@ def test_one_parameter_outdates_just_the_stages_that_read_it(project, key, value
 
 def test_nothing_is_outdated_after_a_run(project):
     assert outdated_stages(project) == set()
+
+
+PLACING = """
+stages:
+  make:
+    cmd: mkdir -p data && ln -f stored data/out
+    deps: [source]
+    outs: [data/out]
+  use:
+    cmd: cp data/out used
+    deps: [data/out]
+    outs: [used]
+"""
+
+
+def test_what_root_writes_into_an_output_is_never_taken_for_the_result(tmp_path, root):
+    """With links DVC would hand it out of its cache, and say that nothing changed."""
+    cache_type = DVC_CONFIG["cache.type"]
+    assert f'type = "{cache_type}"' in (root / ".dvc/config").read_text()
+    (tmp_path / "dvc.yaml").write_text(PLACING)
+    (tmp_path / "source").touch()
+    (tmp_path / "stored").write_text("hello")
+    (tmp_path / "stored").chmod(0o444)
+    repro = ["repro", "-q"]
+    for command in (["init", "--no-scm", "-q"], ["config", "cache.type", cache_type], repro):
+        subprocess.run(["dvc", *command], cwd=tmp_path, check=True)
+    (tmp_path / "data/out").chmod(0o644)
+    (tmp_path / "data/out").write_text("HELLO")
+    subprocess.run(["dvc", *repro], cwd=tmp_path, check=True)
+    assert [(tmp_path / name).read_text() for name in ("data/out", "used", "stored")] == [
+        "hello",
+        "hello",
+        "hello",
+    ]

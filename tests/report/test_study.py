@@ -1,4 +1,4 @@
-"""Failures on the way from a part to its score."""
+"""Failures on the way from a part to its cloud."""
 
 from pathlib import Path
 
@@ -31,13 +31,11 @@ def test_every_stage_says_what_failed_in_it_and_once(tmp_path: Path):
     )
     before = HANDED_ON | {"dark": "no lamp"}
     failing(folders.clouds / "hull", before | {"blurred": "no outline"})
-    failing(folders.scores / "hull", {"far": "not a number"})
     assert failures_of(folders, ["hull"]) == {
         "parts": HANDED_ON,
         "views": {"dark": "no lamp"},
         "truth": {"thin": "too few samples"},
         "hull": {"blurred": "no outline"},
-        "scoring hull": {"far": "not a number"},
     }
 
 

@@ -1,6 +1,7 @@
 """Runners: one broken piece of work ends itself, not the others."""
 
 import errno
+import mmap
 import os
 import resource
 import signal
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.files import atomic_write
-from industnerf.errors import BadParams, BadPart
+from industnerf.errors import BadParams, BadPart, ReconstructionFailed
 from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
 from industnerf.runner.base import run_work_item
 
@@ -192,6 +193,42 @@ def test_a_full_gpu_says_nothing_of_the_piece_of_work(message):
     assert error.lost
     assert error.text.endswith("fewer INDUSTNERF_WORKERS leave more of the GPU to each")
     assert not run_work_item(partial(fail_with, "shapes differ"), None).lost
+
+
+def allocate_more_than_there_is(library):
+    """2^50 bytes, which no kernel grants, in the words of each library."""
+    if library == "numpy":
+        np.empty(2**50, np.uint8)
+    elif library == "torch":
+        import torch
+
+        torch.empty(2**50, dtype=torch.uint8)
+    elif library == "warp":
+        import warp
+
+        from industnerf.geometry.warp_runtime import init_warp
+
+        init_warp()
+        warp.empty((2**20, 2**30), dtype=warp.uint8, device="cpu")
+    else:
+        mmap.mmap(-1, 2**50)
+
+
+def fail_behind_a_refusal(library):
+    try:
+        allocate_more_than_there_is(library)
+    except Exception:
+        raise ReconstructionFailed("no cloud") from None
+
+
+@pytest.mark.parametrize("work_item", [allocate_more_than_there_is, fail_behind_a_refusal])
+@pytest.mark.parametrize("library", ["numpy", "torch", "warp", "mmap"])
+def test_want_of_memory_says_nothing_of_the_piece_in_whatever_words(library, work_item):
+    error = run_work_item(partial(work_item, library), None)
+    assert error.lost
+    limited = run_work_item(partial(work_item, library), 100_000)
+    assert not limited.lost
+    assert limited.text == "out of memory: needs more than 100000 MB (memory_limit_mb)"
 
 
 def test_a_process_whose_gpu_fails_does_no_other_piece(tmp_path):

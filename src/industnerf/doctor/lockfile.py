@@ -5,11 +5,14 @@ stages from its run cache and the store.
 """
 
 import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from industnerf.artifacts.files import write_text
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.project_paths import Project, ProjectPaths
 from industnerf.errors import BadArtifact
@@ -24,15 +27,28 @@ def check(paths: ProjectPaths) -> list[Finding]:
     return [finding for project in projects for finding in _findings(paths, project)]
 
 
-def require_intact(paths: ProjectPaths, folder: Path) -> None:
-    """Raises BadArtifact, with what mends it, if DVC would stop at the dvc.lock of `folder`."""
+def replace_torn(folder: Path) -> None:
+    """Set a torn dvc.lock of `folder` aside, put back what git has of it, and say so.
+
+    Nothing is lost: of stages that are not in it DVC asks its run cache, and they the store.
+    """
     lock = folder / "dvc.lock"
-    if not lock.exists() or not find_truncation(lock.read_text(errors="replace")):
+    problem = find_truncation(lock.read_text(errors="replace")) if lock.exists() else ""
+    if not problem:
         return
-    for project in paths.projects():
-        for finding in _findings(paths, project) if project.folder == folder else []:
-            path = paths.shell_words(finding.path)
-            raise BadArtifact(f"{path}: {finding.message}.\nThis mends it: {finding.fix}")
+    aside = folder / ".dvc" / "tmp" / f"dvc.lock.torn-{time.time_ns()}"
+    aside.parent.mkdir(parents=True, exist_ok=True)
+    lock.rename(aside)
+    committed = _committed_text(lock)
+    if committed and not find_truncation(committed):
+        write_text(lock, committed)
+        origin = "the last committed one is put back"
+    else:
+        origin = "DVC starts a new one"
+    print(
+        f"{lock}: {problem}. It is set aside, {aside}, and {origin}: finished parts are kept.",
+        file=sys.stderr,
+    )
 
 
 def _findings(paths: ProjectPaths, project: Project) -> list[Finding]:

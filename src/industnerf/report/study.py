@@ -144,13 +144,12 @@ def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
 
 
 def failures_of(folders: StudyFolders, methods: list[str]) -> dict[str, dict[str, str]]:
-    """Failures of every stage from a part to its score, each listed once, where it happened."""
+    """Failures of every stage from a part to its cloud, each listed once, where it happened."""
     parts, views = read_failures(folders.parts), read_failures(folders.views)
     failures = {"parts": parts, "views": _without(views, parts)}
     failures["truth"] = _without(read_failures(folders.truth), parts)
     for name in methods:
         failures[name] = _without(read_failures(folders.clouds / name), views)
-        failures[f"scoring {name}"] = read_failures(folders.scores / name)
     return failures
 
 

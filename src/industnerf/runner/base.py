@@ -23,6 +23,12 @@ GPU_OUT_OF_MEMORY = re.compile(
     r"|Failed to allocate \d+ bytes on device 'cuda"
 )
 
+# The words of torch, of Warp, of C++ libraries for a CPU, and of Python for one thread too many.
+OUT_OF_MEMORY = re.compile(
+    r"allocate memory|not enough memory|bad_?alloc|Failed to allocate \d+ bytes on device 'cpu"
+    r"|can't start new thread",
+    re.IGNORECASE,
+)
 
 # After any error of the device but that, every call of the same process to it fails.
 GPU_FAILURE = re.compile(r"CUDA error|CUDA_ERROR|CUBLAS_STATUS|CUDNN_STATUS")
@@ -77,33 +83,54 @@ def run_work_item(work_item: WorkItem, memory_mb: int | None) -> WorkError | Non
     try:
         with _limit_memory(memory_mb):
             work_item()
-    except SuiteError as error:
-        return WorkError(str(error), lost=is_machine_error(error))
-    except MemoryError:
-        available = "there is" if memory_mb is None else f"{memory_mb} MB (memory_limit_mb)"
-        return WorkError(f"out of memory: needs more than {available}")
     except Exception as error:
-        if os.environ.get("INDUSTNERF_DEBUG"):
+        if os.environ.get("INDUSTNERF_DEBUG") and not isinstance(error, SuiteError):
             traceback.print_exc()
-        text = f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
-        if GPU_OUT_OF_MEMORY.search(text):
-            text += "; fewer INDUSTNERF_WORKERS leave more of the GPU to each"
-        return WorkError(text, lost=is_machine_error(error))
+        if memory_mb is not None and _any_cause(error, is_out_of_memory):
+            return WorkError(f"out of memory: needs more than {memory_mb} MB (memory_limit_mb)")
+        return WorkError(_describe(error), lost=_any_cause(error, is_machine_error))
     return None
 
 
-def is_machine_error(error: BaseException | None) -> bool:
-    """Whether another machine, or this one with more room, might have done the piece.
+def _describe(error: Exception) -> str:
+    if isinstance(error, SuiteError):
+        return str(error)
+    if is_out_of_memory(error):
+        text = f"out of memory: {' '.join(str(error).split()) or 'needs more than there is'}"
+        return f"{text}; fewer INDUSTNERF_WORKERS leave more memory to each"
+    text = f"{type(error).__name__}: {error} (INDUSTNERF_DEBUG=1 prints the traceback)"
+    if GPU_OUT_OF_MEMORY.search(text):
+        text += "; fewer INDUSTNERF_WORKERS leave more of the GPU to each"
+    return text
 
-    What was raised first counts, whatever was said of it on the way.
+
+def _any_cause(error: BaseException | None, holds: Callable[[BaseException], bool]) -> bool:
+    """Whether `holds` is true of `error` or of what was raised before it, whatever was said of it
+    on the way.
     """
     while error is not None:
-        if isinstance(error, OSError) and error.errno in MACHINE_ERRNOS:
-            return True
-        if isinstance(error, RuntimeError) and GPU_OUT_OF_MEMORY.search(str(error)):
+        if holds(error):
             return True
         error = error.__context__
     return False
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether the memory of the machine, or of its limit, was used up."""
+    if isinstance(error, OSError):
+        return error.errno == errno.ENOMEM
+    return isinstance(error, MemoryError) or (
+        isinstance(error, RuntimeError) and bool(OUT_OF_MEMORY.search(str(error)))
+    )
+
+
+def is_machine_error(error: BaseException) -> bool:
+    """Whether another machine, or this one with more room, might have done the piece."""
+    if isinstance(error, OSError) and error.errno in MACHINE_ERRNOS:
+        return True
+    if isinstance(error, RuntimeError) and GPU_OUT_OF_MEMORY.search(str(error)):
+        return True
+    return is_out_of_memory(error)
 
 
 @contextmanager

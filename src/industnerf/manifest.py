@@ -1,0 +1,87 @@
+"""What a result in the store holds: the name, size, time and SHA-256 of every file, written last.
+
+Without it a result is not whole.  On use, names, sizes and times are compared; a file of another
+time is read.  Files are linked to where they are used, and whoever writes through such a link, as
+root can, changes its time.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+FILE = "manifest.json"
+SCHEMA = 1
+
+
+def write_manifest(folder: Path) -> None:
+    """Make all files of `folder` read-only, force them to disk, and note what they are."""
+    files = {}
+    for name, path in sorted(_files(folder)):
+        path.chmod(0o444)
+        fsync(path)
+        status = path.stat()
+        files[name] = [status.st_size, status.st_mtime_ns, _sha256(path)]
+    manifest = folder / FILE
+    manifest.write_text(json.dumps({"schema": SCHEMA, "files": files}, indent=0))
+    manifest.chmod(0o444)
+    fsync(manifest)
+
+
+def find_damage(folder: Path, *, read_all: bool = False) -> str:
+    """How the files of `folder` differ from its manifest, or an empty text.
+
+    Those of the noted size and time are read only with `read_all`.
+    """
+    try:
+        content = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        expected = {name: tuple(values) for name, values in content["files"].items()}
+    except FileNotFoundError:
+        return f"has no {FILE}"
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return f"{FILE} is torn"
+    found = dict(_files(folder))
+    if missing := sorted(expected.keys() - found.keys()):
+        return _count("are missing", missing, expected)
+    if unknown := sorted(found.keys() - expected.keys()):
+        return f"{len(unknown)} files do not belong to it, such as {unknown[0]}"
+    changed = [
+        name
+        for name, path in found.items()
+        if _differs(path, *expected[name], read_always=read_all)
+    ]
+    return _count("have another content", sorted(changed), expected) if changed else ""
+
+
+def fsync(path: Path) -> None:
+    """Force a file, or the names in a folder, to disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _count(what: str, names: list[str], expected: dict[str, tuple]) -> str:
+    return f"{len(names)} of {len(expected)} files {what}, such as {names[0]}"
+
+
+def _differs(path: Path, size: int, mtime_ns: int, digest: str, *, read_always: bool) -> bool:
+    status = path.stat()
+    if status.st_size != size:
+        return True
+    return (read_always or status.st_mtime_ns != mtime_ns) and _sha256(path) != digest
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _files(folder: Path) -> Iterator[tuple[str, Path]]:
+    """Relative name and path of every file but the manifest."""
+    for parent, _, names in os.walk(folder):
+        for path in (Path(parent, name) for name in names):
+            if (name := str(path.relative_to(folder))) != FILE:
+                yield name, path
