@@ -22,7 +22,7 @@ from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split
 from industnerf.config import load_params
 from industnerf.report.statistics.significance import paired_change
-from industnerf.report.tables.formats import markdown_table
+from industnerf.report.tables.formats import format_interval, markdown_table
 
 METHOD, VIEWS = "r2n2", (1, 2, 3, 4, 5)
 
@@ -70,7 +70,7 @@ def gain(
     single_view: dict[str, float], more_views: dict[str, float], families: dict[str, str]
 ) -> list[str]:
     change = paired_change(single_view, more_views, families, load_params().report, seed=0)
-    ends = f"{change.low:+.4f} to {change.high:+.4f}"
+    ends = format_interval(change.low, change.high, "+.4f")
     return [f"{change.mean:+.4f}", ends, f"{change.num_lower} of {len(single_view)}"]
 
 

@@ -97,11 +97,8 @@ def _paragraph(
 ) -> list[str]:
     values = {part: score.value for part, score in scores.items()}
     part_families = [families[part] for part in values]
-    interval = _interval(
-        *bootstrap_interval(list(values.values()), part_families, config, seed),
-        part_families,
-        ".4f",
-    )
+    low, high = bootstrap_interval(list(values.values()), part_families, config, seed)
+    interval = _interval(low, high, ".4f")
     mean, floor = fmean(values.values()), fmean(score.floor for score in scores.values())
     failed = sum(score.status != "ok" for score in scores.values())
     split_size = sum(other_split == split for other_split in published.splits.values())
@@ -115,8 +112,7 @@ def _paragraph(
         if change is not None:
             shared_parts = values.keys() & study_values.keys()
             study_mean = fmean(study_values[part] for part in shared_parts)
-            shared_families = [families[part] for part in shared_parts]
-            change_interval = _interval(change.low, change.high, shared_families, "+.4f")
+            change_interval = _interval(change.low, change.high, "+.4f")
             lines.append(
                 f"  {method} {study_mean:.4f} on these: {change.mean:+.4f}{change_interval}, "
                 f"lower on {change.num_lower} of {change.parts}"
@@ -124,7 +120,7 @@ def _paragraph(
     return lines
 
 
-def _interval(low: float, high: float, families: Sequence[str], form: str) -> str:
+def _interval(low: float | None, high: float | None, form: str) -> str:
     """In brackets, where there is one."""
-    text = format_interval(low, high, len(set(families)), form)
+    text = format_interval(low, high, form)
     return f" ({text})" if text else ""

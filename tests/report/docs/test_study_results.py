@@ -152,3 +152,10 @@ def test_missed_goals_stand_in_a_table_with_the_bounds(write_rows):
 def test_a_table_without_rows_has_no_section(write_rows):
     for name, title in (("goals", "Goals"), ("comparisons", "Comparisons")):
         assert f"## {title}" not in write_rows(name, [])
+
+
+def test_differences_of_one_family_stand_without_an_interval(write_rows):
+    text = write_rows(
+        "comparisons", [("industnerf", "hull", 0.0012, None, None, -0.004, 0.2, 0.25)]
+    )
+    assert "| `industnerf` | `hull` | +0.0012 |  | -0.00 | 0.2 | 25 % |" in text

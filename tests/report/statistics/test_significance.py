@@ -49,8 +49,13 @@ def test_parts_of_a_family_do_not_count_as_independent():
     assert once == pytest.approx(tenfold)
 
 
-def test_one_family_gives_the_range():
-    assert bootstrap_interval([1.0, 3.0, 2.0], ["a"] * 3, SETTINGS, 0) == (1.0, 3.0)
+def test_one_family_has_no_interval():
+    """Nor has its change, though its parts differ."""
+    assert bootstrap_interval([1.0, 3.0, 2.0], ["a"] * 3, SETTINGS, 0) == (None, None)
+    change = paired_change(
+        {"p": 1.0, "q": 2.0}, {"p": 3.0, "q": 5.0}, dict.fromkeys("pq", "a"), SETTINGS, 0
+    )
+    assert (change.mean, change.low, change.high) == (2.5, None, None)
 
 
 def test_a_change_is_that_of_the_parts_that_both_have():

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from PIL import Image
 
-from industnerf.report.sweeps.points import read_points, swept_keys
+from industnerf.report.sweeps.points import read_points, read_published_sweep, swept_keys
 from industnerf.report.sweeps.series import fit_trends, make_series
 from industnerf.report.sweeps.sweep_report import write_sweep_report
 
@@ -98,6 +98,29 @@ def test_each_step_has_the_mean_difference_of_its_parts(sweep: Path):
         "better on": "2",
     }
     assert (second["from"], second["to"], second["EMD changes by"]) == ("20", "40", "-0.02500")
+
+
+def test_of_one_family_no_table_has_an_interval(tmp_path: Path):
+    """Nor has the plot a bar; a published sweep of it is read back without one."""
+    for number, resolution in enumerate((10, 20)):
+        write_point(tmp_path, number, {"views": {"resolution": resolution}}, 1 / resolution, 1.0)
+        reports = tmp_path / str(number) / "reports"
+        (reports / "scores.csv").write_text(
+            (reports / "scores.csv").read_text().replace("f2", "f1")
+        )
+        table1 = (reports / "table1.csv").read_text()
+        head, row = table1.splitlines()
+        cells = row.split(",")
+        cells[3:5] = "", ""
+        (reports / "table1.csv").write_text(f"{head}\n{','.join(cells)}\n")
+    assert write_sweep_report(tmp_path) == 0
+    assert {(row["low"], row["high"]) for row in read_rows(tmp_path / "sweep.csv")} == {("", "")}
+    (step,) = read_rows(tmp_path / "steps.csv")
+    assert (step["EMD changes by"], step["ci_low"], step["ci_high"]) == ("-0.05000", "", "")
+    points, _ = read_published_sweep(tmp_path)
+    assert {(result.low, result.high) for point in points for result in point.results} == {
+        (None, None)
+    }
 
 
 def test_points_without_a_part_in_common_are_no_step(tmp_path: Path):

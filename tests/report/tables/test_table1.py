@@ -14,8 +14,10 @@ from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSum
 from industnerf.report.tables.formats import format_fixed
 from industnerf.report.tables.scores import scores_csv
 from industnerf.report.tables.table1 import (
+    COLUMNS,
     SEEDS_COLUMN,
     Table1Extra,
+    format_row,
     mean_without_failures,
     table1_csv,
     table1_md,
@@ -202,9 +204,14 @@ def test_of_one_family_it_says_that_there_is_no_interval(study):
     rows = table1_rows(study, SETTINGS)
     assert {(row.split, row.families) for row in rows} == {("test", 2), ("dev", 1)}
     extras = [Table1Extra(None, 1.5)] * len(rows)
-    assert "the lowest and the highest part" in table1_md(rows, extras, 0.9)
+    assert "there is no interval" in table1_md(rows, extras, 0.9)
     tested = [row for row in rows if row.split == "test"]
-    assert "the lowest and the highest part" not in table1_md(tested, extras[: len(tested)], 0.9)
+    assert "there is no interval" not in table1_md(tested, extras[: len(tested)], 0.9)
+    texts = {row.split: format_row(row, extras[0])[COLUMNS.index("95 %")] for row in rows}
+    assert texts["dev"] == ""
+    assert " to " in texts["test"]
+    csv_rows = list(csv.DictReader(io.StringIO(table1_csv(rows))))
+    assert {row["ci_low"] + row["ci_high"] for row in csv_rows if row["split"] == "dev"} == {""}
 
 
 def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):

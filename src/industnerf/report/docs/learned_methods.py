@@ -10,8 +10,10 @@ from industnerf.report.docs.study_results import table1_cells
 from industnerf.report.publish.provenance import describe_provenance
 from industnerf.report.tables.formats import (
     format_fixed,
+    format_interval,
     format_significant,
     markdown_table,
+    optional_float,
     read_csv,
 )
 from industnerf.report.tables.scores import EMD_EVEN
@@ -59,7 +61,8 @@ def _mean_train_minutes(folder: Path) -> dict[str, str]:
 
 
 def _format_emd(emd: str, low: str, high: str) -> str:
-    return f"{float(emd):.4f} ({float(low):.4f} to {float(high):.4f})"
+    interval = format_interval(optional_float(low), optional_float(high), ".4f")
+    return f"{float(emd):.4f}" + (f" ({interval})" if interval else "")
 
 
 def _relative_emd(row: CsvRow, paper_method_row: CsvRow) -> tuple[str, str]:

@@ -12,7 +12,9 @@ from industnerf.report.publish.provenance import describe_provenance, read_prove
 from industnerf.report.tables.formats import (
     format_csv_number,
     format_fixed,
+    format_interval,
     markdown_table,
+    optional_float,
     read_csv,
     read_markdown_table,
 )
@@ -146,15 +148,16 @@ def _method_and_loss(row: CsvRow) -> tuple[str, str]:
 def _comparison_table(rows: Sequence[CsvRow], interval: str) -> str:
     """Paired differences of EMD for `COMPARED_PAIRS`; below 0 the first method is better."""
     known = {(row["method"], row["other"]): row for row in rows}
-    names = ("difference", "ci_low", "ci_high", "difference_mm", "p_holm", "win_rate")
+    names = ("difference", "difference_mm", "p_holm", "win_rate")
     table_rows = []
     for pair in (pair for pair in COMPARED_PAIRS if pair in known):
-        difference, low, high, mm, p, wins = (float(known[pair][name]) for name in names)
+        difference, mm, p, wins = (float(known[pair][name]) for name in names)
+        low, high = (optional_float(known[pair][name]) for name in ("ci_low", "ci_high"))
         table_rows.append(
             [
                 *(f"`{method}`" for method in pair),
                 f"{difference:+.4f}",
-                f"{low:+.4f} to {high:+.4f}",
+                format_interval(low, high, "+.4f"),
                 f"{mm:+.2f}",
                 f"{p:.2g}",
                 f"{100 * wins:.0f} %",

@@ -13,18 +13,19 @@ from industnerf.seeds import generator
 MAX_EXACT_FAMILIES = 20  # up to here all patterns of signs are tried: 2**20 sums are 8 MB
 SIGN_FLIP_DRAWS = 65_536  # patterns drawn where there are more families
 BOOTSTRAP_SEED = 0  # of intervals over points of a sweep, which may differ in their seeds
+Interval = tuple[float, float] | tuple[None, None]  # low and high; None: there is no interval
 
 
 def bootstrap_interval(
     values: Sequence[float], families: Sequence[str], settings: ReportParams, seed: int
-) -> tuple[float, float]:
+) -> Interval:
     """Percentile interval (low, high) of the mean under a cluster bootstrap.
 
     Whole families are drawn with replacement, the same ones for every method; a draw's mean is over
-    all its parts. With one family the result is the smallest and the largest value instead.
+    all its parts. One family varies in no draw and has no interval.
     """
     if len(set(families)) < 2:
-        return min(values), max(values)
+        return None, None
     sums, counts = _by_family(values, families)
     rng = generator(seed, "bootstrap")
     family_draws = rng.integers(len(sums), size=(settings.bootstrap_resamples, len(sums)))
@@ -39,8 +40,8 @@ class PairedChange:
     """The mean difference of the same parts under two settings, with its interval."""
 
     mean: float
-    low: float
-    high: float
+    low: float | None  # of the interval; None where there is none
+    high: float | None
     parts: int
     num_lower: int  # parts that score less than before
 

@@ -14,7 +14,12 @@ from typing import Any, get_args, get_type_hints
 from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.report.statistics.significance import BOOTSTRAP_SEED, paired_change
-from industnerf.report.tables.formats import label_intervals, markdown_table, read_csv
+from industnerf.report.tables.formats import (
+    format_interval,
+    label_intervals,
+    markdown_table,
+    read_csv,
+)
 from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 from industnerf.schema.readings import Readings
@@ -133,7 +138,7 @@ def format_difference(
     change = paired_change(baseline.emd, point.emd, baseline.families, settings, BOOTSTRAP_SEED)
     if change is None:
         return ["", ""]
-    return [f"{change.mean:+.4f}", f"{change.low:+.4f} to {change.high:+.4f}"]
+    return [f"{change.mean:+.4f}", format_interval(change.low, change.high, "+.4f")]
 
 
 def ablation_table(

@@ -59,10 +59,9 @@ def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: P
 
 def _plot_emd(axis: Any, series: Series, color: str) -> None:
     y = np.array([result.emd for result in series.results])
-    below = y - [result.low for result in series.results]
-    above = [result.high for result in series.results] - y
+    low, high = np.array([(r.low, r.high) for r in series.results], float).T  # NaN: no bar
     # a percentile interval need not hold the mean
-    bars = np.maximum([below, above], 0)
+    bars = np.maximum([y - low, high - y], 0)
     axis.errorbar(series.x, y, bars, marker="o", capsize=3, color=color, label=series.label)
 
 

@@ -9,12 +9,10 @@ from typing import Any
 
 from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
-from industnerf.report.tables.formats import read_csv
+from industnerf.report.tables.formats import optional_float, read_csv
 from industnerf.report.tables.scores import EMD_EVEN
 
 SELECT_KEY = "parts.select"
-SWEEP_COLUMNS = ("emd", "low", "high", "x floor")  # of sweep.csv
-MEAN_COLUMNS = ("emd_even", "ci_low", "ci_high", "emd_mm", "ratio_to_floor")  # of table1.csv
 
 
 @dataclass(frozen=True)
@@ -24,8 +22,8 @@ class PointResult:
     method: str
     split: str
     emd: float  # even, in bounding-box diagonals
-    low: float  # of the interval of report.confidence_level
-    high: float
+    low: float | None  # of the interval of report.confidence_level; None: of one family
+    high: float | None
     emd_mm: float | None  # None where a published table has no such column
     ratio_to_floor: float
     seconds: float | None  # mean of a reconstruction; None where unknown
@@ -95,7 +93,9 @@ def _read_point(folder: Path) -> SweepPoint:
         PointResult(
             row["method"],
             row["split"],
-            *(float(row[name]) for name in MEAN_COLUMNS),
+            float(row["emd_even"]),
+            *(optional_float(row[name]) for name in ("ci_low", "ci_high")),
+            *(float(row[name]) for name in ("emd_mm", "ratio_to_floor")),
             seconds.get((row["method"], row["split"])),
             peaks.get((row["method"], row["split"])),
             int(row["parameters"]),
@@ -173,15 +173,9 @@ def _parse_value(text: str) -> int | float | str:
 
 
 def _published_result(row: dict[str, str]) -> PointResult:
-    emd, low, high, ratio = (float(row[name]) for name in SWEEP_COLUMNS)
-    emd_mm, seconds, peak_mb = (
-        _optional_float(row, name) for name in ("emd_mm", "seconds", "peak_mb")
+    low, high, emd_mm, seconds, peak_mb = (
+        optional_float(row.get(name)) for name in ("low", "high", "emd_mm", "seconds", "peak_mb")
     )
     num_parameters = int(row["parameters"]) if row.get("parameters") else None
-    means = (emd, low, high, emd_mm, ratio)
+    means = (float(row["emd"]), low, high, emd_mm, float(row["x floor"]))
     return PointResult(row["method"], row["split"], *means, seconds, peak_mb, num_parameters, {})
-
-
-def _optional_float(row: dict[str, str], name: str) -> float | None:
-    """None where the cell is empty or the table is older than the column."""
-    return float(row[name]) if row.get(name) else None

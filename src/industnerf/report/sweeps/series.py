@@ -142,7 +142,8 @@ def step_table(steps: list[Step]) -> list[list[str]]:
 
 def _cells(step: Step) -> list[str]:
     change = step.change
-    values = [f"{value:+.5f}" for value in (change.mean, change.low, change.high)]
+    ends = (change.mean, change.low, change.high)
+    values = ["" if value is None else f"{value:+.5f}" for value in ends]
     return [*values, str(change.parts), str(change.num_lower)]
 
 

@@ -56,7 +56,7 @@ def _point_rows(points: list[SweepPoint], swept: list[str]) -> list[list[str]]:
 
 def _point_row(point: SweepPoint, swept: list[str], result: PointResult) -> list[str]:
     costs = ["" if cost is None else f"{cost:.2f}" for cost in (result.seconds, result.peak_mb)]
-    emd = [f"{value:.5f}" for value in (result.emd, result.low, result.high)]
+    emd = [format_fixed(value, 5) for value in (result.emd, result.low, result.high)]
     keys = [str(point.params.get(key)) for key in swept]
     means = [*emd, format_fixed(result.emd_mm), f"{result.ratio_to_floor:.3f}"]
     parameters = "" if result.num_parameters is None else str(result.num_parameters)

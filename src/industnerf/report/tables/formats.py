@@ -46,9 +46,14 @@ def label_intervals(columns: Sequence[str], interval: float) -> list[str]:
     return [name.replace("95 %", f"{100 * interval:g} %") for name in columns]
 
 
-def format_interval(low: float, high: float, families: int, format_spec: str) -> str:
-    """`low to high`; empty if there is one family alone, which has no interval."""
-    return f"{low:{format_spec}} to {high:{format_spec}}" if families > 1 else ""
+def format_interval(low: float | None, high: float | None, format_spec: str) -> str:
+    """`low to high`; empty where there is no interval, as of one family alone."""
+    return "" if low is None or high is None else f"{low:{format_spec}} to {high:{format_spec}}"
+
+
+def optional_float(cell: str | None) -> float | None:
+    """A number of a CSV; None where the cell is empty or the table is older than the column."""
+    return float(cell) if cell else None
 
 
 def format_csv_number(cell: str | None) -> str:

@@ -65,8 +65,8 @@ class MeanInMm:
 
     unit: str  # mm, or mm^2
     mean: float
-    ci_low: float
-    ci_high: float
+    ci_low: float | None  # None: one family has no interval
+    ci_high: float | None
 
 
 def mean_in_mm(

@@ -23,8 +23,8 @@ class StratumRow:
     stratum: str
     method: str
     emd_even: float
-    ci_low: float
-    ci_high: float
+    ci_low: float | None  # None: one family has no interval
+    ci_high: float | None
     emd_mm: float  # mean of the parts in mm
     floor: float
     ratio_to_floor: float

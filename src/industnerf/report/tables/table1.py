@@ -13,6 +13,7 @@ from industnerf.report.study import Study, TrainingSummary
 from industnerf.report.tables.formats import (
     csv_text,
     format_fixed,
+    format_interval,
     format_significant,
     label_intervals,
     markdown_table,
@@ -35,8 +36,8 @@ class Table1Row:
     preset: str
     views: int  # per prediction
     emd_even: float
-    ci_low: float
-    ci_high: float
+    ci_low: float | None  # None: one family has no interval
+    ci_high: float | None
     floor: float
     ratio_to_floor: float
     emd_iid: float
@@ -54,7 +55,7 @@ class Table1Row:
     num_predictions: int  # EMD (even) is their mean; the others are of the first with points
     seeds_sd: float | None  # of the mean EMD (even) over seeds, where known
     empty_predictions: int | None  # over the parts that did not fail; each scores as a failure
-    families: int  # with one the interval is that of the lowest and the highest part
+    families: int
 
 
 def table1_rows(study: Study, settings: ReportParams) -> list[Table1Row]:
@@ -164,10 +165,7 @@ COLUMNS = (
     *("x floor", "x industnerf", "EMD (iid)", "EMD (full)", "parts", "failed"),
     *("without failures", "s a part", "learned from", "paper"),
 )
-ONE_FAMILY_NOTE = (
-    "Where all parts are of one family there is no interval: in its place stand the lowest and the "
-    "highest part."
-)
+ONE_FAMILY_NOTE = "Where all parts are of one family there is no interval."
 HOLD_OUT_TEXTS = {"family": "of other families", "part": "others", "none": "and itself"}
 
 
@@ -194,7 +192,7 @@ def format_row(row: Table1Row, extra: Table1Extra) -> list[str]:
         _format_views(row),
         row.split,
         format_fixed(row.emd_even),
-        f"{row.ci_low:.4f} to {row.ci_high:.4f}",
+        format_interval(row.ci_low, row.ci_high, ".4f"),
         format_fixed(row.seeds_sd, 5),
         format_significant(row.emd_mm),
         format_fixed(row.floor),

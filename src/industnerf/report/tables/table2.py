@@ -63,8 +63,8 @@ class Table2Row:
     loss: Loss
     unit: str
     mean: float
-    ci_low: float
-    ci_high: float
+    ci_low: float | None  # None: one family has no interval
+    ci_high: float | None
     whole_image: float | None  # the mean over whole images, where there is one
     best: float  # the floor of the EMD, or the best possible value
     paper: float | None
@@ -139,7 +139,7 @@ def format_row(row: Table2Row) -> list[str]:
         row.loss.name,
         row.subset,
         format_fixed(row.mean, digits),
-        format_interval(row.ci_low, row.ci_high, row.families, f".{digits}f"),
+        format_interval(row.ci_low, row.ci_high, f".{digits}f"),
         _format_mm(row.mean_mm),
         format_fixed(row.whole_image, digits),
         format_fixed(row.best, digits),
@@ -169,7 +169,7 @@ CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit",
 def table2_csv(rows: list[Table2Row]) -> str:
     """`table2.csv`: the paper's three losses on the test parts, beside the paper's numbers.
 
-    Below a length stands the same in mm. With one family alone there is no interval.
+    Below a length stands the same in mm.
     """
     reported = [
         table_row
@@ -181,13 +181,9 @@ def table2_csv(rows: list[Table2Row]) -> str:
 
 def _csv_rows(row: Table2Row) -> Iterator[tuple]:
     key, mm = (row.method, row.subset, row.loss.metric), row.mean_mm
-    yield (*key, row.mean, *_interval(row, row.families), row.unit, row.paper)
+    yield (*key, row.mean, row.ci_low, row.ci_high, row.unit, row.paper)
     if mm:
-        yield (*key, mm.mean, *_interval(mm, row.families), mm.unit, None)
-
-
-def _interval(mean: Table2Row | MeanInMm, families: int) -> tuple[float, float] | tuple[None, None]:
-    return (mean.ci_low, mean.ci_high) if families > 1 else (None, None)
+        yield (*key, mm.mean, mm.ci_low, mm.ci_high, mm.unit, None)
 
 
 def metric_means(rows: list[Table2Row]) -> dict[str, float]:
