@@ -161,8 +161,8 @@ class _Trainer:
         if not math.isfinite(loss):
             raise ReconstructionFailed(
                 f"the {kind} loss is {loss} at step {self.progress.step} of "
-                f"{self.settings.max_steps}: the training diverged; its rate (training.lr of the "
-                f"method) is {self.settings.lr:g}, lower it"
+                f"{self.settings.max_steps}: the training diverged; lower the learning "
+                f"rate (training.lr of the method is {self.settings.lr:g})"
             )
         return loss
 
