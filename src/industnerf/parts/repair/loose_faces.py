@@ -15,6 +15,7 @@ from industnerf.parts.repair.mesh_ops import concatenate, select_faces, solid_of
 from industnerf.parts.validation.checks import double_area_normals, surface_components
 from industnerf.schema import RepairParams
 
+MAX_LOOSE_SHARE = 0.005  # of the area; a larger piece is a sheet that is meant
 MIN_SOLID_SHARE = 0.5  # of the area that closed pieces have, for the others to be loose
 
 
@@ -41,10 +42,10 @@ def drop_loose_faces(
 
 
 def find_loose_faces(mesh: Mesh, settings: RepairParams) -> tuple[Bool[np.ndarray, "m"], float]:
-    """The faces of open pieces below `small_component_area`, and their share of the area.
+    """The faces of open pieces below MAX_LOOSE_SHARE, and their share of the area.
 
-    None if closed pieces have less than MIN_SOLID_SHARE of the area, or the loose ones more than
-    `max_removed_area`.
+    None if `small_component_area` is 0, if closed pieces have less than MIN_SOLID_SHARE of the
+    area, or if the loose ones have more than `max_removed_area`.
     """
     piece = surface_components(mesh.faces)
     edges = build_edges(mesh.faces)
@@ -54,8 +55,9 @@ def find_loose_faces(mesh: Mesh, settings: RepairParams) -> tuple[Bool[np.ndarra
         piece, np.linalg.norm(double_area_normals(mesh.vertices, mesh.faces), axis=1)
     )
     share = area / max(area.sum(), np.finfo(float).tiny)
-    is_loose = is_open & (share < settings.small_component_area)
+    is_loose = is_open & (share < MAX_LOOSE_SHARE)
     total = float(share[is_loose].sum())
-    if share[~is_open].sum() < MIN_SOLID_SHARE or total > settings.max_removed_area:
+    has_solid = share[~is_open].sum() >= MIN_SOLID_SHARE
+    if not (settings.small_component_area and has_solid and total <= settings.max_removed_area):
         is_loose[:] = False
     return is_loose[piece], total

@@ -2,10 +2,20 @@
 
 from pathlib import Path
 
-from OCP.BRep import BRep_Builder
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Transform
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeHalfSpace, BRepPrimAPI_MakeSphere
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakePolygon,
+    BRepBuilderAPI_Transform,
+)
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeBox,
+    BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakeHalfSpace,
+    BRepPrimAPI_MakeSphere,
+)
 from OCP.BRepTools import BRepTools
+from OCP.Geom import Geom_Circle
 from OCP.gp import gp_Ax1, gp_Dir, gp_Pln, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.IGESCAFControl import IGESCAFControl_Writer
 from OCP.Interface import Interface_Static
@@ -16,8 +26,10 @@ from OCP.STEPControl import STEPControl_StepModelType
 from OCP.TCollection import TCollection_ExtendedString
 from OCP.TDataStd import TDataStd_Name
 from OCP.TDocStd import TDocStd_Document
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Compound, TopoDS_Solid
+from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Solid
 from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
 
 from industnerf.parts.io.occt_triangulation import faces_of
@@ -44,6 +56,35 @@ def empty_solid():
 
 def ball(radius):
     return BRepPrimAPI_MakeSphere(radius).Shape()
+
+
+def cylinder_with_a_cone_for_its_wall(radius, height, upper_radius):
+    """Invalid: the upper edge is a smaller circle than the cylinder's wall ends in."""
+    solid, builder = BRepPrimAPI_MakeCylinder(radius, height).Shape(), BRep_Builder()
+    explorer = TopExp_Explorer(solid, TopAbs_ShapeEnum.TopAbs_EDGE)
+    while explorer.More():
+        edge = TopoDS.Edge(explorer.Current())
+        curve = BRep_Tool.Curve_s(edge, 0.0, 1.0)
+        if isinstance(curve, Geom_Circle) and curve.Circ().Location().Z() > height / 2:
+            circle = curve.Circ()
+            circle.SetRadius(upper_radius)
+            builder.UpdateEdge(edge, Geom_Circle(circle), 1e-7)
+        explorer.Next()
+    return solid
+
+
+def plate_with_a_hole(side, hole_side):
+    """Invalid: the hole runs around as the outline does."""
+
+    def square(low, high):
+        corners = [(low, low), (high, low), (high, high), (low, high)]
+        points = [gp_Pnt(x, y, 0) for x, y in corners]
+        return BRepBuilderAPI_MakePolygon(*points, True).Wire()
+
+    plane = gp_Pln(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+    plate = BRepBuilderAPI_MakeFace(plane, square(0, side), False)
+    plate.Add(square(1, 1 + hole_side))
+    return plate.Face()
 
 
 def translated(shape, x):

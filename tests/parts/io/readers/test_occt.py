@@ -1,5 +1,6 @@
 """STEP, IGES and BREP: solids, instances, colors, units; and what the kernel cannot read."""
 
+import re
 from functools import partial
 from math import pi
 
@@ -8,12 +9,14 @@ import pytest
 
 from industnerf.errors import BadPart
 from industnerf.parts.io.readers import read_solids, write_solids
-from industnerf.parts.validation.checks import volume_mm3
+from industnerf.parts.validation.checks import area_mm2, volume_mm3
 from industnerf.runner import ProcessRunner
 
 pytest.importorskip("OCP", reason="needs the [cad] extra")
 
 from industnerf.parts.io.occt_triangulation import LINEAR_DEFLECTION
+from industnerf.parts.io.readers.occt import bounding_box
+from industnerf.parts.io.readers.occt_piece import triangulate_piece
 from tests.parts.io.readers import drawings
 from tests.parts.io.readers.drawings import Drawing
 
@@ -59,6 +62,45 @@ def test_a_body_without_end_or_extent_is_left_out_with_a_warning(tmp_path, odd):
     assert volumes(solids) == pytest.approx([6000])
     [warning] = [text for text in solids.warnings if "left out" in text]
     assert warning == "bodies left out, for they have no extent or no end: 1"
+
+
+def test_a_face_whose_triangles_miss_its_area_is_named(tmp_path):
+    invalid = drawings.cylinder_with_a_cone_for_its_wall(10.0, 20.0, 8.0)
+    both = drawings.compound_of(drawings.box(), invalid)
+    solids = read_solids(drawings.write_brep(both, tmp_path / "a.brep"), "mm")
+    [warning] = solids.warnings
+    assert warning.startswith(
+        "faces whose triangles miss the area that the drawing gives them by more than 5%, so the "
+        "drawing is invalid there: 2 (face 1 near ("
+    )
+    meshed, exact = map(float, re.findall(r"has (\S+) of (\S+) mm\u00b2", warning)[0])
+    assert exact == pytest.approx(2 * pi * 10 * 20, rel=1e-3)
+    assert meshed < 0.95 * exact
+
+
+def test_an_invalid_face_is_mended_where_the_kernel_can(tmp_path):
+    plate = drawings.plate_with_a_hole(10.0, 4.0)
+    solids = read_solids(drawings.write_brep(plate, tmp_path / "a.brep"), "mm")
+    (solid,) = solids.solids
+    assert area_mm2(solid.mesh.vertices, solid.mesh.faces) == pytest.approx(100 - 16)
+    assert "bodies with invalid faces that the kernel mended: 1" in solids.warnings
+    assert not any("miss the area" in warning for warning in solids.warnings)
+
+
+def test_a_mended_face_keeps_its_color():
+    plate = drawings.plate_with_a_hole(10.0, 4.0)
+    mesh = triangulate_piece(
+        plate, bounding_box(plate), lambda face: np.full(3, 0.3 if face.IsSame(plate) else np.nan)
+    )
+    assert mesh.is_mended
+    np.testing.assert_array_equal(mesh.albedo, np.full((len(mesh.faces), 3), 0.3))
+
+
+def test_the_usual_facets_miss_no_area():
+    """Of a small ball on a large plate, too, whose facets are as coarse as the plate's."""
+    both = drawings.compound_of(drawings.box(500.0, 500.0, 1.0), drawings.ball(0.5))
+    mesh = triangulate_piece(both, bounding_box(both), lambda face: np.zeros(3))
+    assert (mesh.num_unmeshed, mesh.wrong_areas, mesh.is_mended) == (0, (), False)
 
 
 @pytest.mark.parametrize("radius", [0.05, 500.0])

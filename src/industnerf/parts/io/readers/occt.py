@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Float64
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.collections import Sequence_TCollection_AsciiString, Sequence_TDF_Label
 from OCP.IFSelect import IFSelect_ReturnStatus
@@ -37,22 +36,15 @@ from OCP.XCAFDoc import (
 )
 
 from industnerf.errors import BadPart
-from industnerf.parts.io.occt_triangulation import (
-    ANGULAR_DEFLECTION,
-    LINEAR_DEFLECTION,
-    faces_of,
-    triangulation_of,
-)
+from industnerf.parts.io.occt_triangulation import faces_of
 from industnerf.parts.io.readers.mesh_content import (
     MeshBody,
     MeshContent,
     normalize_unit,
     transform_body,
 )
+from industnerf.parts.io.readers.occt_piece import triangulate_piece, wrong_areas_warning
 
-MeshArrays = tuple[
-    Float64[np.ndarray, "n 3"], Int64[np.ndarray, "m 3"], Float64[np.ndarray, "m 3"]
-]  # vertices, faces, albedo
 UNNAMED = ("SOLID", "COMPOUND", "SHELL", "=>")  # what the kernel calls what has no name
 
 
@@ -97,6 +89,8 @@ class _AssemblyWalker:
     num_unmeshed: int = 0  # faces that the kernel could not mesh
     num_non_solids: int = 0  # bodies that are no solids
     num_unbounded: int = 0  # bodies without extent, or without end
+    num_mended: int = 0  # bodies with invalid faces, of which the kernel could mend some
+    wrong_areas: list[str] = field(default_factory=list)  # of faces, see `PieceMesh`
 
     def iter_bodies(
         self, label: TDF_Label, matrix: np.ndarray, inherited: np.ndarray | None
@@ -130,11 +124,13 @@ class _AssemblyWalker:
             if box is None:
                 self.num_unbounded += 1
                 continue
-            mesh, num_unmeshed = triangulate_piece(piece, box, color_table)
-            self.num_unmeshed += num_unmeshed
+            mesh = triangulate_piece(piece, box, color_table.face_albedo)
+            self.num_unmeshed += mesh.num_unmeshed
             self.num_non_solids += not solid
-            if mesh is not None:
-                meshes.append(mesh)
+            self.num_mended += mesh.is_mended
+            self.wrong_areas += mesh.wrong_areas
+            if len(mesh.faces):
+                meshes.append((mesh.vertices, mesh.faces, mesh.albedo))
         names = [name] if len(meshes) == 1 else [f"{name} {i + 1}" for i in range(len(meshes))]
         return [MeshBody(n, *mesh) for n, mesh in zip(names, meshes, strict=True)]
 
@@ -145,6 +141,10 @@ class _AssemblyWalker:
             messages.append(
                 f"faces left out, for the kernel could not mesh them: {self.num_unmeshed}"
             )
+        if self.num_mended:
+            messages.append(f"bodies with invalid faces that the kernel mended: {self.num_mended}")
+        if self.wrong_areas:
+            messages.append(wrong_areas_warning(self.wrong_areas))
         if self.num_unbounded:
             messages.append(
                 f"bodies left out, for they have no extent or no end: {self.num_unbounded}"
@@ -237,31 +237,6 @@ def _explore(explorer: TopExp_Explorer) -> Iterator[TopoDS_Shape]:
     while explorer.More():
         yield explorer.Current()
         explorer.Next()
-
-
-def triangulate_piece(
-    piece: TopoDS_Shape, box: Bnd_Box, color_table: ColorTable
-) -> tuple[MeshArrays | None, int]:
-    """The triangles of `piece` in its `box`, and how many of its faces the kernel left bare.
-
-    They are not welded: the repair does that to what comes out of any reader.
-    """
-    diagonal = box.CornerMin().Distance(box.CornerMax())
-    BRepMesh_IncrementalMesh(piece, LINEAR_DEFLECTION * diagonal, False, ANGULAR_DEFLECTION, False)
-    points, corners, albedo, offset, num_unmeshed = [], [], [], 0, 0
-    for face in faces_of(piece):
-        triangulation = triangulation_of(face)
-        if triangulation is None:
-            num_unmeshed += 1
-            continue
-        points.append(triangulation[0])
-        corners.append(triangulation[1] + offset)
-        albedo.append(np.broadcast_to(color_table.face_albedo(face), (len(triangulation[1]), 3)))
-        offset += len(triangulation[0])
-    if not points:
-        return None, num_unmeshed
-    faces = np.concatenate(corners).astype(np.int64)
-    return (np.concatenate(points), faces, np.concatenate(albedo)), num_unmeshed
 
 
 def bounding_box(piece: TopoDS_Shape) -> Bnd_Box | None:
