@@ -112,7 +112,7 @@ def dvc() -> None:
             (folder / "dvc.yaml").write_text(
                 "stages: {s: {cmd: cp -r made out && date > stamp, outs: [out]}}"
             )
-            for command in (["init", "--no-scm", "-q"], ["config", "cache.type", "hardlink,copy"]):
+            for command in (["init", "--no-scm", "-q"], ["config", "cache.type", "reflink,copy"]):
                 subprocess.run(["dvc", *command], cwd=folder, check=True)
             copying = time_command(["cp", "-r", "made", "copy"], folder)
             first, second = (time_command(["dvc", "repro", "-q"], folder) for _ in range(2))

@@ -1,6 +1,7 @@
 """The digest of code: what it follows, and what it must not mind."""
 
 import sys
+from importlib.metadata import version
 
 import pytest
 
@@ -29,7 +30,8 @@ def package(tmp_path, monkeypatch):
 def fresh_digest() -> str:
     for cached in (
         code_hash.source_path,
-        code_hash.imported_modules,
+        code_hash._imports,
+        code_hash.library_versions,
         code_hash.import_closure,
         code_hash.code_digest,
     ):
@@ -63,3 +65,13 @@ def test_a_module_that_is_not_imported_does_not_count(package):
     before = fresh_digest()
     (package / "aside.py").write_text("Y = 2\n")
     assert fresh_digest() == before
+
+
+def test_libraries_are_those_of_the_whole_closure(package):
+    """By their names in the package index; types, Python's own and the suite's do not count."""
+    (package / "bottom.py").write_text(
+        "import os, ot.lp\nfrom jaxtyping import Float\nimport no_such_library\nX = 1\n"
+    )
+    (package / "aside.py").write_text("import torch\n")
+    fresh_digest()
+    assert code_hash.library_versions(("toy_suite.top",)) == {"POT": version("POT")}

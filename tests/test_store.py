@@ -1,6 +1,7 @@
 """The store: whole results or none, whatever happens to the process that makes them."""
 
 import os
+import platform
 import shutil
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import textwrap
 
 import pytest
 
+from industnerf import code_hash, processor
 from industnerf.store import Cost, Store, content_digest, store_key
 
 COST = Cost(1.0, 2.0, "cpu")
@@ -166,7 +168,7 @@ def test_a_key_depends_on_settings_code_and_content(tmp_path):
     file.write_text("1")
 
     def key(stage="s", settings=1, module="industnerf.seeds"):
-        return store_key(stage, settings, [module], [file])
+        return store_key(stage, settings, (module,), [file])
 
     first = key()
     assert key() == first
@@ -174,6 +176,44 @@ def test_a_key_depends_on_settings_code_and_content(tmp_path):
     file.write_text("2")
     others.append(key())
     assert len({first, *others}) == 5
+
+
+def test_an_upgrade_changes_the_keys_of_what_imports_the_library_and_no_others(
+    tmp_path, monkeypatch
+):
+    def keys():
+        code_hash.library_versions.cache_clear()
+        modules = ("industnerf.methods.atlasnet", "industnerf.methods.hull", "industnerf.seeds")
+        return [store_key("s", 1, (module,), []) for module in modules]
+
+    def upgrade(**versions):
+        installed = code_hash.version
+        monkeypatch.setattr(
+            code_hash, "version", lambda name: versions.get(name) or installed(name)
+        )
+
+    atlasnet, hull, seeds = keys()
+    upgrade(torch="99.0")
+    upgraded = keys()
+    assert upgraded[0] != atlasnet
+    assert upgraded[1:] == [hull, seeds]
+    upgrade(torch="99.0+cu130")  # a build for GPUs; a processor is in no key either
+    assert keys() == upgraded
+    upgrade(scipy="99.0")
+    assert keys()[1] != hull
+    assert keys()[2] == seeds
+    monkeypatch.undo()
+    code_hash.library_versions.cache_clear()
+
+
+def test_a_result_says_with_what_it_was_made(tmp_path, monkeypatch):
+    store = Store(tmp_path)
+    monkeypatch.setattr(processor, "model", lambda: "Some CPU")
+    store.put("step", "k", make_writer(), {"torch": "2.0+cpu"})
+    origin = store.origin("step", "k")
+    assert (origin.libraries, origin.processor) == ({"torch": "2.0+cpu"}, "Some CPU")
+    assert (origin.python, origin.isa) == (platform.python_version(), processor.isa())
+    assert store.origin("step", "other") is None
 
 
 def test_a_digest_does_not_depend_on_where_or_when(tmp_path):

@@ -1,14 +1,18 @@
-"""Which code a result depends on: the import closure of the module that made it."""
+"""Which code a result depends on: the import closure of the module that made it, and libraries."""
 
 import ast
 import hashlib
+import sys
+from collections.abc import Mapping
 from functools import cache
+from importlib.metadata import packages_distributions, version
 from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGE = "industnerf"
 # Types and words: they cannot change a result whose parameters are part of its key anyway.
 IGNORED_PACKAGES = (f"{PACKAGE}.schema", f"{PACKAGE}.errors")
+IGNORED_LIBRARIES = {"jaxtyping"}  # types too
 
 
 @cache
@@ -28,8 +32,8 @@ def _syntax_tree(module: str) -> ast.Module:
 
 
 @cache
-def imported_modules(module: str) -> frozenset[str]:
-    """Modules of the suite that `module` names in an import statement, late imports included."""
+def _imports(module: str) -> frozenset[str]:
+    """What `module` names in an import statement, late imports included; all names are absolute."""
     modules = set()
     for node in ast.walk(_syntax_tree(module)):
         if isinstance(node, ast.Import):
@@ -43,7 +47,12 @@ def imported_modules(module: str) -> frozenset[str]:
             modules |= (
                 submodules if len(submodules) == len(candidates) else submodules | {node.module}
             )
-    return frozenset(name for name in modules if name.partition(".")[0] == PACKAGE)
+    return frozenset(modules)
+
+
+def imported_modules(module: str) -> frozenset[str]:
+    """Modules of the suite that `module` imports."""
+    return frozenset(name for name in _imports(module) if name.partition(".")[0] == PACKAGE)
 
 
 @cache
@@ -67,6 +76,28 @@ def code_digest(module: str) -> str:
         for name in sorted(import_closure(module))
     ]
     return hashlib.sha256("\n".join(dumps).encode()).hexdigest()
+
+
+@cache
+def library_versions(modules: tuple[str, ...]) -> Mapping[str, str]:
+    """Installed versions of the libraries that the closures of `modules` import.
+
+    Of libraries by which those work only the ones are listed that the suite itself imports too.
+    """
+    closure = frozenset[str]().union(*map(import_closure, modules))
+    names = {name.partition(".")[0] for module in closure for name in _imports(module)}
+    names -= {PACKAGE, *IGNORED_LIBRARIES, *sys.stdlib_module_names}
+    return {
+        distribution: version(distribution)
+        for name in sorted(names)
+        for distribution in _distributions().get(name, [])[:1]
+    }
+
+
+@cache
+def _distributions() -> dict[str, list[str]]:
+    """What is installed: name that is imported -> names under which it is installed."""
+    return dict(packages_distributions())
 
 
 def _without_docstrings(tree: ast.Module) -> ast.Module:

@@ -9,7 +9,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Any
 
 from industnerf import resume_time
 from industnerf.artifacts.files import read_json, write_json
+from industnerf.code_hash import library_versions
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
@@ -71,7 +72,10 @@ def run_stage(
     keys = [_store_key(stage, task) for task in tasks]
     pending = [i for i, key in enumerate(keys) if not store.has(stage, key)]
     failures, lost = dict(earlier_failures or {}), set[str]()
-    work_items = [partial(_make_result, store, stage, keys[i], tasks[i]) for i in pending]
+    work_items = [
+        partial(_make_result, store, stage, keys[i], tasks[i], library_versions(_modules(tasks[i])))
+        for i in pending
+    ]
     with Progress(stage, out.name, len(tasks), reused=len(tasks) - len(pending)) as progress:
         for outcome in runner_from_environment().map(work_items, limit_s, memory_mb):
             index_of_task = pending[outcome.index]
@@ -124,20 +128,25 @@ def stage_of_output(folder: Path) -> str:
 
 
 def _store_key(stage: str, task: Task) -> str:
-    modules = (task.make.func.__module__, *task.modules)
-    return store_key(stage, task.settings, modules, task.inputs)
+    return store_key(stage, task.settings, _modules(task), task.inputs)
 
 
-def _make_result(store: Store, stage: str, key: str, task: Task) -> None:
+def _modules(task: Task) -> tuple[str, ...]:
+    return (task.make.func.__module__, *task.modules)
+
+
+def _make_result(
+    store: Store, stage: str, key: str, task: Task, libraries: Mapping[str, str]
+) -> None:
     if store.has(stage, key):  # made meanwhile, or before the job that makes it was started again
         return
     if not task.resumable:
-        store.put(stage, key, partial(run_timed, task.make))
+        store.put(stage, key, partial(run_timed, task.make), libraries)
         return
     scratch = store.scratch_dir(stage, key)
     earlier_seconds = resume_time.start_timer(scratch)
     make = partial(task.make, scratch=scratch)
-    store.put(stage, key, lambda target: run_timed(make, target, earlier_seconds))
+    store.put(stage, key, lambda target: run_timed(make, target, earlier_seconds), libraries)
 
 
 def run_timed(

@@ -2,12 +2,13 @@
 
     <root>/<step>/<key>/out/...          what the step wrote, read-only
     <root>/<step>/<key>/cost.json        what it cost; never part of a key
+    <root>/<step>/<key>/origin.json      with what it was made; never part of a key
     <root>/<step>/<key>/manifest.json    what all of it is, see `manifest.py`
     <root>/<step>/.damaged-<key>-<time>  what was found otherwise, for whoever wants to know why
 
 `dvc repro`, sweeps and workers on other machines share it.  A key is a hash of the step, its
-parameters, its code and the content of its inputs.  Not in it are the libraries and the kind of
-processor: on another, the same entry may differ in its last digits.
+parameters, its code, the versions of the libraries which that imports, and the content of its
+inputs.  Not in it are processor and GPU: where these round differently, reports say so.
 """
 
 import fcntl
@@ -19,15 +20,16 @@ import shutil
 import socket
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from industnerf import environment
-from industnerf.code_hash import code_digest
+from industnerf.code_hash import code_digest, library_versions
 from industnerf.manifest import find_damage, fsync, write_manifest
+from industnerf.origin import Origin
 
 
 @dataclass(frozen=True)
@@ -55,10 +57,17 @@ def content_digest(paths: Iterable[Path]) -> str:
     return digest.hexdigest()
 
 
-def store_key(stage: str, settings: Any, modules: Iterable[str], inputs: Iterable[Path]) -> str:
-    """The key of the result that the code of `modules` makes from `settings` and `inputs`."""
+def store_key(stage: str, settings: Any, modules: tuple[str, ...], inputs: Iterable[Path]) -> str:
+    """The key of the result that the code of `modules` makes from `settings` and `inputs`.
+
+    Builds of one version of a library, such as those for a CPU and for a GPU, are not told apart.
+    """
+    code = [code_digest(name) for name in modules]
+    libraries = {
+        name: version.partition("+")[0] for name, version in library_versions(modules).items()
+    }
     text = json.dumps(
-        [stage, settings, [code_digest(name) for name in modules], content_digest(inputs)],
+        [stage, settings, code, libraries, content_digest(inputs)],
         sort_keys=True,
         default=asdict,
     )
@@ -105,8 +114,18 @@ class Store:
         except (OSError, ValueError, TypeError):  # gone or torn since the result was used
             return None
 
-    def put(self, stage: str, key: str, make: Callable[[Path], Cost]) -> None:
-        """Let `make` fill a folder, then move it into place in one rename.
+    def origin(self, stage: str, key: str) -> Origin | None:
+        """With what the result was made, or None where that is not known here."""
+        return Origin.load(self.root / stage / key)
+
+    def put(
+        self,
+        stage: str,
+        key: str,
+        make: Callable[[Path], Cost],
+        libraries: Mapping[str, str] | None = None,
+    ) -> None:
+        """Let `make`, which uses `libraries`, fill a folder; move it into place in one rename.
 
         A killed process leaves a `.draft-*` folder, never half a result.  If another worker was
         faster, its result stays and this one is dropped: they are equal.
@@ -118,6 +137,7 @@ class Store:
             (draft / "out").mkdir(parents=True)
             cost = make(draft / "out")
             (draft / "cost.json").write_text(json.dumps(asdict(cost)))
+            Origin.here(libraries or {}).save(draft)
             write_manifest(draft)
             self.has(stage, key)  # a damaged one must not stand in the way
             draft.rename(self.root / stage / key)

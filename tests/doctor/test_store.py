@@ -53,10 +53,10 @@ def swap_bytes(path: Path) -> None:
 
 
 CORRUPTIONS = {
-    "out": (lambda entry: shutil.rmtree(entry / "out"), "3 of 4 files are missing"),
+    "out": (lambda entry: shutil.rmtree(entry / "out"), "3 of 5 files are missing"),
     "a file": (lambda entry: (entry / "out/cloud.npz").unlink(), "such as out/cloud.npz"),
     "half a picture": (lambda entry: halve(entry / "out/rgb/000.png"), "such as out/rgb/000.png"),
-    "a bit": (lambda entry: swap_bytes(entry / "out/cloud.npz"), "1 of 4 files have another"),
+    "a bit": (lambda entry: swap_bytes(entry / "out/cloud.npz"), "1 of 5 files have another"),
     "a stranger": (lambda entry: (entry / "out/a").touch(), "1 files do not belong to it"),
     "no cost": (lambda entry: (entry / "cost.json").unlink(), "such as cost.json"),
     "half a cost": (lambda entry: rewrite(entry / "cost.json", '{"sec'), "have another content"),

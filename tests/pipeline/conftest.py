@@ -30,6 +30,7 @@ TIMING_FILES = {
     "cost.md",
     "goals.csv",
     "goals.md",
+    "origins.md",
     "pareto.png",
     "report.html",
     "table1.md",

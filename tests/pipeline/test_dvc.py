@@ -28,6 +28,7 @@ CORE_MODULES = {
         "resume_time",
         "store",
         "manifest",
+        "origin",
         "code_hash",
         "device",
         "environment",
@@ -105,7 +106,8 @@ def project(tmp_path_factory):
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.touch()
     (project_dir / "dvc.yaml").write_text(yaml.safe_dump(raw))
-    shutil.copy(root / "params.yaml", project_dir)
+    for name in ("params.yaml", "constraints.txt"):
+        shutil.copy(root / name, project_dir)
     for folder in ("data/embedded", "results/grid", "results/seeds"):
         shutil.copytree(root / folder, project_dir / folder)
     set_param(project_dir, "methods", ["hull", "oracle"])
@@ -161,6 +163,19 @@ def test_one_parameter_outdates_just_the_stages_that_read_it(project, key, value
         assert outdated_stages(project) == stages
     finally:
         set_param(project, key, before)
+
+
+def test_another_library_outdates_what_is_keyed_by_its_version(project):
+    """The store is asked again: it makes anew what imports it, and hands out the rest."""
+    constraints = project / "constraints.txt"
+    before = constraints.read_text()
+    constraints.write_text(before.replace("torch==", "torch==99."))
+    try:
+        assert {name.partition("@")[0] for name in outdated_stages(project)} == {
+            *("solids", "parts", "views", "truth", "train", "reconstruct", "evaluate")
+        }
+    finally:
+        constraints.write_text(before)
 
 
 def test_nothing_is_outdated_after_a_run(project):

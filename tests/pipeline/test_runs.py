@@ -27,6 +27,7 @@ REPORT_FILES = {
     "inspection.csv",
     "inspection.md",
     "label.json",
+    "origins.md",
     "pareto.png",
     "report.html",
     "scores.csv",

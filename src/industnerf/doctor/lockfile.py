@@ -12,7 +12,6 @@ from typing import Any
 
 import yaml
 
-from industnerf.artifacts.files import write_text
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.project_paths import Project, ProjectPaths
 from industnerf.errors import BadArtifact
@@ -41,7 +40,7 @@ def replace_torn(folder: Path) -> None:
     lock.rename(aside)
     committed = _committed_text(lock)
     if committed and not find_truncation(committed):
-        write_text(lock, committed)
+        lock.write_text(committed, encoding="utf-8")
         origin = "the last committed one is put back"
     else:
         origin = "DVC starts a new one"

@@ -10,6 +10,7 @@ sparsification.png         if a method returns candidates
 summary.json               the means, for MLflow
 cost.csv cost.md table1.md goals.csv goals.md pareto.png report.html
                            with timings, so they differ from run to run
+origins.md                 machines and versions
 """
 
 from pathlib import Path
@@ -24,6 +25,7 @@ from industnerf.report.figures.pareto import plot_pareto
 from industnerf.report.figures.sparsification import plot_sparsification
 from industnerf.report.html.page import load_page_media, render_page
 from industnerf.report.part_subsets import select_viewer_parts
+from industnerf.report.publish.origins import origins_line, origins_md, read_origins
 from industnerf.report.publish.provenance import provenance_line
 from industnerf.report.results import Results
 from industnerf.report.statistics.comparisons import comparisons_csv, comparisons_md
@@ -50,18 +52,19 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     The page shows the grid of protocols in `grid_folder`, if there is one.
     """
     costs = read_costs(study.folders, list(study.methods))
+    origins = read_origins(study.folders, list(study.methods))
     results = Results.from_study(study, settings, costs)
     write_text(out / "cost.csv", costs_csv(costs))
+    write_text(out / "origins.md", origins_md(origins))
     write_tables(results, out)
     viewer_parts = select_viewer_parts(study, settings.contact_sheet_parts)
     sheet_png = draw_contact_sheet(study, viewer_parts)
     pareto_png = plot_pareto(results.table1, results.table1_extras)
     sparsification_png = plot_sparsification(study)
     media = load_page_media(study, viewer_parts, sheet_png, pareto_png, sparsification_png)
-    write_text(
-        out / "report.html",
-        render_page(results, media, load_published_grid(grid_folder), provenance_line()),
-    )
+    provenance = ". ".join(filter(None, (provenance_line(), origins_line(origins))))
+    page = render_page(results, media, load_published_grid(grid_folder), provenance)
+    write_text(out / "report.html", page)
     (out / "pareto.png").write_bytes(pareto_png)
     if sheet_png:
         (out / "contact_sheet.png").write_bytes(sheet_png)

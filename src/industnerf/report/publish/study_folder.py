@@ -28,6 +28,7 @@ COPIED_FILES = {
     "scores.csv": "every score of every part; all tables are made of it",
     "cost.csv": "seconds and peak memory of every result",
     "cost.md": "their means, and those of training, a row per method",
+    "origins.md": "which results were made on which machine, with which libraries",
 }
 # Not by DVC's names: it would take the folder for a second pipeline.
 RUN_FILES = {  # published name: source, description
@@ -83,7 +84,9 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
     images = sorted(path.name for path in out.glob("*.png"))
     run_files = {name: text for name, (_, text) in RUN_FILES.items()}
     files = [
-        [f"`{name}`", text] for name, text in (COPIED_FILES | run_files | GENERATED_FILES).items()
+        [f"`{name}`", text]
+        for name, text in (COPIED_FILES | run_files | GENERATED_FILES).items()
+        if (out / name).exists() or name in GENERATED_FILES  # older results lack some
     ]
     return (
         f"# Results of `{provenance['command']}`\n\n"

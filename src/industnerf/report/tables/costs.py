@@ -25,24 +25,40 @@ class CostRow:
     cost: Cost
 
 
-def read_costs(folders: StudyFolders, methods: list[str]) -> list[CostRow]:
-    """All costs that the store knows."""
+@dataclass(frozen=True)
+class StoredResult:
+    """One result of a study, by its key in the store; `method` as in CostRow."""
+
+    stage: str
+    method: str
+    part_id: str
+    key: str
+
+
+def stored_results(folders: StudyFolders, methods: list[str]) -> Iterator[StoredResult]:
+    """All results that the study consists of."""
     stages = {name: getattr(folders, name) for name in ("solids", "parts", "views", "truth")}
-    rows = [row for name, folder in stages.items() for row in _rows(name, "", folder)]
+    for name, folder in stages.items():
+        yield from _results(name, "", folder)
     for method in methods:
         if (folders.states / method).exists():  # it learns from other parts
-            rows += _rows("train", method, folders.states / method)
-        rows += _rows("reconstruct", method, folders.clouds / method)
-        rows += _rows("evaluate", method, folders.scores / method)
-    return rows
+            yield from _results("train", method, folders.states / method)
+        yield from _results("reconstruct", method, folders.clouds / method)
+        yield from _results("evaluate", method, folders.scores / method)
 
 
-def _rows(stage: str, method: str, folder: Path) -> Iterator[CostRow]:
+def _results(stage: str, method: str, folder: Path) -> Iterator[StoredResult]:
+    return (StoredResult(stage, method, *item) for item in read_index(folder).items())
+
+
+def read_costs(folders: StudyFolders, methods: list[str]) -> list[CostRow]:
+    """All costs that the store knows."""
     store = Store.from_environment()
-    for part_id, key in read_index(folder).items():
-        cost = store.cost(stage, key)
-        if cost:
-            yield CostRow(stage, method, part_id, cost)
+    return [
+        CostRow(result.stage, result.method, result.part_id, cost)
+        for result in stored_results(folders, methods)
+        if (cost := store.cost(result.stage, result.key))
+    ]
 
 
 def costs_csv(rows: list[CostRow]) -> str:
