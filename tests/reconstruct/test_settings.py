@@ -2,9 +2,9 @@
 
 import pytest
 
-from industnerf.config import load_params
+from industnerf.config import DEFAULT_PARAMS, load_params
 from industnerf.errors import BadParams
-from industnerf.reconstruct.settings import DEFAULT_PARAMS, resolve_config
+from industnerf.reconstruct.settings import resolve_config
 from tests.conftest import ROOT
 
 PARAMS = ROOT / "params.yaml"

@@ -17,6 +17,7 @@ from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
 from industnerf.reconstruct.region import check_float32_precision, region_of_interest
 from industnerf.reconstruct.settings import resolve_config
+from industnerf.reconstruct.silhouette_check import silhouette_warning
 from industnerf.stage import run_timed
 
 
@@ -40,6 +41,11 @@ def _run(options: Options, display: Display) -> str:
         image_set.cameras, image_set.image_paths, options.center, options.radius
     )
     check_float32_precision(center, radius)
+    warning = silhouette_warning(
+        image_set.rgb, image_set.cameras, image_set.background, center, radius
+    )
+    if warning:
+        display.log(warning)
     display.log(
         f"{len(image_set.image_paths)} photographs of {image_set.cameras.width} x "
         f"{image_set.cameras.height} px; region of interest: "
