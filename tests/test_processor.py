@@ -1,8 +1,10 @@
 """Libraries are held to AVX2 before they choose their kernels."""
 
 import os
+import platform
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -57,3 +59,10 @@ def test_a_process_that_inherits_the_environment_is_pinned() -> None:
 @pytest.mark.parametrize("name", ["torch", "numpy", "warp"])
 def test_the_suite_itself_loads_none_of_the_large_libraries(name: str) -> None:
     assert run_python(f"import industnerf, sys; print('{name}' in sys.modules)") == "False"
+
+
+def test_the_model_is_the_kernels_word_or_else_the_architecture(tmp_path: Path) -> None:
+    file = tmp_path / "cpuinfo"
+    assert processor.model(file) == platform.machine()
+    file.write_text("flags : fpu\nmodel name\t: Some CPU @ 2: 3 GHz\nmodel name\t: Other\n")
+    assert processor.model(file) == "Some CPU @ 2: 3 GHz"

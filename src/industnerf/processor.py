@@ -36,14 +36,11 @@ def unpinned_libraries() -> list[str]:
     return list(_late_libraries)
 
 
-def model() -> str:
+def model(path: Path = Path("/proc/cpuinfo")) -> str:
     """The processor's model, such as "AMD EPYC 9B45", or the architecture where it is not told."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())
+    return next(names, platform.machine())
 
 
 def isa() -> str:

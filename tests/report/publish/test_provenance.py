@@ -10,7 +10,6 @@ from industnerf.errors import BadArtifact
 from industnerf.report.publish.provenance import (
     PACKAGES,
     build_provenance,
-    cpu_model,
     environment,
     provenance_line,
 )
@@ -83,12 +82,3 @@ def test_the_environment_names_versions_and_no_host():
     assert platform.node() not in text
     assert "/home" not in text
     assert "/usr" not in text
-
-
-def test_the_processor_is_as_it_calls_itself(tmp_path):
-    file = tmp_path / "cpuinfo"
-    assert cpu_model(file) == "unknown"
-    file.write_text("processor\t: 0\nmodel name\t: Some CPU @ 2: 3 GHz\nflags\t: fpu\n")
-    assert cpu_model(file) == "Some CPU @ 2: 3 GHz"
-    file.write_text("processor\t: 0\nBogoMIPS\t: 50\n")
-    assert cpu_model(file) == "unknown"

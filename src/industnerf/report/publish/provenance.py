@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from industnerf import git
+from industnerf import git, processor
 from industnerf.errors import BadArtifact
 
 SCHEMA = 1
@@ -88,7 +88,7 @@ def environment() -> dict[str, Any]:
         "schema": SCHEMA,
         "python": platform.python_version(),
         "platform": " ".join(filter(None, (platform.system(), platform.machine(), _libc()))),
-        "cpu": cpu_model(),
+        "cpu": processor.model(),
         "cores": len(os.sched_getaffinity(0)),
         "packages": {name: version(name) for name in PACKAGES},
     }
@@ -96,13 +96,3 @@ def environment() -> dict[str, Any]:
 
 def _libc() -> str:
     return "-".join(platform.libc_ver()).strip("-")
-
-
-def cpu_model(path: Path = Path("/proc/cpuinfo")) -> str:
-    """The model name of the processor, or `unknown`."""
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            name, _, value = line.partition(":")
-            if name.strip() == "model name":
-                return value.strip()
-    return "unknown"
