@@ -1,5 +1,6 @@
 """MLflow: one run per distinct result, safe under concurrency, never fatal."""
 
+import fcntl
 import json
 import subprocess
 import sys
@@ -7,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from industnerf import tracking
 from industnerf.artifacts.history import History
 from industnerf.tracking import git_state, log_report
 
@@ -151,6 +153,18 @@ def test_a_broken_database_is_said_and_not_fatal(report, tmp_path):
     assert code == 0
     assert "MLflow: not logged" in output
     assert "The result is safe in" in output
+
+
+def test_a_lock_that_a_stopped_process_holds_is_not_waited_for_for_ever(
+    report, tmp_path, monkeypatch, capsys
+):
+    """Its result is safe, and the run must come to its end."""
+    monkeypatch.setenv("INDUSTNERF_MLFLOW", str(tmp_path))
+    monkeypatch.setattr(tracking, "LOCK_PATIENCE_S", 0.3)
+    with (tmp_path / "mlflow.db.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        log_report(report, {"seed": 0})
+    assert "mlflow.db.lock is held for more than 0.3 s" in capsys.readouterr().err
 
 
 def test_tracking_can_be_switched_off(report, tmp_path, monkeypatch):

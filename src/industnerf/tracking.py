@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from industnerf import environment, git
 from industnerf.artifacts.files import write_json
@@ -26,6 +26,7 @@ from industnerf.mlflow_artifacts import loss_curve, mean_costs, per_part_table, 
 EXPERIMENT = "industnerf"
 # Without it the UI opens on a page for language models instead of the table of runs.
 TABLE_OF_RUNS = {"mlflow.experimentKind": "custom_model_development"}
+LOCK_PATIENCE_S = 60.0  # logging takes seconds; a process that is stopped holds the lock for ever
 TAGS_FILE = "label.json"  # of a report: the tags of its run, whenever it is logged
 
 
@@ -182,8 +183,20 @@ def _client() -> tuple[Any, str]:
 def _locked() -> Iterator[None]:
     database_dir().mkdir(parents=True, exist_ok=True)
     with (database_dir() / "mlflow.db.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        deadline = time.monotonic() + LOCK_PATIENCE_S
+        while not _try_lock(lock):
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"{lock.name} is held for more than {LOCK_PATIENCE_S:g} s")
+            time.sleep(0.1)
         yield
+
+
+def _try_lock(lock: IO[str]) -> bool:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
 
 
 def git_state() -> dict[str, str]:

@@ -1,0 +1,53 @@
+"""A disk that is full in the middle of every stage."""
+
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from industnerf.doctor.lockfile import replace_torn
+from tests.campaign.conftest import small_tmpfs
+from tests.pipeline.conftest import Project
+
+pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+STAGES = ("parts", "views", "split", "truth", "train", "reconstruct", "evaluate", "report")
+AMPLE = 2**30  # bytes
+
+
+def used_bytes(folder: Path) -> int:
+    status = os.statvfs(folder)
+    return (status.f_blocks - status.f_bfree) * status.f_frsize
+
+
+def resize(folder: Path, size: int) -> None:
+    subprocess.run(["mount", "-o", f"remount,size={size}", str(folder)], check=True)
+
+
+def test_a_full_disk_costs_nothing(root: Path, tmp_path: Path, say: Callable[[str], None]):
+    growth = {}
+    with small_tmpfs(tmp_path / "ample", str(AMPLE)):
+        ample = Project(root, tmp_path / "ample/project")
+        for stage in STAGES:
+            before = used_bytes(tmp_path / "ample")
+            code, output = ample.run("dvc", "repro", "-s", stage)
+            assert code == 0, output
+            growth[stage] = used_bytes(tmp_path / "ample") - before
+        expected = ample.outputs()
+    with small_tmpfs(tmp_path / "small", str(AMPLE)):
+        project = Project(root, tmp_path / "small/project")
+        for stage in STAGES:
+            room = growth[stage] // 2
+            resize(tmp_path / "small", used_bytes(tmp_path / "small") + room)
+            code, output = project.run("dvc", "repro", "-s", stage)
+            resize(tmp_path / "small", AMPLE)
+            reason = [line for line in output.splitlines() if "No space" in line][:1]
+            say(f"disk full, {stage}, {room / 1e3:.0f} kB left: exit code {code}, {reason}")
+            assert code != 0, output
+            replace_torn(project.folder)
+            code, output = project.run("dvc", "repro", "-s", stage)
+            assert code == 0, output
+        outputs = project.outputs()
+        assert [name for name in expected if outputs.get(name) != expected[name]] == []
+        say(f"disk full: {len(expected)} files as on an ample disk")
