@@ -24,6 +24,15 @@ SHARED = (
 DOCTOR_CHECKS = ("cache", "lockfile", "locks", "stale_files", "store", "database")
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Only whoever asks for the campaign gets it: neither `make test` nor `make test-all` does."""
+    if "campaign" in config.option.markexpr:
+        return
+    asked = [item for item in items if item.get_closest_marker("campaign") is None]
+    config.hook.pytest_deselected(items=[item for item in items if item not in asked])
+    items[:] = asked
+
+
 class WorkingCopy:
     """A root with the suite's code, a store and an MLflow database of its own."""
 

@@ -21,7 +21,7 @@ from pipeline.in_process import run_pipeline
 from pipeline.preset import compose_params
 from tests.pipeline.conftest import SMALL
 
-pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+pytestmark = pytest.mark.campaign
 NUM_PARTS = 20
 # stage: its function that makes one part's result, and its output
 STAGES = {

@@ -19,7 +19,7 @@ from tests.doctor.test_database import OLDER
 from tests.pipeline.conftest import Project, finished_run
 
 __all__ = ["finished_run"]
-pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+pytestmark = pytest.mark.campaign
 MAX_SECONDS = 150
 
 

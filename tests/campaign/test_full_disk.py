@@ -11,7 +11,7 @@ from industnerf.doctor.lockfile import replace_torn
 from tests.campaign.conftest import small_tmpfs
 from tests.pipeline.conftest import Project
 
-pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+pytestmark = pytest.mark.campaign
 STAGES = ("parts", "views", "split", "truth", "train", "reconstruct", "evaluate", "report")
 AMPLE = 2**30  # bytes
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.campaign.conftest import WorkingCopy
 
-pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+pytestmark = pytest.mark.campaign
 
 KILLS = int(os.environ.get("CAMPAIGN_KILLS", "50"))
 SECONDS = (0.5, 30.0)  # between the start and the kill

@@ -14,7 +14,7 @@ from industnerf.doctor.project_paths import ProjectPaths
 from industnerf.stage import Task, read_index, run_stage
 from tests.pipeline.conftest import SMALL, Project
 
-pytestmark = [pytest.mark.campaign, pytest.mark.slow]
+pytestmark = pytest.mark.campaign
 ENTRIES = 10_000
 
 
