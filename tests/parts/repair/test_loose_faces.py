@@ -45,9 +45,9 @@ def test_pieces_are_measured_against_the_solid_alone():
     """Against a box that goes around the sliver too, the second ball would be small."""
     solids = [concatenated(ball(10.0), ball(0.6, (13, 0, 0)))]
     alone = repair_mesh(solids, settings())
-    beside = repair_mesh([*solids, SLIVER], settings())
-    np.testing.assert_array_equal(alone.mesh.faces, beside.mesh.faces)
-    assert beside.repairs[1:] == alone.repairs
+    both = repair_mesh([*solids, SLIVER], settings())
+    np.testing.assert_array_equal(alone.mesh.faces, both.mesh.faces)
+    assert both.repairs[1:] == alone.repairs
 
 
 @pytest.mark.parametrize(
