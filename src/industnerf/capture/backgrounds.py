@@ -59,7 +59,7 @@ class Likeness:
 
     @property
     def warning(self) -> str:
-        """A sentence if more than MAX_MATCHING_SHARE of the part's pixels match it, else nothing."""
+        """A sentence if more than MAX_MATCHING_SHARE of the part's pixels match, else nothing."""
         share = self.matching / max(self.pixels, 1)
         if share <= MAX_MATCHING_SHARE:
             return ""
