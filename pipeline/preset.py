@@ -16,7 +16,7 @@ from hydra.errors import HydraException
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from industnerf.artifacts.remarks import print_remarks
+from industnerf.artifacts.part_warnings import print_part_warnings
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
 from industnerf.doctor import lockfile
@@ -55,7 +55,7 @@ def main(preset: str) -> None:
     if subprocess.run(["dvc", "repro"], cwd=project, preexec_fn=die_with_parent).returncode:
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
     for stage in ("parts", "views"):  # again, for DVC runs no stage that has nothing to do
-        print_remarks(project / "data" / stage, stage)
+        print_part_warnings(project / "data" / stage, stage)
     print(f"open {project.relative_to(root) / 'reports' / 'report.html'}")
 
 

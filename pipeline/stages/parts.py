@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from industnerf.artifacts.part import write_manifest
-from industnerf.artifacts.remarks import print_remarks
+from industnerf.artifacts.part_warnings import print_part_warnings
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.parts.catalogue.sources import embedded_parts, user_parts
@@ -22,7 +22,7 @@ def main(cfg: StageParams, source: str, solids: str, out: str) -> None:
         "parts", tasks, Path(out), cfg.on_failure, earlier_failures=earlier_failures, **limits
     )
     write_manifest(Path(out))
-    print_remarks(Path(out), "parts")
+    print_part_warnings(Path(out), "parts")
 
 
 if __name__ == "__main__":

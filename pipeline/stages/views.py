@@ -3,7 +3,7 @@
 from functools import partial
 from pathlib import Path
 
-from industnerf.artifacts.remarks import print_remarks
+from industnerf.artifacts.part_warnings import print_part_warnings
 from industnerf.capture.render import render_part
 from industnerf.capture.rng import is_random
 from industnerf.cli import run_as_stage
@@ -25,7 +25,7 @@ def main(cfg: StageParams, parts: str, out: str) -> None:
     ]
     earlier_failures = read_failures(Path(parts))
     run_stage("views", tasks, Path(out), cfg.on_failure, earlier_failures=earlier_failures)
-    print_remarks(Path(out), "views")
+    print_part_warnings(Path(out), "views")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A part stands out from the background chosen for it, or a remark says that it does not."""
+"""A part stands out from the background chosen for it, or a warning says that it does not."""
 
 import json
 from dataclasses import replace
@@ -8,10 +8,10 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import Appearance, Mesh, save_part
-from industnerf.artifacts.remarks import load_remarks
+from industnerf.artifacts.part_warnings import load_part_warnings
 from industnerf.artifacts.views import load_views
 from industnerf.capture.backgrounds import COLORS, Likeness, contrasting_color
-from industnerf.capture.render import background_remark, render_part
+from industnerf.capture.render import background_warning, render_part
 from industnerf.geometry.silhouettes import foreground_mask
 from tests.samples import unit_part
 
@@ -53,7 +53,7 @@ def lost_share(views) -> float:
 def test_no_finish_is_lost_before_the_shipped_background(photograph, settings, albedos):
     views = photograph(settings.background, *albedos)
     assert lost_share(views) < 2e-3
-    assert not load_remarks(views.folder.parent, "views")
+    assert not load_part_warnings(views.folder.parent, "views")
 
 
 def test_white_stays_where_it_serves_and_a_light_part_leaves_it(photograph):
@@ -77,22 +77,22 @@ def test_the_background_is_declared_for_methods_and_other_tools(photograph):
     assert transforms["background"] == [0.0, 0.0, 0.0]
 
 
-def test_a_part_like_its_background_is_remarked_upon(photograph, settings):
+def test_a_part_like_its_background_is_warninged_upon(photograph, settings):
     views = photograph("white", 0.9)
     share = lost_share(views)
     assert share > 0.1
-    remark = load_remarks(views.folder.parent, "views")["ring"][0]
-    assert float(remark.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
-    assert "views.background" in remark
-    early = background_remark(*ring(0.9), replace(settings, background="white"), 0)
+    warning = load_part_warnings(views.folder.parent, "views")["ring"][0]
+    assert float(warning.split("%")[0]) == pytest.approx(100 * share, rel=0.1)
+    assert "views.background" in warning
+    early = background_warning(*ring(0.9), replace(settings, background="white"), 0)
     assert float(early.split("%")[0]) == pytest.approx(100 * share, rel=0.2)
-    assert not background_remark(*ring(0.9), settings, 0)
+    assert not background_warning(*ring(0.9), settings, 0)
 
 
 def test_one_pixel_in_a_hundred_goes_without_saying():
     white, gray = np.full((1, 3), 255, np.uint8), np.full((99, 3), 100, np.uint8)
     likeness = Likeness()
     likeness.add(np.concatenate([white, gray]), np.ones(3))
-    assert likeness.remark == ""
+    assert likeness.warning == ""
     likeness.add(white, np.ones(3))
-    assert likeness.remark.startswith("2.0% of its pixels")
+    assert likeness.warning.startswith("2.0% of its pixels")

@@ -32,7 +32,7 @@ METER_PX = 64  # side of the images in which the colors of a part are looked at 
 TOLERANCE = 0.02  # in [0, 1]; `background_tolerance` of the methods, below which a pixel is lost
 CHOICE_TOLERANCE = 0.05  # in [0, 1]; wider, for blur, noise and compression are still to come
 CHOICE_SHARE = 1e-3  # of the part's pixels: so many may be within it
-REMARK_SHARE = 0.01  # of the part's pixels within TOLERANCE: more are remarked upon
+MAX_MATCHING_SHARE = 0.01  # of the part's pixels within TOLERANCE: more give a warning
 
 PartColors = UInt8[np.ndarray, "_ 3"]  # of each pixel that shows the part
 
@@ -42,12 +42,12 @@ class Likeness:
     """Counts the part's pixels, and those that look like the background."""
 
     pixels: int = 0
-    alike: int = 0
+    matching: int = 0
 
     def add(self, colors: PartColors, background: Float[np.ndarray, "3"]) -> None:
         """Count the `colors` of pixels of the part in one view; `background` is in [0, 1]."""
         self.pixels += len(colors)
-        self.alike += int(is_like(colors, background, TOLERANCE).sum())
+        self.matching += int(is_like(colors, background, TOLERANCE).sum())
 
     def count(
         self, images: Iterable[RgbdImage], background: Float[np.ndarray, "n 3"]
@@ -58,10 +58,10 @@ class Likeness:
             yield image
 
     @property
-    def remark(self) -> str:
-        """A sentence if more than REMARK_SHARE of the part's pixels are alike, else nothing."""
-        share = self.alike / max(self.pixels, 1)
-        if share <= REMARK_SHARE:
+    def warning(self) -> str:
+        """A sentence if more than MAX_MATCHING_SHARE of the part's pixels match, else nothing."""
+        share = self.matching / max(self.pixels, 1)
+        if share <= MAX_MATCHING_SHARE:
             return ""
         return (
             f"{share:.1%} of its pixels are within {TOLERANCE:g} of the background's color, and "

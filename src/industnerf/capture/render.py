@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from industnerf.artifacts.part import Appearance, Mesh, load_mesh, load_part
+from industnerf.artifacts.part_warnings import save_part_warnings
 from industnerf.artifacts.png import MAX_DEPTH_VALUE
-from industnerf.artifacts.remarks import save_remarks
 from industnerf.artifacts.views import Views, save_views
 from industnerf.capture.backgrounds import Likeness, PartColors, backgrounds, metered_colors
 from industnerf.capture.camera_perturbation import (
@@ -101,13 +101,13 @@ def render_part(source: Path, target: Path, settings: ViewsParams, seed: int) ->
     likeness = Likeness()
     true_cameras = None if is_exact(calibration) else scene.cameras
     save_views(views, likeness.count(frames, views.background), true_cameras)
-    save_remarks(target, [likeness.remark])
+    save_part_warnings(target, [likeness.warning])
 
 
-def background_remark(
+def background_warning(
     mesh: Mesh, finishes: Sequence[Appearance], settings: ViewsParams, seed: int
 ) -> str:
-    """What `Likeness.remark` says of the colors of `mesh`, before any view is rendered."""
+    """What `Likeness.warning` says of the colors of `mesh`, before any view is rendered."""
     scene = set_up_scene("", mesh, finishes, settings, seed)
     part_colors = list(scene.part_colors)
     likeness = Likeness()
@@ -115,7 +115,7 @@ def background_remark(
         part_colors, backgrounds(settings, scene.streams, part_colors), strict=True
     ):
         likeness.add(colors, background)
-    return likeness.remark
+    return likeness.warning
 
 
 def view_shading(

@@ -10,7 +10,7 @@ import numpy as np
 from industnerf.artifacts.cloud import EXTRA_CLOUDS, Cloud, load_warnings
 from industnerf.artifacts.files import read_npz
 from industnerf.artifacts.part import Part, load_parts
-from industnerf.artifacts.remarks import load_remarks
+from industnerf.artifacts.part_warnings import load_part_warnings
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.artifacts.split import SplitAssignment, load_split
 from industnerf.artifacts.state import ModelState
@@ -113,8 +113,8 @@ def load_study(folders: StudyFolders, metadata: RunMetadata) -> Study:
         scores=[row for name in methods for row in load_method_scores(folders.scores / name, name)],
         failures=failures_of(folders, methods),
         input_warnings={
-            "parts": load_remarks(folders.parts, "parts"),
-            "views": load_remarks(folders.views, "views"),
+            "parts": load_part_warnings(folders.parts, "parts"),
+            "views": load_part_warnings(folders.views, "views"),
         }
         | {name: _load_input_warnings(folders.clouds / name) for name in methods},
         parameters_and_steps={

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.part import UNSPECIFIED, Appearance, load_mesh, load_part
-from industnerf.artifacts.remarks import load_remarks
+from industnerf.artifacts.part_warnings import load_part_warnings
 from industnerf.artifacts.solids import Solid, Solids
 from industnerf.errors import BadArtifact, BadPart
 from industnerf.parts.io.ingest import ingest, used_appearances
@@ -29,7 +29,7 @@ def folder(tmp_path):
         Solid("plate", triangle_soup(box(finish=1))),
         Solid("knob", flipped(ball(4.0, (0, 0, 12), finish=2))),
     )
-    file = Solids("a.stl", "STL", "mm, assumed", (UNSPECIFIED, RED, BLUE), ("a remark",), solids)
+    file = Solids("a.stl", "STL", "mm, assumed", (UNSPECIFIED, RED, BLUE), ("a warning",), solids)
     (tmp_path / "solids").mkdir()
     file.save(tmp_path / "solids")
     return tmp_path / "solids"
@@ -50,7 +50,7 @@ def test_a_whole_file_becomes_one_part(folder, tmp_path):
     assert part.volume_mm3 == pytest.approx(6000 + 4 / 3 * np.pi * 64, rel=0.01)  # faceted ball
     assert part.finishes == (RED, BLUE)  # no face is UNSTATED
     assert np.bincount(mesh.finish).tolist() == [12, 320]
-    assert part.defects[0] == "a remark"
+    assert part.defects[0] == "a warning"
     assert part.defects[1].startswith("faces turned: 320 of 332")
     assert len(part.defects) == 2
 
@@ -70,7 +70,7 @@ def test_a_size_that_the_assumed_unit_makes_unlikely_has_a_note(tmp_path):
     ingest(tmp_path, "m", "own", None, settings(), tmp_path / "out")
     (warning,) = load_part(tmp_path / "out").defects
     assert warning.startswith("its largest side is 0.03 mm if its numbers are mm, as assumed")
-    assert load_remarks(tmp_path, "parts") == {"out": [warning]}
+    assert load_part_warnings(tmp_path, "parts") == {"out": [warning]}
 
 
 def test_an_open_part_has_no_volume_and_lists_its_defects(tmp_path):

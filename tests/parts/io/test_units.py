@@ -37,7 +37,7 @@ def test_likely_sizes_and_what_a_file_may_mean_have_no_note(unit, largest_mm):
     assert unit_note(unit, largest_mm) == ""
 
 
-def test_an_absurd_size_is_remarked_upon_whoever_states_the_unit():
+def test_an_absurd_size_is_warninged_upon_whoever_states_the_unit():
     knob = "(parts.override_units, --override-units)"
     assert unit_note("m, stated", 743e3) == (
         f"its largest side is 7.43e+05 mm if its numbers are m, as stated; it is 743 if mm {knob}"

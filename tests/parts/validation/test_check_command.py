@@ -158,7 +158,7 @@ def test_what_is_no_cad_in_a_folder_is_named_but_for_sidecars(tmp_path):
     assert "left out, for they are no CAD: cloud.pcd, notes.txt\n" in text
 
 
-def test_a_light_part_before_white_is_remarked_upon(tmp_path):
+def test_a_light_part_before_white_is_warninged_upon(tmp_path):
     (tmp_path / "light.mtl").write_text("newmtl light\nKd 0.9 0.9 0.9\n")
     box = trimesh.creation.box((30, 20, 10))
     box.export(tmp_path / "plain.obj")
@@ -172,7 +172,7 @@ def test_a_light_part_before_white_is_remarked_upon(tmp_path):
     assert rows["light.obj"]["notes"] == ""
 
 
-def test_a_stated_unit_can_be_overridden_and_an_absurd_one_is_remarked_upon(tmp_path):
+def test_a_stated_unit_can_be_overridden_and_an_absurd_one_is_warninged_upon(tmp_path):
     trimesh.creation.box((60, 40, 32)).export(tmp_path / "mm.glb")
     _, text, rows = run([tmp_path / "mm.glb"], tmp_path / "out")
     assert (

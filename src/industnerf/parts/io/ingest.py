@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from industnerf.artifacts.part import Appearance, Mesh, Part, save_part
-from industnerf.artifacts.remarks import save_remarks
+from industnerf.artifacts.part_warnings import save_part_warnings
 from industnerf.artifacts.solids import Solids
 from industnerf.parts.io.units import unit_note
 from industnerf.parts.measure import measure
@@ -47,7 +47,7 @@ def ingest(
         **vars(properties),
     )
     save_part(target, part, mesh)
-    save_remarks(target, [*file.warnings, note, *repaired.residual_defects])
+    save_part_warnings(target, [*file.warnings, note, *repaired.residual_defects])
 
 
 def used_appearances(

@@ -7,7 +7,7 @@ the right one: glTF is in meters, whatever the numbers in the file are.
 
 MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "inch": 25.4}  # of parts.units
 LIKELY_SIZE_MM = 5.0, 5000.0  # largest side of a part; watches and bridges are elsewhere
-POSSIBLE_SIZE_MM = 0.5, 20000.0  # largest side that a stated unit is believed without a remark
+POSSIBLE_SIZE_MM = 0.5, 20000.0  # largest side that a stated unit is believed without a warning
 ASSUMED, STATED, OVERRIDDEN = ", assumed", ", stated", ", overridden"  # how `Solids.unit` ends
 OVERRIDE = "parts.override_units, --override-units"  # the knob
 

@@ -76,6 +76,11 @@ def replace_faces(solids: Sequence[Mesh], faces: Int[np.ndarray, "m 3"]) -> list
     return replaced
 
 
+def format_share(share: float) -> str:
+    """`share` in percent, and never as nothing."""
+    return f"{share:.2%}" if share >= 5e-5 else "less than 0.01%"
+
+
 def fit_normalization(solids: list[Mesh]) -> Normalization:
     """The normalization of finite `solids` without unused vertices; BadPart if they are a point."""
     low = np.min([solid.vertices.min(axis=0) for solid in solids], axis=0)

@@ -4,7 +4,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from industnerf.artifacts.part import Mesh
-from industnerf.parts.repair.mesh_ops import concatenate, select_faces, solid_of_faces
+from industnerf.parts.repair.mesh_ops import (
+    concatenate,
+    format_share,
+    select_faces,
+    solid_of_faces,
+)
 from industnerf.parts.validation.checks import double_area_normals, surface_components
 from industnerf.schema import RepairParams
 
@@ -29,7 +34,7 @@ def drop_small_components(
     )
     is_small[_largest_components(area, component, solid)] = False
     count, total = int(is_small.sum()), float(share[is_small].sum())
-    message = f"{count} loose pieces with {total:.2%} of the area"
+    message = f"{count} loose pieces with {format_share(total)} of the area"
     if not count:
         return solids, [], []
     if total > settings.max_removed_area:

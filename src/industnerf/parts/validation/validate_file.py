@@ -13,7 +13,7 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_json
 from industnerf.artifacts.solids import Solid, Solids
-from industnerf.capture.render import background_remark
+from industnerf.capture.render import background_warning
 from industnerf.errors import BadPart
 from industnerf.parts.io.cad_files import solid_slugs
 from industnerf.parts.io.readers import read_solids
@@ -109,7 +109,7 @@ def _validate_solids(
             continue
         mesh = repaired.mesh
         size_mm = tuple(float(side) for side in checks.extents_mm(mesh.vertices))
-        remark = background_remark(mesh, file.finishes, params.views, params.seed)
+        warning = background_warning(mesh, file.finishes, params.views, params.seed)
         is_closed = not len(checks.bad_edges(mesh.faces))
         finding = Finding(
             file=file.file,
@@ -126,6 +126,6 @@ def _validate_solids(
             back_face_share=repaired.back_face_share,
             repairs=repaired.repairs,
             residual_defects=file.warnings + repaired.residual_defects,
-            notes=tuple(filter(None, [unit_note(file.unit, max(size_mm)), remark])),
+            notes=tuple(filter(None, [unit_note(file.unit, max(size_mm)), warning])),
         )
         yield finding, Solid(name, mesh)

@@ -78,21 +78,21 @@ def test_a_face_whose_triangles_miss_its_area_is_named(tmp_path):
     assert meshed < 0.95 * exact
 
 
-def test_an_invalid_face_is_mended_where_the_kernel_can(tmp_path):
+def test_an_invalid_face_is_repaired_where_the_kernel_can(tmp_path):
     plate = drawings.plate_with_a_hole(10.0, 4.0)
     solids = read_solids(drawings.write_brep(plate, tmp_path / "a.brep"), "mm")
     (solid,) = solids.solids
     assert area_mm2(solid.mesh.vertices, solid.mesh.faces) == pytest.approx(100 - 16)
-    assert "bodies with invalid faces that the kernel mended: 1" in solids.warnings
+    assert "bodies with invalid faces that the kernel repaired: 1" in solids.warnings
     assert not any("miss the area" in warning for warning in solids.warnings)
 
 
-def test_a_mended_face_keeps_its_color():
+def test_a_repaired_face_keeps_its_color():
     plate = drawings.plate_with_a_hole(10.0, 4.0)
     mesh = triangulate_piece(
         plate, bounding_box(plate), lambda face: np.full(3, 0.3 if face.IsSame(plate) else np.nan)
     )
-    assert mesh.is_mended
+    assert mesh.is_repaired
     np.testing.assert_array_equal(mesh.albedo, np.full((len(mesh.faces), 3), 0.3))
 
 
@@ -100,7 +100,7 @@ def test_the_usual_facets_miss_no_area():
     """Of a small ball on a large plate, too, whose facets are as coarse as the plate's."""
     both = drawings.compound_of(drawings.box(500.0, 500.0, 1.0), drawings.ball(0.5))
     mesh = triangulate_piece(both, bounding_box(both), lambda face: np.zeros(3))
-    assert (mesh.num_unmeshed, mesh.wrong_areas, mesh.is_mended) == (0, (), False)
+    assert (mesh.num_unmeshed, mesh.wrong_areas, mesh.is_repaired) == (0, (), False)
 
 
 @pytest.mark.parametrize("radius", [0.05, 500.0])

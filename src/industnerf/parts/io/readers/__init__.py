@@ -59,7 +59,7 @@ def read_solids(path: Path, units: str, override_units: bool = False) -> Solids:
     try:
         file_format, format_warnings = detect_format(path)
         format_name, content = _read_content(path, file_format)
-        scale, unit = settle_unit(content, units, override_units)
+        scale, unit = resolve_unit(content, units, override_units)
         return _to_solids(path.name, format_name, content, scale, unit, format_warnings)
     except BadPart as error:
         sentence = " ".join(str(error).split())  # libraries break theirs into lines
@@ -95,7 +95,7 @@ def _read_with_occt(path: Path, file_format: Format) -> MeshContent:
     return readers.get(file_format, occt.read_brep)(path)
 
 
-def settle_unit(content: MeshContent, units: str, override: bool) -> tuple[float, str]:
+def resolve_unit(content: MeshContent, units: str, override: bool) -> tuple[float, str]:
     """The mm in one unit of the coordinates, and the unit as `Solids` tells it.
 
     Raises BadPart if `units` are to override several that the file states.

@@ -89,7 +89,7 @@ class _AssemblyWalker:
     num_unmeshed: int = 0  # faces that the kernel could not mesh
     num_non_solids: int = 0  # bodies that are no solids
     num_unbounded: int = 0  # bodies without extent, or without end
-    num_mended: int = 0  # bodies with invalid faces, of which the kernel could mend some
+    num_repaired: int = 0  # bodies with invalid faces, of which the kernel could repair some
     wrong_areas: list[str] = field(default_factory=list)  # of faces, see `PieceMesh`
 
     def iter_bodies(
@@ -127,7 +127,7 @@ class _AssemblyWalker:
             mesh = triangulate_piece(piece, box, color_table.face_albedo)
             self.num_unmeshed += mesh.num_unmeshed
             self.num_non_solids += not solid
-            self.num_mended += mesh.is_mended
+            self.num_repaired += mesh.is_repaired
             self.wrong_areas += mesh.wrong_areas
             if len(mesh.faces):
                 meshes.append((mesh.vertices, mesh.faces, mesh.albedo))
@@ -141,8 +141,10 @@ class _AssemblyWalker:
             messages.append(
                 f"faces left out, for the kernel could not mesh them: {self.num_unmeshed}"
             )
-        if self.num_mended:
-            messages.append(f"bodies with invalid faces that the kernel mended: {self.num_mended}")
+        if self.num_repaired:
+            messages.append(
+                f"bodies with invalid faces that the kernel repaired: {self.num_repaired}"
+            )
         if self.wrong_areas:
             messages.append(wrong_areas_warning(self.wrong_areas))
         if self.num_unbounded:

@@ -30,7 +30,7 @@ from industnerf.parts.validation.checks import area_mm2
 
 AREA_TOLERANCE = 0.05  # of the area of a face
 MIN_AREA_SHARE = 1e-5  # of the area of the shape: a difference below it is no matter
-FINER = 0.2  # of the usual deflections, for a second try
+FINER = 0.5  # of the usual deflections, for a last try
 MAX_NAMED = 3  # of the faces whose area differs
 
 FaceAlbedo = Callable[[TopoDS_Shape], Float64[np.ndarray, "3"]]  # NaN if none is stated
@@ -45,7 +45,7 @@ class PieceMesh:
     albedo: Float64[np.ndarray, "m 3"]
     num_unmeshed: int  # faces that the kernel left without triangles
     wrong_areas: tuple[str, ...]  # a phrase for each face whose triangles miss its area
-    is_mended: bool = False  # a later try than the first gave it
+    is_repaired: bool = False  # a later try than the first gave it
 
 
 def triangulate_piece(piece: TopoDS_Shape, box: Bnd_Box, face_albedo: FaceAlbedo) -> PieceMesh:
@@ -61,7 +61,7 @@ def triangulate_piece(piece: TopoDS_Shape, box: Bnd_Box, face_albedo: FaceAlbedo
         if best is None:
             best = mesh
         elif _num_faulty(mesh) < _num_faulty(best):
-            best = replace(mesh, is_mended=True)
+            best = replace(mesh, is_repaired=True)
         if not _num_faulty(best):
             break
     return best
@@ -80,7 +80,6 @@ def _tries(
         return originals.get(hash(face), face)
 
     yield fixer.Shape(), original_of, 1.0
-    yield piece, lambda face: face, FINER
     yield fixer.Shape(), original_of, FINER
 
 
