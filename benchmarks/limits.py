@@ -66,7 +66,7 @@ def groups_of(data: Path, part_id: str, method: str) -> dict[str, VisibilityGrou
     transport_distances = transport_distances_of(
         farthest_points(sampled.points[sampled.evaluated], count), truth
     )
-    transport_distances /= evaluator.ground_truth.floors["emd P1-even"]
+    transport_distances /= evaluator.ground_truth.floors["emd P1-even"].value
     num_cameras = count_cameras(evaluator, truth, data / "views" / part_id)
     groups = {ALL_POINTS: VisibilityGroup(1.0, transport_distances.mean())}
     for name, (least, most) in GROUPS.items():

@@ -196,7 +196,7 @@ def even_emd(job: Job, points: np.ndarray, settings: EvaluateParams) -> tuple[fl
     )
     a, b = part_frame.normalize(truth[truth_artifact.visible]), part_frame.normalize(points[kept])
     value = emd(farthest_points(a, settings.points), farthest_points(b, settings.points))
-    return value, truth_artifact.floors["emd P1-even"]
+    return value, truth_artifact.floors["emd P1-even"].value
 
 
 def with_value(job: Job, parameter: str, value: int) -> Job:

@@ -16,7 +16,7 @@ from industnerf.artifacts.part import (
     write_manifest,
 )
 from industnerf.artifacts.scores import Score, gather_scores, load_method_scores, save_scores
-from industnerf.artifacts.truth import Truth
+from industnerf.artifacts.truth import Floor, Truth
 from industnerf.errors import BadArtifact, MetricError
 from tests.samples import unit_part
 
@@ -91,7 +91,8 @@ def test_equal_content_is_equal_bytes(tmp_path):
 
 
 def test_truth_survives_its_files(tmp_path):
-    truth = Truth(np.zeros((2, 3), np.float32), np.array([True, False]), {"emd P1-even": 0.1})
+    floors = {"emd P1-even": Floor(0.1, 0.001)}
+    truth = Truth(np.zeros((2, 3), np.float32), np.array([True, False]), floors)
     truth.save(tmp_path)
     read = Truth.load(tmp_path)
     assert read.floors == truth.floors
@@ -138,14 +139,14 @@ def test_the_manifest_has_a_row_a_part(tmp_path):
 
 
 def test_scores_survive_their_files_and_never_hold_nan(tmp_path):
-    score = Score("emd", "P1-even", 0.1, 0.05, "diagonal", "ok")
+    score = Score("emd", "P1-even", 0.1, 0.05, "diagonal", "ok", floor_se=0.001)
     (tmp_path / "p1").mkdir()
     save_scores(tmp_path / "p1", [score])
     (row,) = load_method_scores(tmp_path, "hull")
     assert (row.part_id, row.method, row.score) == ("p1", "hull", score)
     gather_scores(tmp_path, "hull")
     assert (tmp_path / "scores.csv").read_text().splitlines()[1] == (
-        "p1,hull,emd,P1-even,0.1,0.05,diagonal,ok"
+        "p1,hull,emd,P1-even,0.1,0.05,diagonal,ok,0.001"
     )
     with pytest.raises(MetricError, match="nan"):
         Score("emd", "P1-even", float("nan"), 0.05, "diagonal", "ok")

@@ -122,10 +122,10 @@ def test_a_perfect_cloud_of_the_outside_is_at_the_floor_and_lacks_the_hidden_par
     points = surface_samples(part.mesh, 8000, seed=5)
     values = part.scores(points[~is_on_cavity(points)])
     # both are distances between independent samples of one surface; 256 points agree to 10 %
-    assert values["emd", "P1-even"] == pytest.approx(truth.floors["emd P1-even"], rel=0.1)
+    assert values["emd", "P1-even"] == pytest.approx(truth.floors["emd P1-even"].value, rel=0.1)
     # a fifth of the whole surface is the cavity, which this cloud has not: that mass moves 5 mm
     # or more, 0.14 diagonals, where the floor moves 0.045; seen here: 1.43 floors
-    assert values["emd", "P1-full"] > 1.2 * truth.floors["emd P1-full"]
+    assert values["emd", "P1-full"] > 1.2 * truth.floors["emd P1-full"].value
     assert {row.status for row in part.rows} == {"ok"}
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from industnerf.metrics.compare import SampledSurface
 from industnerf.metrics.emd import emd
 from industnerf.metrics.protocol_grid import emd_grid
 from industnerf.metrics.subsample import farthest_points
+from industnerf.metrics.surface_samples import SampledSurface
 
 
 def surface_pair(count=3000, shift=0.02):

@@ -9,7 +9,7 @@ from pathlib import Path
 from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.errors import MetricError
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,10 @@ class Score:
     metric: str
     protocol: str  # e.g. P1-even
     value: float
-    floor: float  # the same metric between two independent samples of the truth
+    floor: float  # what a perfect method scores, or the best possible value
     unit: str  # diagonal (of the true bounding box), or share
     status: str  # ok, or failed: then the value is that of a trivial baseline
+    floor_se: float | None = 0.0  # standard error of the floor; None: older results lack it
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.value) and math.isfinite(self.floor)):

@@ -10,12 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from industnerf.metrics.emd import emd
 from industnerf.metrics.nearest_distances import chamfer, fscore, nearest_distances
 from industnerf.metrics.reference_rig import ReferenceSurface
 from industnerf.metrics.subsample import farthest_points, random_points
+from industnerf.metrics.surface_samples import SampledSurface
 from industnerf.schema import EvaluateParams
 
 
@@ -30,14 +31,6 @@ class MetricValue:
     smaller_is_better: bool = True
 
 
-@dataclass(frozen=True)
-class SampledSurface:
-    """Points in diagonals, and which of them are compared with the visible surface."""
-
-    points: Float[np.ndarray, "n 3"]
-    evaluated: Bool[np.ndarray, "n"]
-
-
 def compare(
     reference: ReferenceSurface,
     truth: SampledSurface,
@@ -50,7 +43,6 @@ def compare(
     Raises MetricError if a distance cannot be computed exactly.
     """
     n = settings.points
-    predicted_points = predicted.points[predicted.evaluated]
     visible = compare_visible(reference, truth, predicted, settings)
     if truth.evaluated.all() and predicted.evaluated.all():
         full = next(
@@ -59,7 +51,7 @@ def compare(
     else:
         full = emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
     iid = emd(
-        farthest_points(truth.points[truth.evaluated], n), random_points(predicted_points, n, rng)
+        farthest_points(truth.visible_points, n), random_points(predicted.visible_points, n, rng)
     )
     return [
         *visible,
@@ -76,18 +68,33 @@ def compare_visible(
 ) -> list[MetricValue]:
     """The deterministic metrics of the visible surface: geometry alone."""
     n = settings.points
-    truth_points = truth.points[truth.evaluated]
-    predicted_points = predicted.points[predicted.evaluated]
-    even = emd(farthest_points(truth_points, n), farthest_points(predicted_points, n))
-    distances = nearest_distances(truth_points, predicted_points)
+    even = emd(
+        farthest_points(truth.visible_points, n), farthest_points(predicted.visible_points, n)
+    )
     return [
         MetricValue("emd", "P1-even", even, "diagonal"),
+        *dense_metrics(reference, truth, predicted, settings),
+    ]
+
+
+def dense_metrics(
+    reference: ReferenceSurface,
+    truth: SampledSurface,
+    predicted: SampledSurface,
+    settings: EvaluateParams,
+) -> list[MetricValue]:
+    """The metrics of all samples of the visible surface: those without an assignment."""
+    distances = nearest_distances(truth.visible_points, predicted.visible_points)
+    return [
         MetricValue("chamfer", "P1-dense", chamfer(distances), "diagonal"),
         MetricValue(
             "fscore", "P1-dense", fscore(distances, settings.fscore_threshold), "share", False
         ),
         *deviation_metrics(
-            reference, predicted_points, distances.truth_to_predicted, settings.tolerances_mm
+            reference,
+            predicted.visible_points,
+            distances.truth_to_predicted,
+            settings.tolerances_mm,
         ),
     ]
 

@@ -13,10 +13,11 @@ from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.scores import Score, save_scores
 from industnerf.artifacts.truth import Truth
 from industnerf.geometry.sampling import ball_surface, box_surface
-from industnerf.metrics.compare import MetricValue, SampledSurface, compare, compare_visible
+from industnerf.metrics.compare import MetricValue, compare, compare_visible
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_scores
 from industnerf.metrics.reference_rig import ReferenceRig, ReferenceSurface, evaluated_mask
 from industnerf.metrics.subsample import random_points
+from industnerf.metrics.surface_samples import SampledSurface
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
 
@@ -138,7 +139,15 @@ class Evaluator:
     def to_score(self, value: MetricValue, status: str) -> Score:
         """`value` with its floor."""
         floor = self.ground_truth.floors[f"{value.metric} {value.protocol}"]
-        return Score(value.metric, value.protocol, value.value, floor, value.unit, status)
+        return Score(
+            value.metric,
+            value.protocol,
+            value.value,
+            floor.value,
+            value.unit,
+            status,
+            floor.standard_error,
+        )
 
 
 def _mean_values(values_per_cloud: list[list[MetricValue]]) -> list[MetricValue]:

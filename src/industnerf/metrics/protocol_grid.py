@@ -14,11 +14,10 @@ from jaxtyping import Float
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.files import write_json
 from industnerf.artifacts.truth import Truth
-from industnerf.metrics.compare import SampledSurface
 from industnerf.metrics.emd import emd, squared_emd
 from industnerf.metrics.protocol import Evaluator
 from industnerf.metrics.subsample import farthest_points, random_points
-from industnerf.metrics.truth import sample_reference
+from industnerf.metrics.surface_samples import SampledSurface, sample_reference
 from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
 
@@ -76,7 +75,7 @@ def emd_grid(
 
 
 def _points_on(side: SampledSurface, surface: str) -> Float[np.ndarray, "n 3"]:
-    return side.points if surface == "full" else side.points[side.evaluated]
+    return side.points if surface == "full" else side.visible_points
 
 
 def _in_both_units(protocol: tuple, cost: str, value: float, factor: float) -> list[GridCell]:
@@ -101,7 +100,7 @@ def measure_grid(
     seed: int,
     include_large: bool,
 ) -> None:
-    """Write `grid.json`: the cells of every cloud, and of a second sample of the truth.
+    """Write `grid.json`: the cells of every cloud, and of one second sample of the truth.
 
     `include_large`: with LARGE_POINT_COUNT points too.  A cloud of which no point counts has none.
     """

@@ -108,6 +108,7 @@ def test_emd_stands_in_mm_beside_diagonals(report_page):
         "0.0200",
         "0.693",  # no interval: both parts are of one family
         "0.0100",
+        "0.00000",
         "2.00",
         "0.0200",
         "0.0200",

@@ -214,6 +214,21 @@ def test_of_one_family_it_says_that_there_is_no_interval(study):
     assert {row["ci_low"] + row["ci_high"] for row in csv_rows if row["split"] == "dev"} == {""}
 
 
+def test_the_error_of_the_floors_stands_beside_them(study):
+    """Of three test parts each 0.0003: 0.0003 / sqrt(3).  3 % of a floor is told; none is known."""
+    with_errors = [replace(row, score=replace(row.score, floor_se=0.0003)) for row in study.scores]
+    rows = table1_rows(replace(study, scores=with_errors), SETTINGS)
+    text = format_row(rows[0], Table1Extra(None, 1.5))
+    assert text[COLUMNS.index("floor, se")] == "0.00017"
+    extras = [Table1Extra(None, 1.5)] * len(rows)
+    assert "The floors of 3 test parts have a standard error above 1 %" in table1_md(
+        rows, extras, 0.9
+    )
+    unknown = [replace(row, score=replace(row.score, floor_se=None)) for row in study.scores]
+    (first, *_) = table1_rows(replace(study, scores=unknown), SETTINGS)
+    assert (first.floor_se, first.imprecise_floors) == (None, 0)
+
+
 def test_the_spread_over_seeds_stands_beside_the_test_parts_of_what_was_run(study):
     rows = table1_rows(replace(study, seeds_sd={"hull": 0.0123}), SETTINGS)
     shown_seeds = {

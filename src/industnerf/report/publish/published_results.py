@@ -20,7 +20,7 @@ from industnerf.report.results import Results
 from industnerf.report.statistics.seed_variance import add_seed_variance
 from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary, input_views_of
 from industnerf.report.tables.costs import CostRow
-from industnerf.report.tables.formats import read_csv
+from industnerf.report.tables.formats import optional_float, read_csv
 from industnerf.report.tables.goals import add_capture_goals
 from industnerf.report.tables.table1 import STILL_TRAINING
 from industnerf.schema import ReportParams
@@ -99,7 +99,8 @@ def _select_parts(parts: Iterable[Part], part_ids: set[str]) -> dict[str, Part]:
 def _score(row: CsvRow) -> PartScore:
     names = ("metric", "protocol", "value", "floor", "unit", "status")
     metric, protocol, value, floor, unit, status = (row[name] for name in names)
-    score = Score(metric, protocol, float(value), float(floor), unit, status)
+    floor_se = optional_float(row.get("floor_se"))
+    score = Score(metric, protocol, float(value), float(floor), unit, status, floor_se)
     return PartScore(row["part_id"], row["method"], score)
 
 

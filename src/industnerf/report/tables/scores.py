@@ -96,7 +96,7 @@ def values_in_mm(study: Study, scores: Sequence[PartScore]) -> list[float]:
 
 SCORE_COLUMNS = (
     *("part_id", "family", "method", "scope", "split", "preset", "seed", "metric", "protocol"),
-    *("value", "floor", "unit", "status"),
+    *("value", "floor", "floor_se", "unit", "status"),
 )
 
 
@@ -119,6 +119,7 @@ def _score_row(study: Study, row: PartScore) -> list[object]:
         score.protocol,
         _lossless_text(score.value),
         _lossless_text(score.floor),
+        "" if score.floor_se is None else _lossless_text(score.floor_se),
         score.unit,
         score.status,
     ]

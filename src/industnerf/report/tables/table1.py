@@ -1,10 +1,12 @@
 """Table 1: the paper's, with floors and intervals."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from statistics import fmean
 
-from industnerf.artifacts.scores import PartScore
+from industnerf.artifacts.scores import PartScore, Score
+from industnerf.artifacts.truth import FLOOR_ERROR
 from industnerf.methods.base import Method, Role
 from industnerf.report import paper_results
 from industnerf.report.part_subsets import SEED_PARTS
@@ -56,6 +58,8 @@ class Table1Row:
     seeds_sd: float | None  # of the mean EMD (even) over seeds, where known
     empty_predictions: int | None  # over the parts that did not fail; each scores as a failure
     families: int
+    floor_se: float | None  # standard error of `floor`, where known
+    imprecise_floors: int  # parts with a floor whose own error is above that asked for
 
 
 def table1_rows(study: Study, settings: ReportParams) -> list[Table1Row]:
@@ -91,6 +95,8 @@ def _table1_row(
     families = [study.parts[row.part_id].family for row in even_scores]
     low, high = bootstrap_interval(values, families, settings, study.seed)
     floor = fmean(row.score.floor for row in even_scores)
+    floor_errors = [row.score.floor_se for row in even_scores if row.score.floor_se is not None]
+    is_known = len(floor_errors) == len(even_scores)
     parameters, steps = study.parameters_and_steps[method.name]
     size, num_train_parts, hold_out = _summary_fields(study.training_summaries.get(method.name))
     return Table1Row(
@@ -120,8 +126,14 @@ def _table1_row(
         num_predictions=study.input_views[method.name].num_predictions,
         empty_predictions=study.empty_predictions.get((method.name, split)),
         families=len(set(families)),
+        floor_se=math.hypot(*floor_errors) / len(even_scores) if is_known else None,
+        imprecise_floors=len({row.part_id for row in scores if _has_imprecise_floor(row.score)}),
         seeds_sd=study.seeds_sd.get(method.name) if split == "test" else None,
     )
+
+
+def _has_imprecise_floor(score: Score) -> bool:
+    return score.metric == EMD_EVEN[0] and (score.floor_se or 0.0) > FLOOR_ERROR * score.floor
 
 
 def _summary_fields(summary: TrainingSummary | None) -> tuple[str, int, str]:
@@ -162,7 +174,7 @@ def ratio_to_paper_method(rows: list[Table1Row], row: Table1Row) -> float | None
 SEEDS_COLUMN = "sd, seeds"
 COLUMNS = (
     *("method", "inputs", "views", "split", "EMD (even)", "95 %", SEEDS_COLUMN, "EMD, mm", "floor"),
-    *("x floor", "x industnerf", "EMD (iid)", "EMD (full)", "parts", "failed"),
+    *("floor, se", "x floor", "x industnerf", "EMD (iid)", "EMD (full)", "parts", "failed"),
     *("without failures", "s a part", "learned from", "paper"),
 )
 ONE_FAMILY_NOTE = "Where all parts are of one family there is no interval."
@@ -196,6 +208,7 @@ def format_row(row: Table1Row, extra: Table1Extra) -> list[str]:
         format_fixed(row.seeds_sd, 5),
         format_significant(row.emd_mm),
         format_fixed(row.floor),
+        format_fixed(row.floor_se, 5),
         format_fixed(row.ratio_to_floor, 2),
         format_fixed(extra.ratio_to_paper_method, 2),
         format_fixed(row.emd_iid),
@@ -225,6 +238,11 @@ def table1_notes(rows: Sequence[Table1Row]) -> list[str]:
         "mean over its predictions; EMD (iid), EMD (full), the figures and the viewer are of the "
         f"first prediction that has points.{_empty_predictions_note(row)}"
         for row in multi_prediction_rows
+    ]
+    texts += [
+        f"The floors of {row.imprecise_floors} {row.split} parts have a standard error above "
+        f"{100 * FLOOR_ERROR:g} % after as many draws as allowed: floor_se in scores.csv."
+        for row in {row.split: row for row in rows if row.imprecise_floors}.values()
     ]
     if any(row.families < 2 for row in rows):
         texts.append(ONE_FAMILY_NOTE)
