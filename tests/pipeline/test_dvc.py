@@ -143,7 +143,7 @@ def outdated_stages(here):
         ("parts.units", "cm", {"solids"}),
         ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
-        ("split.hold_out", "part", {"split", "report"}),
+        ("split.hold_out", "part", {"split", "report", *TRAIN_STAGES}),
         ("methods", ["oracle", "hull"], {*TRAIN_STAGES, "report"}),
         ("train.time_limit_s", 5.0, TRAIN_STAGES),
         ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
