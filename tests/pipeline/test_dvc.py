@@ -26,6 +26,7 @@ CORE_MODULES = {
         "config",
         "stage",
         "resume_time",
+        "timing",
         "store",
         "manifest",
         "code_hash",
