@@ -30,6 +30,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from industnerf.artifacts.history import History
+from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split, train_parts
 from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.truth import Truth
@@ -72,8 +73,15 @@ class JobResult:
 def run(job: Job) -> JobResult:
     method = load_method(job.method)
     assignments, net = load_split(job.data / "split.json"), f"fold-{job.fold}"
+    families = {part.part_id: part.family for part in load_parts(job.data / "parts")}
     examples = [
-        Example(part, job.data / "parts" / part, job.data / "views" / part, method.inputs)
+        Example(
+            part,
+            families[part],
+            job.data / "parts" / part,
+            job.data / "views" / part,
+            method.inputs,
+        )
         for part in train_parts(assignments, net)
     ]
     clock = process_time if device().type == "cpu" else perf_counter

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import subprocess
 import sys
 import time
 from dataclasses import replace
@@ -15,6 +16,7 @@ from industnerf import stage
 from industnerf.errors import BadArtifact, BadPart, PartsFailed
 from industnerf.runner import WorkResult
 from industnerf.stage import Task, read_failures, read_index, run_stage
+from industnerf.timing import Timing
 
 
 def write_double(source, target, *, log):
@@ -38,7 +40,7 @@ def sleep_and_return(target, *, total_s, extra_s):
     """Take `total_s` seconds, `extra_s` of them for something else."""
     (target / "done").touch()
     time.sleep(total_s)
-    return extra_s
+    return None if extra_s is None else Timing(extra_s, 0.0)
 
 
 @pytest.fixture
@@ -298,6 +300,24 @@ def test_seconds_for_something_else_stand_aside(tmp_path):
         ).extra_seconds
         == 0
     )
+
+
+def compute(target, *, child):
+    """Take at least 0.2 processor seconds, in this process or in one that ends, and sleep 0.3 s."""
+    code = "import time\nwhile time.process_time() < {}: pass"
+    if child:
+        subprocess.run([sys.executable, "-c", code.format(0.2)], check=True)
+    else:
+        exec(code.format(time.process_time() + 0.2))
+    time.sleep(0.3)
+
+
+@pytest.mark.parametrize("child", [False, True])
+def test_processor_seconds_are_those_of_work_and_not_of_waiting(tmp_path, child):
+    cost = stage.run_timed(partial(compute, child=child), tmp_path)
+    assert cost.cpu_seconds >= 0.2 - 1e-4
+    assert cost.cpu_seconds <= cost.seconds - 0.3 + 0.01  # one thread; the clock ticks every 4 ms
+    assert cost.extra_cpu_seconds == 0.0
 
 
 @pytest.mark.parametrize("tensors", [False, True])

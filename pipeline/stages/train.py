@@ -3,6 +3,7 @@
 from functools import partial
 from pathlib import Path
 
+from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split, train_parts
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
@@ -15,17 +16,28 @@ from industnerf.stage import Task, read_index, run_stage
 def main(cfg: StageParams, name: str, parts: str, views: str, split: str, out: str) -> None:
     method, settings = load_method(name), getattr(cfg.method, name)
     assignments, views_index = load_split(Path(split)), read_index(Path(views))
+    holds_out_families = cfg.split.hold_out == "family"  # of tests, so of validation too
+    groups = {
+        part.part_id: part.family if holds_out_families else part.part_id
+        for part in load_parts(Path(parts))
+    }
     folds = {assignments[part_id].net_name for part_id in views_index}
     tasks = []
     for fold in sorted(folds) if name in cfg.methods else []:
         examples = [
-            Example(part_id, Path(parts) / part_id, Path(views) / part_id, method.inputs)
+            Example(
+                part_id,
+                groups[part_id],
+                Path(parts) / part_id,
+                Path(views) / part_id,
+                method.inputs,
+            )
             for part_id in train_parts(assignments, fold)
             if part_id in views_index
         ]
         make = partial(fit_method, method, examples, settings=settings, seed=cfg.seed)
         inputs = tuple(path for example in examples for path in training_files(example))
-        key = [name, settings, cfg.seed]
+        key = [name, settings, cfg.seed, [example.group for example in examples]]
         tasks.append(Task(fold, make, key, inputs, (method.module,), resumable=True))
     limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
     run_stage("train", tasks, Path(out), cfg.on_failure, **limits)

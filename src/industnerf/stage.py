@@ -8,7 +8,6 @@
 import math
 import os
 import sys
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -22,6 +21,7 @@ from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
 from industnerf.store import Cost, Store, store_key
+from industnerf.timing import NO_TIME, Timing
 
 SCHEMA = 1
 MAX_SHOWN_FAILURES = 10  # failures that are named where a stage refuses
@@ -31,14 +31,14 @@ MAX_SHOWN_FAILURES = 10  # failures that are named where a stage refuses
 class Task:
     """What to do for one part, or one net: `make(target)` fills the folder `target`.
 
-    It may return how many of its seconds are to stand aside: `Cost.extra_seconds`.
+    It may return which of its time is to stand aside: `Cost.extra_seconds`.
     `settings` and the content of `inputs` are all that the result may depend on, beside the code
     of the module in which `make` is defined, and of `modules`.  If the task is `resumable`, `make`
     is also given the folder `scratch`, which it may fill to go on from after an interruption.
     """
 
     part_id: str
-    make: "partial[float | None]"
+    make: "partial[Timing | None]"
     settings: Any
     inputs: tuple[Path, ...]
     modules: tuple[str, ...] = ()
@@ -150,17 +150,25 @@ def _make_result(
 
 
 def run_timed(
-    make: Callable[[Path], float | None], target: Path, earlier_seconds: float = 0.0
+    make: Callable[[Path], Timing | None], target: Path, earlier_seconds: float = 0.0
 ) -> Cost:
-    """What it takes to run `make(target)` in this process; it may return seconds to set aside.
+    """What it takes to run `make(target)` in this process; it may return time to set aside.
 
-    `earlier_seconds` are those of earlier attempts that it goes on from.
+    `earlier_seconds` are those of earlier attempts that it goes on from, by the clock; these
+    ran in another process, and as many count for the processor.
     """
     _reset_peak()
-    start = time.perf_counter()
-    extra_seconds = make(target) or 0.0
-    seconds = time.perf_counter() - start - extra_seconds
-    return Cost(round(earlier_seconds + seconds, 4), _peak_mb(), _device(), round(extra_seconds, 4))
+    start = Timing.now()
+    extra = make(target) or NO_TIME
+    own = Timing.now() - start - extra
+    return Cost(
+        round(earlier_seconds + own.wall, 4),
+        _peak_mb(),
+        _device(),
+        round(extra.wall, 4),
+        round(earlier_seconds + own.cpu, 4),
+        round(extra.cpu, 4),
+    )
 
 
 def _device() -> str:

@@ -34,12 +34,28 @@ from industnerf.origin import Origin
 
 @dataclass(frozen=True)
 class Cost:
-    """What making one result took."""
+    """What making one result took.
 
-    seconds: float
+    Processor seconds are those of all threads, and of child processes that have ended: a busy
+    machine does not double them.  Results of older code lack them.
+    """
+
+    seconds: float  # by the clock on the wall
     peak_mb: float
     device: str
     extra_seconds: float = 0.0  # further ones, for what only tables ask for: pictures of Table 2
+    cpu_seconds: float | None = None  # user and system time
+    extra_cpu_seconds: float | None = None  # likewise, of `extra_seconds`
+
+    @property
+    def processor_seconds(self) -> float:
+        """`cpu_seconds`, or the wall seconds of an older result."""
+        return self.seconds if self.cpu_seconds is None else self.cpu_seconds
+
+    @property
+    def extra_processor_seconds(self) -> float:
+        """`extra_cpu_seconds`, or the wall seconds of an older result."""
+        return self.extra_seconds if self.extra_cpu_seconds is None else self.extra_cpu_seconds
 
 
 KEY_PATTERN = re.compile(r"[0-9a-f]{32}")

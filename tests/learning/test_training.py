@@ -4,7 +4,8 @@ Adam moves a number whose gradient is constant by the rate at every step -- m / 
 gradient's sign -- but for its epsilon: 1e-8 of the rate, less than float32 tells.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from hashlib import sha256
 
 import numpy as np
 import pytest
@@ -226,9 +227,16 @@ names = st.lists(st.text("abcdef", min_size=1, max_size=4), min_size=1, max_size
 shares = st.floats(0.01, 0.99)
 
 
+@dataclass(frozen=True)
+class OnePart:
+    part_id: str
+    group: str
+
+
 def split_ids(part_ids, share):
-    """Names to learn from and to validate on."""
-    return tuple({part_ids[i] for i in some} for some in train_val_split(part_ids, share))
+    """Names to learn from and to validate on, each part being a group."""
+    parts = [OnePart(name, name) for name in part_ids]
+    return tuple({part_ids[i] for i in some} for some in train_val_split(parts, share))
 
 
 @given(names, shares)
@@ -256,4 +264,22 @@ def test_one_more_part_moves_at_most_one_other(part_ids, share):
 
 
 def test_one_part_alone_is_learned_from_and_validated_on():
-    assert train_val_split(["one"], 0.1) == ([0], [0])
+    assert train_val_split([OnePart("one", "gears")], 0.1) == ([0], [0])
+
+
+@given(st.lists(st.sampled_from("abcdef"), min_size=2, max_size=40), shares)
+def test_a_group_is_validated_on_whole(groups, share):
+    """As tests hold out whole families: no net is chosen on what it has seen the like of."""
+    parts = [OnePart(str(i), group) for i, group in enumerate(groups)]
+    train_ids, val_ids = train_val_split(parts, share)
+    assert sorted([*train_ids, *val_ids]) == list(range(len(parts)))
+    assert train_ids
+    assert val_ids
+    train_groups, val_groups = ({groups[i] for i in ids} for ids in (train_ids, val_ids))
+    if len(set(groups)) > 1:
+        assert not train_groups & val_groups
+        last = max(val_groups, key=lambda group: sha256(f"validation/{group}".encode()).hexdigest())
+        without_last = sum(groups[i] != last for i in val_ids)  # no group more than are needed
+        assert without_last < max(1, round(share * len(groups)))
+    else:
+        assert len(val_ids) == min(max(1, round(share * len(groups))), len(groups) - 1)

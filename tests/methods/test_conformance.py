@@ -87,7 +87,7 @@ def fitted_state(rendered_part: Path, params: Params) -> Callable[[str], ModelSt
         if method.scope == Scope.PART:
             return None
         part, views = rendered_part / "part", rendered_part / "views"
-        example = Example("part", part, views, method.inputs)
+        example = Example("part", "part", part, views, method.inputs)
         with TemporaryDirectory() as scratch:
             return method.fit([example], quick_settings(name, params), 1, Path(scratch))
 

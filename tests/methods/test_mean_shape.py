@@ -26,7 +26,7 @@ def example(folder: Path, scale: float, shift: tuple[float, float, float]) -> Ex
         np.array(box.vertices, float) + shift, box.faces.astype(np.int32)
     )
     save_as_part(folder, mesh)
-    return Example(folder.name, folder, folder, MEAN_SHAPE.inputs)
+    return Example(folder.name, folder.name, folder, folder, MEAN_SHAPE.inputs)
 
 
 def test_the_mean_of_equal_shapes_is_that_shape_at_the_place_of_the_part(tmp_path):

@@ -55,7 +55,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory, params: Params) -> Path:
 @pytest.fixture(scope="module")
 def fitted_state(parts):
     examples = [
-        Example(name, parts / name / "part", parts / name / "views", RETRIEVAL.inputs)
+        Example(name, name, parts / name / "part", parts / name / "views", RETRIEVAL.inputs)
         for name in OFFSETS
     ]
     return RETRIEVAL.fit(examples, SETTINGS, 1, parts)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
@@ -26,6 +27,17 @@ CHECKPOINT_S = 20.0
 # converged: in the last fifth of the steps the loss fell by at most 2 %
 CONVERGENCE_WINDOW, CONVERGENCE_TOLERANCE = 0.2, 0.02
 VALIDATION_REPEATS = 4  # how often each part is validated on, rounded up to whole batches
+
+
+@runtime_checkable
+class GroupedPart(Protocol):
+    """A part to learn from, as `industnerf.methods.base.Example` is."""
+
+    @property
+    def part_id(self) -> str: ...
+
+    @property
+    def group(self) -> str: ...
 
 
 @dataclass
@@ -54,16 +66,26 @@ class TrainResult:
     val_history: History
 
 
-def train_val_split(part_ids: Sequence[str], val_share: float) -> tuple[list[int], list[int]]:
-    """Indices of the parts to learn from and of those to validate on, by hash, at least one each.
+def train_val_split(
+    examples: Sequence[GroupedPart], val_share: float
+) -> tuple[list[int], list[int]]:
+    """Indices of the parts to learn from and of those to validate on: whole groups, by hash.
 
-    Of a single part both: there is nothing else.
+    Groups are set apart until they hold the share `val_share` of all parts; one group at least, and
+    never all.  A single group is split by part.  Of a single part both: there is nothing else.
     """
-    order = sorted(range(len(part_ids)), key=lambda i: _hash(part_ids[i]))
-    if len(order) == 1:
-        return order, order
-    count = min(max(1, round(val_share * len(order))), len(order) - 1)
-    return sorted(order[count:]), sorted(order[:count])
+    groups = [example.group for example in examples]
+    if len(set(groups)) == 1:
+        groups = [example.part_id for example in examples]
+    if len(groups) == 1:
+        return [0], [0]
+    val_groups: set[str] = set()
+    for group in sorted(set(groups), key=_hash)[:-1]:
+        if sum(map(val_groups.__contains__, groups)) >= max(1, round(val_share * len(groups))):
+            break
+        val_groups.add(group)
+    val_ids = [i for i, group in enumerate(groups) if group in val_groups]
+    return [i for i in range(len(groups)) if i not in val_ids], val_ids
 
 
 def _hash(name: str) -> str:

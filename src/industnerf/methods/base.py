@@ -61,6 +61,7 @@ class Example:
     """A part to learn from, with what the method declares; files are read on demand."""
 
     part_id: str
+    group: str  # parts of one group are validated on together: its family, or itself
     part: Path
     views: Path
     inputs: frozenset[Input]

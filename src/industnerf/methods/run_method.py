@@ -1,6 +1,5 @@
 """Run a method: give it what it declares, check and save what it returns."""
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from industnerf.methods.base import (
 )
 from industnerf.methods.checks import check_reconstruction, check_renderings
 from industnerf.seeds import seed_for
+from industnerf.timing import Timing
 
 FILES = {Input.RGB: "rgb", Input.MASK: "mask", Input.DEPTH: "depth"}
 
@@ -69,11 +69,11 @@ def reconstruct_part(
     settings: Any,
     seed: int,
     num_views: int = 0,
-) -> float:
+) -> Timing:
     """Write the cloud of one part into `target`, and whatever else the method returned.
 
     `state` is the folder of what the method has learned from other parts; `num_views` is how many
-    of the training views it is given, 0: all.  Returns the seconds that rendering the held-out
+    of the training views it is given, 0: all.  Returns the time that rendering the held-out
     views took: Table 2 needs these renderings, a reconstruction does not.
 
     Raises ReconstructionFailed if the method returns no point, or one that is not finite.
@@ -92,10 +92,10 @@ def reconstruct_part(
     for artifact in (result.candidates, result.history):
         if artifact is not None:
             artifact.save(target)
-    start = time.perf_counter()
+    start = Timing.now()
     if result.render is not None:
         check_renderings(result.render(), inputs).save(target)
-    return time.perf_counter() - start
+    return Timing.now() - start
 
 
 def _cloud(part_id: str, result: Reconstruction, inputs: MethodInputs) -> Cloud:

@@ -51,6 +51,7 @@ class Results:
                     seconds_per_part(costs, row.method, _part_ids(study, row.split)),
                     ratio_to_paper_method(rows, row),
                     study.methods[row.method].role,
+                    any(cost_row.cost.cpu_seconds is None for cost_row in costs),
                 )
                 for row in rows
             ],

@@ -34,7 +34,7 @@ def settings():
 @pytest.fixture
 def examples(rendered_part):
     part, views = rendered_part / "part", rendered_part / "views"
-    return [Example(name, part, views, METHOD.inputs) for name in ("a", "b", "c")]
+    return [Example(name, name, part, views, METHOD.inputs) for name in ("a", "b", "c")]
 
 
 @pytest.fixture

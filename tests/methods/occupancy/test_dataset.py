@@ -73,7 +73,7 @@ def test_pictures_vary_while_the_net_learns_and_not_when_it_is_asked():
 
 def test_points_are_of_the_enlarged_cube_and_known_to_be_inside(rendered_part: Path):
     inputs = load_method("occupancy").inputs
-    example = Example("part", rendered_part / "part", rendered_part / "views", inputs)
+    example = Example("part", "part", rendered_part / "part", rendered_part / "views", inputs)
     dataset = OccupancyDataset.of([example, example], SMALL, np.random.default_rng(3))
     assert [x.shape for x in dataset.view_sampler.images] == [(SMALL.train_views, 32, 32, 3)] * 2
     half_width = (1 + SMALL.padding) / 2

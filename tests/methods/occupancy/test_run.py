@@ -28,7 +28,7 @@ SHORT = replace(SMALL, training=replace(SMALL.training, max_steps=6, val_interva
 
 
 def fit_state(folder: Path, scratch: Path, settings=SHORT, seed: int = 1) -> ModelState:
-    example = Example("part", folder / "part", folder / "views", OCCUPANCY.inputs)
+    example = Example("part", "part", folder / "part", folder / "views", OCCUPANCY.inputs)
     return OCCUPANCY.fit([example], settings, seed, scratch)
 
 
@@ -132,7 +132,7 @@ def test_what_the_net_says_in_other_axes_comes_back_to_the_parts():
 
 def test_a_net_of_the_views_axes_is_taught_in_them(rendered_part: Path):
     inputs = load_method("occupancy").inputs
-    example = Example("part", rendered_part / "part", rendered_part / "views", inputs)
+    example = Example("part", "part", rendered_part / "part", rendered_part / "views", inputs)
     dataset = OccupancyDataset.of(
         [example], replace(SMALL, output_axes="view"), np.random.default_rng(0)
     )

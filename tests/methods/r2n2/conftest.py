@@ -63,4 +63,4 @@ class Box(Example):
 def boxes() -> list[Box]:
     """Three of them."""
     nowhere = Path("no such file")
-    return [Box(name, nowhere, nowhere, frozenset()) for name in ("0.25", "0.5", "0.75")]
+    return [Box(name, name, nowhere, nowhere, frozenset()) for name in ("0.25", "0.5", "0.75")]

@@ -105,7 +105,8 @@ def test_the_cpu_preset_learns_one_part_by_heart(rendered_part: Path, params, tm
     # A part that is alone asks for no caution: thrice the rate, and a tenth of the steps.
     short_training = replace(full_settings.training, max_steps=180, batch_size=2, lr=1e-3)
     settings = replace(full_settings, training=short_training, augment=NO_AUGMENTATION)
-    example = Example("part", rendered_part / "part", rendered_part / "views", method.inputs)
+    part, views = rendered_part / "part", rendered_part / "views"
+    example = Example("part", "part", part, views, method.inputs)
     state = fit_net([example], settings, 0, tmp_path)
     assert state.size == "cpu"
     inputs = load_inputs(method, rendered_part / "part", rendered_part / "views")

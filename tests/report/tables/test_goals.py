@@ -36,6 +36,11 @@ EMDS = {  # floor 0.01
 }
 
 
+def cost_of(seconds: float) -> Cost:
+    """Of a busy machine: twice as long by the clock."""
+    return Cost(2 * seconds, 70 * seconds, "cpu", cpu_seconds=seconds)
+
+
 @pytest.fixture
 def evaluated():
     """Goals over three test parts: the rig does not see all of c, b has pockets, d is for dev."""
@@ -52,7 +57,7 @@ def evaluated():
             score = Score(metric, "P1-near", value, 0.0, "1", "ok")
             study.scores.append(PartScore(part, "industnerf", score))
     costs = [
-        CostRow("reconstruct", "industnerf_plus", part, Cost(seconds, 70 * seconds, "cpu"))
+        CostRow("reconstruct", "industnerf_plus", part, cost_of(seconds))
         for part, seconds in (("a", 14.0), ("b", 30.0), ("c", 31.0), ("d", 99.0))
     ]
     return {(goal.method, goal.quantity): goal for goal in evaluate_goals(study, costs)}
@@ -96,13 +101,13 @@ def test_the_area_between_sparsification_curves_is_held_against_that_of_chance(e
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(evaluated):
-    seconds = evaluated["industnerf_plus", "mean seconds a part, one core"]
+    seconds = evaluated["industnerf_plus", "mean processor seconds a part"]
     assert (seconds.value, seconds.is_met) == (25, True)
     assert seconds.supplement == SupplementaryValue(1 / 3, SHARE_ABOVE)  # 30 is not above 30
     assert evaluated["industnerf_plus", "peak memory of any part, GB"].value == pytest.approx(
         2.27540992
     )  # 2170 MiB
-    assert ("industnerf", "mean seconds a part, one core") not in evaluated
+    assert ("industnerf", "mean processor seconds a part") not in evaluated
 
 
 def test_the_files_hold_them(evaluated):

@@ -40,7 +40,7 @@ def train_phases(
     use_reproducible_kernels()  # folds are what runs side by side
     dataset = AtlasNetDataset(examples, settings, generator(seed, "lessons"))
     autoencoder, net = new_nets(settings, seed)
-    split = train_val_split([one.part_id for one in examples], settings.training.val_fraction)
+    split = train_val_split(examples, settings.training.val_fraction)
     settings_by_phase = dict(zip(PHASES, phase_settings(settings), strict=True))
 
     def phase(name: str, model: AtlasNet) -> TrainResult:

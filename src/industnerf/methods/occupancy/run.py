@@ -36,9 +36,7 @@ def fit(
     dataset = OccupancyDataset.of(examples, settings, generator(seed, "lessons"))
     with torch_seed(seed):
         net = OccupancyNet(settings).to(device())
-    split = train_val_split(
-        [example.part_id for example in examples], settings.training.val_fraction
-    )
+    split = train_val_split(examples, settings.training.val_fraction)
     checkpoint = scratch / "occupancy.pt"
     result = train(net, partial(dataset.loss, net), split, settings.training, seed, checkpoint)
     return model_state(net, result, len(split[0]), settings.size)

@@ -30,8 +30,7 @@ def fit_net(
     use_reproducible_kernels()  # folds are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed).to(device())
     dataset = R2N2Dataset.of(examples, settings, net, seed)
-    names = [example.part_id for example in examples]
-    split = train_val_split(names, settings.training.val_fraction)
+    split = train_val_split(examples, settings.training.val_fraction)
     result = train(net, dataset.loss, split, settings.training, seed, scratch / "checkpoint.pt")
     return model_state(net, result, len(split[0]), settings.size)
 

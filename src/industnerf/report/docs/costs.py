@@ -6,6 +6,7 @@ from statistics import fmean, median
 from industnerf.errors import BadArtifact
 from industnerf.report.publish.provenance import describe_provenance
 from industnerf.report.statistics.comparisons import TESTED_METHODS
+from industnerf.report.tables.costs import csv_seconds, seconds_label
 from industnerf.report.tables.formats import format_fixed, markdown_table, read_csv
 
 CsvRow = dict[str, str]
@@ -39,7 +40,8 @@ def costs_block(folder: Path) -> str:
     ]
     heads = ["step", "method", "results", "mean, s", "median, s", "most, s"]
     return (
-        f"{describe_provenance(folder)}.\n\n{_core_minutes(costs)}\n"
+        f"{describe_provenance(folder)}. Times are {seconds_label(costs)}.\n\n"
+        f"{_core_minutes(costs)}\n"
         f"{markdown_table(heads, table_rows)}"
     )
 
@@ -91,12 +93,12 @@ def _format_duration(seconds: float) -> str:
 
 def _extra_seconds(costs: list[CsvRow], method: str | None = None) -> float:
     """Seconds for drawing the held-out views."""
-    return sum(float(row["extra_seconds"]) for row in costs if method in (None, row["method"]))
+    return sum(csv_seconds(row, "extra_") for row in costs if method in (None, row["method"]))
 
 
 def _seconds(costs: list[CsvRow], stage: str, method: str | None = None) -> list[float]:
     return [
-        float(row["seconds"])
+        csv_seconds(row)
         for row in costs
         if row["stage"] == stage and method in (None, row["method"])
     ]

@@ -8,6 +8,7 @@ from industnerf.errors import BadArtifact
 from industnerf.report import paper_results
 from industnerf.report.docs.study_results import table1_cells
 from industnerf.report.publish.provenance import describe_provenance
+from industnerf.report.tables.costs import csv_seconds
 from industnerf.report.tables.formats import (
     format_fixed,
     format_interval,
@@ -54,7 +55,7 @@ def _mean_train_minutes(folder: Path) -> dict[str, str]:
     rows = [row for row in read_csv(folder / "cost.csv") if row["stage"] == "train"]
     return {
         method: format_fixed(
-            fmean(float(row["seconds"]) / 60 for row in rows if row["method"] == method), 1
+            fmean(csv_seconds(row) / 60 for row in rows if row["method"] == method), 1
         )
         for method in {row["method"] for row in rows}
     }

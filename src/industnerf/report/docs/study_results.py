@@ -9,6 +9,7 @@ from statistics import fmean
 
 from industnerf.config import flatten, read_yaml
 from industnerf.report.publish.provenance import describe_provenance, read_provenance
+from industnerf.report.tables.costs import csv_seconds, seconds_label
 from industnerf.report.tables.formats import (
     format_csv_number,
     format_fixed,
@@ -40,7 +41,7 @@ def readme_block(folder: Path) -> str:
     networks = [row for row in rows if row["size"]]
     best_network = min(networks, key=lambda row: float(row["emd_even"]), default={"method": ""})
     shown = [row for row in rows if row["method"] in (*README_METHODS, best_network["method"])]
-    columns = ("method", "inputs", "EMD", "x floor", "seconds", "paper")
+    columns = ("method", "inputs", "EMD", "x floor", _seconds_label(folder), "paper")
     return f"{_describe_results(folder)}{_table1(folder, shown, columns)}"
 
 
@@ -50,7 +51,10 @@ def results_block(folder: Path, params: Path | None = None) -> str:
     `params`: today's params.yaml; what has changed in it since is named.
     """
     interval = _interval_label(folder)
-    columns = ("method", "inputs", "EMD", interval, "mm", "x floor", "failed", "seconds", "paper")
+    columns = (
+        *("method", "inputs", "EMD", interval, "mm", "x floor", "failed", _seconds_label(folder)),
+        "paper",
+    )
     sections: dict[str, str] = {
         "Table 1": _table1(folder, _test_rows(folder), columns) + _undertrained_list(folder),
         "Table 2": _table2(read_csv(folder / "table2.csv")),
@@ -98,10 +102,14 @@ def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str
         "mm": lambda row: table[row["method"]]["EMD, mm"],
         "x floor": lambda row: table[row["method"]]["x floor"],
         "failed": lambda row: table[row["method"]]["failed"],
-        "seconds": lambda row: format_fixed(seconds.get(row["method"]), 1),
+        _seconds_label(folder): lambda row: format_fixed(seconds.get(row["method"]), 1),
         "paper": lambda row: format_fixed(float(row["paper_emd"])) if row["paper_emd"] else "",
     }
     return markdown_table(columns, [[cells[name](row) for name in columns] for row in rows])
+
+
+def _seconds_label(folder: Path) -> str:
+    return seconds_label(read_csv(folder / "cost.csv"))
 
 
 def _mean_seconds(folder: Path) -> dict[str, float]:
@@ -110,7 +118,7 @@ def _mean_seconds(folder: Path) -> dict[str, float]:
     seconds_by_method = defaultdict(list)
     for row in read_csv(folder / "cost.csv"):
         if row["stage"] == "reconstruct" and row["part_id"] in parts:
-            seconds_by_method[row["method"]].append(float(row["seconds"]))
+            seconds_by_method[row["method"]].append(csv_seconds(row))
     return {method: fmean(seconds) for method, seconds in seconds_by_method.items()}
 
 

@@ -120,4 +120,5 @@ def _cost(row: CsvRow) -> Cost:
     seconds, peak_mb, extra_seconds = (
         float(row[name]) for name in ("seconds", "peak_mb", "extra_seconds")
     )
-    return Cost(seconds, peak_mb, row["device"], extra_seconds)
+    cpu = (optional_float(row.get(name)) for name in ("cpu_seconds", "extra_cpu_seconds"))
+    return Cost(seconds, peak_mb, row["device"], extra_seconds, *cpu)

@@ -9,6 +9,7 @@ from typing import Any
 
 from industnerf.config import flatten, read_yaml
 from industnerf.errors import BadArtifact
+from industnerf.report.tables.costs import csv_seconds
 from industnerf.report.tables.formats import optional_float, read_csv
 from industnerf.report.tables.scores import EMD_EVEN
 
@@ -125,21 +126,21 @@ def _emds(scores: list[dict[str, str]]) -> dict[tuple[str, str], dict[str, float
 def _costs(
     reports: Path, split_of: dict[str, str]
 ) -> tuple[dict[tuple[str, str], float], dict[tuple[str, str], float]]:
-    """Mean seconds and mean peak MB of a reconstruction, by method and split."""
+    """Mean processor seconds and mean peak MB of a reconstruction, by method and split."""
     seconds, peaks = defaultdict(list), defaultdict(list)
     for row in read_csv(reports / "cost.csv"):
         if row["stage"] == "reconstruct" and row["part_id"] in split_of:  # it may have no score
             method_split = row["method"], split_of[row["part_id"]]
-            seconds[method_split].append(float(row["seconds"]))
+            seconds[method_split].append(csv_seconds(row))
             peaks[method_split].append(float(row["peak_mb"]))
     return _means(seconds), _means(peaks)
 
 
 def core_seconds(sweep: Path) -> float:
-    """Seconds of all stages of all points; results that points share count once."""
+    """Processor seconds of all stages of all points; results that points share count once."""
     rows = [row for path in sweep.glob("*/reports/cost.csv") for row in read_csv(path)]
     distinct = {tuple(row.values()): row for row in rows}.values()
-    return sum(float(row["seconds"]) + float(row["extra_seconds"]) for row in distinct)
+    return sum(csv_seconds(row) + csv_seconds(row, "extra_") for row in distinct)
 
 
 def _means(groups: dict[tuple[str, str], list[float]]) -> dict[tuple[str, str], float]:

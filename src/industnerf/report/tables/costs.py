@@ -3,7 +3,7 @@
 The split, a fraction of a second, is not in the store and not counted; the report counts itself.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
@@ -74,19 +74,36 @@ def add_cost(path: Path, row: CostRow) -> None:
 
 
 def _row_cells(row: CostRow) -> list[str]:
-    return [row.stage, row.method, row.part_id, *map(str, vars(row.cost).values())]
+    cells = (row.stage, row.method, row.part_id, *vars(row.cost).values())
+    return ["" if cell is None else str(cell) for cell in cells]
+
+
+def csv_seconds(row: Mapping[str, str], prefix: str = "") -> float:
+    """Processor seconds of a row of cost.csv; of an older file, which lacks them, wall seconds.
+
+    With the `prefix` "extra_" those of the held-out views.
+    """
+    return float(row.get(f"{prefix}cpu_seconds") or row[f"{prefix}seconds"])
+
+
+def seconds_label(rows: Iterable[Mapping[str, str]]) -> str:
+    """What `csv_seconds` of the `rows` are: processor seconds, or wall seconds."""
+    has_all = all(row.get("cpu_seconds") for row in rows)
+    return "processor seconds" if has_all else "wall seconds"
 
 
 def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str]) -> float | None:
-    """Mean seconds of a reconstruction of `parts`; None if the store knows none."""
+    """Mean processor seconds of a reconstruction of `parts`; None if the store knows none."""
     seconds = [
-        row.cost.seconds
+        row.cost.processor_seconds
         for row in rows
         if (row.stage, row.method) == ("reconstruct", method) and row.part_id in parts
     ]
     return fmean(seconds) if seconds else None
 
 
+CPU_TIME_NOTE = "Times are processor seconds: user and system time of all threads."
+WALL_TIME_NOTE = "Times are by the clock: the results are older than the record of processor time."
 COLUMNS = (
     *("method", "s a part", "renderings, s", "peak MB", "networks", "minutes a network"),
     *("peak MB of training", "parameters", "steps", "scoring, s a part"),
@@ -95,7 +112,10 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class MethodCost:
-    """One method: means over parts or networks, the maximum of memory; None where unknown."""
+    """One method: means over parts or networks, the maximum of memory; None where unknown.
+
+    Seconds and minutes are of the processor, or by the clock where `is_wall_time`.
+    """
 
     method: str
     seconds: float | None
@@ -107,6 +127,7 @@ class MethodCost:
     num_parameters: int  # learned
     steps: int
     scoring_seconds: float | None
+    is_wall_time: bool  # the results are older than the record of processor time
 
 
 def method_costs(study: Study, costs: Sequence[CostRow]) -> list[MethodCost]:
@@ -123,15 +144,18 @@ def _method_cost(study: Study, method: str, costs: Sequence[CostRow]) -> MethodC
     num_parameters, steps = study.parameters_and_steps[method]
     return MethodCost(
         method,
-        _mean([cost.seconds for cost in reconstruct_costs]),
-        _mean([cost.extra_seconds for cost in reconstruct_costs]),
+        _mean([cost.processor_seconds for cost in reconstruct_costs]),
+        _mean([cost.extra_processor_seconds for cost in reconstruct_costs]),
         max((cost.peak_mb for cost in reconstruct_costs), default=None),
         len(train_costs),
-        _mean([cost.seconds / 60 for cost in train_costs]),
+        _mean([cost.processor_seconds / 60 for cost in train_costs]),
         max((cost.peak_mb for cost in train_costs), default=None),
         num_parameters,
         steps,
-        _mean([cost.seconds for cost in evaluate_costs]),
+        _mean([cost.processor_seconds for cost in evaluate_costs]),
+        any(
+            cost.cpu_seconds is None for cost in (*reconstruct_costs, *train_costs, *evaluate_costs)
+        ),
     )
 
 
@@ -157,4 +181,5 @@ def format_row(row: MethodCost) -> list[str]:
 
 def cost_table_md(rows: Sequence[MethodCost]) -> str:
     """`cost.md`: the means of cost.csv."""
-    return markdown_table(COLUMNS, map(format_row, rows))
+    note = WALL_TIME_NOTE if any(row.is_wall_time for row in rows) else CPU_TIME_NOTE
+    return f"{markdown_table(COLUMNS, map(format_row, rows))}\n{note}\n"

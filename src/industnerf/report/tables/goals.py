@@ -193,9 +193,10 @@ def _cost_goals(study: Study, costs: Sequence[CostRow], method: str) -> Iterable
     ]
     if not method_costs:
         return
-    bound, seconds = 30.0, [cost.seconds for cost in method_costs]
+    bound, seconds = 30.0, [cost.processor_seconds for cost in method_costs]
     supplement = SupplementaryValue(fmean(value > bound for value in seconds), SHARE_ABOVE)
-    quantity = "mean seconds a part, one core"
+    is_wall_time = any(cost.cpu_seconds is None for cost in method_costs)
+    quantity = f"mean {'wall' if is_wall_time else 'processor'} seconds a part"
     yield Goal(method, quantity, bound, False, fmean(seconds), supplement=supplement)
     peak_gb = max(cost.peak_mb for cost in method_costs) * 2**20 / 1e9  # peak_mb counts MiB
     yield Goal(method, "peak memory of any part, GB", 2.0, False, peak_gb)

@@ -186,9 +186,10 @@ class Table1Extra:
     """What Table 1 shows beside the fields of its rows."""
 
     emd_without_failures: float | None
-    seconds: float | None
+    seconds: float | None  # of the processor, or by the clock where `is_wall_time`
     ratio_to_paper_method: float | None = None  # EMD (even) as a multiple of the paper's method's
     role: Role = Role.METHOD
+    is_wall_time: bool = False  # the results are older than the record of processor time
 
 
 def table1_csv(rows: list[Table1Row]) -> str:
@@ -297,4 +298,7 @@ def table1_md(rows: list[Table1Row], extras: list[Table1Extra], interval: float)
     heads = label_intervals([COLUMNS[i] for i in indices], interval)
     texts = [format_row(row, extra) for row, extra in zip(rows, extras, strict=True)]
     table = markdown_table(heads, [[text[i] for i in indices] for text in texts])
-    return table + "".join(f"\n{text}\n" for text in table1_notes(rows))
+    seconds = [extra for extra in extras if extra.seconds is not None]
+    kind = "wall" if any(extra.is_wall_time for extra in seconds) else "processor"
+    notes = [*([f"s a part: {kind} seconds."] if seconds else []), *table1_notes(rows)]
+    return table + "".join(f"\n{text}\n" for text in notes)

@@ -1,0 +1,39 @@
+"""The stage that trains networks: whose parts are set apart together."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from industnerf.artifacts.files import write_json
+from industnerf.artifacts.split import SplitAssignment, save_split
+from pipeline.stages import train
+from tests.samples import unit_part
+
+FAMILIES = {"a": "gears", "b": "gears", "c": "nuts"}
+
+
+@pytest.mark.parametrize("hold_out", ["family", "part", "none"])
+def test_what_tests_hold_out_together_validation_does_too(hold_out, tmp_path, monkeypatch):
+    tasks = []
+    monkeypatch.setattr(train, "run_stage", lambda stage, made, *_, **__: tasks.extend(made))
+    monkeypatch.setattr(
+        train, "load_parts", lambda folder: [unit_part(*pair) for pair in FAMILIES.items()]
+    )
+    monkeypatch.setattr(train, "training_files", lambda example: ())
+    save_split(tmp_path / "split.json", dict.fromkeys(FAMILIES, SplitAssignment("test", None)))
+    write_json(
+        tmp_path / "index.json", {"schema": 1, "step": "views", "keys": dict.fromkeys(FAMILIES, "")}
+    )
+    cfg = SimpleNamespace(
+        seed=0,
+        methods=["retrieval"],
+        on_failure="strict",
+        method=SimpleNamespace(retrieval=None),
+        split=SimpleNamespace(hold_out=hold_out),
+        train=SimpleNamespace(time_limit_s=1.0),
+    )
+    train.main(cfg, "retrieval", "parts", str(tmp_path), str(tmp_path / "split.json"), "out")
+    (task,) = tasks
+    groups = {example.part_id: example.group for example in task.make.args[1]}
+    assert groups == (FAMILIES if hold_out == "family" else {name: name for name in FAMILIES})
+    assert [*groups.values()] in task.settings  # or a part that changes families would not count
