@@ -35,7 +35,11 @@ def off_of_eight(corners):
         ("none.stl", b"solid x\nendsolid x", "text STL: no face in the file"),
         ("zero.stl", samples.binary_stl(faces=FACES[:0]), "binary STL: no face in the file"),
         ("words.stl", samples.text_stl(number="x{}"), "a vertex is no number"),
-        ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "OBJ: no face in the file"),
+        (
+            "points.obj",
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+            "OBJ: no face in the file, but 3 points: it is a cloud, no mesh",
+        ),
         ("far.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 3\n", "line 3, 'f 1 2 3': vertex 3, and so far"),
         ("on.obj", b"v 0 0 0\nv 1 \\\n0 \\\r\n0\nf 1 2 \\\n9\n", "line 5, 'f 1 2 9': vertex 9"),
         ("zero.obj", b"v 0 0 0\nf 0 0 0\n", "line 2, 'f 0 0 0': vertex 0"),
@@ -50,6 +54,12 @@ def off_of_eight(corners):
         ),
         ("two.off", b"OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a face promises 2 corners"),
         ("four.off", b"4OFF\n1 1 1\n", "only text OFF and COFF are read"),
+        ("points.off", b"OFF\n2 0\n0 0 0\n1 0 0\n", "no face in the file, but 2 points: it is a"),
+        (
+            "points.ply",
+            samples.ply(text=True, faces=0, vertices=8),
+            "PLY: no face in the file, but 8 points: it is a cloud, no mesh",
+        ),
         ("bare.off", b"OFF\n", "list index out of range"),
         ("empty.ply", samples.ply(text=True, faces=0, vertices=0), "PLY: no face in the file"),
         (

@@ -124,7 +124,10 @@ def _to_solids(
     bodies = tuple(body for body in content.bodies if len(body.faces))
     if not bodies:
         hint = "".join(f"; {text}" for text in content.warnings)
-        raise BadPart(f"{format_name}: no face in the file: it is empty, or holds no surface{hint}")
+        reason = ": it is empty, or holds no surface"
+        if content.num_points:
+            reason = f", but {content.num_points} points: it is a cloud, no mesh"
+        raise BadPart(f"{format_name}: no face in the file{reason}{hint}")
     if not any(np.isfinite(body.vertices[body.faces]).all(axis=(1, 2)).any() for body in bodies):
         raise BadPart(f"{format_name}: no face has three finite corners")
     float_warnings = precision_warnings(bodies) if content.is_float32 else ()

@@ -41,6 +41,7 @@ class MeshContent:
     is_float32: bool  # the file keeps coordinates as 32-bit numbers
     warnings: tuple[str, ...] = ()
     is_in_mm: bool = False  # the reader has turned the file's numbers into mm
+    num_points: int = 0  # of a file that has points and no face
 
 
 def normalize_unit(unit: str) -> str:

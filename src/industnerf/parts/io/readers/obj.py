@@ -71,7 +71,9 @@ def read_obj(path: Path) -> MeshContent:
         _body(scene, obj_object, points, materials, obj_object.name or f"solid {i}", warnings)
         for i, obj_object in enumerate(objects, start=1)
     ]
-    return MeshContent(tuple(bodies), None, None, False, tuple(dict.fromkeys(warnings)))
+    warnings = list(dict.fromkeys(warnings))
+    num_points = 0 if bodies else len(points)
+    return MeshContent(tuple(bodies), None, None, False, tuple(warnings), num_points=num_points)
 
 
 def _read_materials(path: Path, scene: ObjScene, warnings: list[str]) -> dict[str, Material]:

@@ -57,7 +57,11 @@ def _read_content(header: str, points: list[list[str]], polygons: list[list[str]
     if header.startswith("C") and np.isnan(albedo).all():
         first = 6 if "N" in header[:-3] else 3  # behind the normals, if it has them
         albedo = np.array([_parse_color(row[first:]) for row in points])[faces].mean(axis=1)
-    return MeshContent((MeshBody("solid 1", vertices, faces, albedo),), None, None, False)
+    body, num_points = (
+        MeshBody("solid 1", vertices, faces, albedo),
+        0 if len(faces) else len(vertices),
+    )
+    return MeshContent((body,), None, None, False, num_points=num_points)
 
 
 def _parse_color(tokens: list[str]) -> Float64[np.ndarray, "3"]:

@@ -30,6 +30,9 @@ def read_ply(path: Path) -> MeshContent:
 
     header, num_bytes = _read_header(path.read_bytes())
     _require_size(header, num_bytes)
+    rows = {line.split()[1]: int(line.split()[2]) for line in header if line.startswith("element ")}
+    if not any(count for name, count in rows.items() if name != "vertex"):
+        return MeshContent((), None, None, False, num_points=rows.get("vertex", 0))
     with path.open("rb") as file:
         loaded = trimesh.load_scene(
             file, file_type="ply", process=False, skip_materials=True, fix_texture=False
