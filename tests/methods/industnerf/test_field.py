@@ -208,3 +208,14 @@ def test_views_that_are_first_heeded_are_counted_as_n_is_used_to():
     torch.testing.assert_close(
         weighted.std(0)[varied], unweighted.std(0)[varied], rtol=1e-3, atol=1e-4
     )
+
+
+@every_kind
+def test_one_point_that_is_left_has_a_density(kind):
+    """The deviation of one row is 0, not NaN: NaN is above no threshold, and looks empty."""
+    field = make_field(settings_of(kind))
+    perturb(field)
+    field.set_points(some_points(1))
+    values = field()
+    tensors = values if isinstance(values, tuple) else (values,)
+    assert all(torch.isfinite(each).all() for each in tensors)

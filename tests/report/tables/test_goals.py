@@ -120,13 +120,16 @@ def test_the_files_hold_them(evaluated):
         "met": "no",
         "supplement": "0.069282",
         "unit": "mm",
+        "coverage": "",
         "tsdf": "",
         "oracle": "0.01",
     }
     markdown_text = goals_md(list(evaluated.values()))
     assert "| EMD (even) | at most 0.02 | 0.0267 | **no** | 0.0693 mm |  | 0.01 |" in markdown_text
     assert " | 25 | yes | 33 % of parts above 30 |  |  |" in markdown_text
-    assert " | at most 0.0005 | 0.002 | **no** | 0.0120 mm² |  |  |" in markdown_text
+    assert (
+        " | at most 0.0005 | 0.002 | **no** | 0.0120 mm², coverage 0.980 |  |  |" in markdown_text
+    )
 
 
 def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(evaluated):

@@ -180,7 +180,7 @@ def test_of_one_family_there_is_no_interval():
 
 def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
     text = table2_csv(table2_rows(study_of(True, "industnerf"), SETTINGS))
-    assert text.splitlines()[0] == "method,subset,loss,value,ci_low,ci_high,unit,paper"
+    assert text.splitlines()[0] == "method,subset,loss,value,ci_low,ci_high,unit,paper,coverage"
     rows = [row for row in csv.DictReader(io.StringIO(text)) if row["unit"] != "mm"]
     assert [(row["subset"], row["loss"]) for row in rows] == [
         (subset, loss) for subset in ("all", "figure3") for loss in ("emd", "rgb_mse", "depth_mse")
@@ -192,6 +192,8 @@ def test_the_csv_has_the_papers_losses_on_reported_parts_and_no_others():
         "depth_mse": "0.0117503",
     }
     assert {row["unit"] for row in rows} == {"diagonal", "1"}
+    # beside the error of depth, which pixels without one do not enlarge
+    assert {row["loss"] for row in rows if row["coverage"]} == {"depth_mse"}
 
 
 def test_a_length_stands_in_mm_too_part_by_part():

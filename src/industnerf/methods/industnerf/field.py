@@ -22,8 +22,10 @@ MIN_STD = 1e-2  # inputs that vary less are not scaled up to a deviation of 1
 def mean_and_std(
     inputs: Float32[Tensor, "m c"],
 ) -> tuple[Float32[Tensor, "c"], Float32[Tensor, "c"]]:
-    """Mean and standard deviation of each column."""
-    return inputs.detach().mean(0), inputs.detach().std(0).clamp(min=MIN_STD)
+    """Mean and standard deviation of each column; a single row deviates by nothing."""
+    rows = inputs.detach()
+    deviation = rows.std(0) if len(rows) > 1 else torch.zeros_like(rows[0])
+    return rows.mean(0), deviation.clamp(min=MIN_STD)
 
 
 class Field(nn.Module):

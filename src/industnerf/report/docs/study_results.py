@@ -135,15 +135,20 @@ def _undertrained_list(folder: Path) -> str:
 def _table2(rows: Sequence[CsvRow]) -> str:
     """A row per method and loss, a column per subset of parts; empty if no method renders."""
     values = {(*_method_and_loss(row), row["subset"]): row["value"] for row in rows}
+    coverage = {
+        _method_and_loss(row): row.get("coverage") for row in rows if row["subset"] == "all"
+    }
     table_rows = [
         [
             *key,
             *(format_csv_number(values.get((*key, name))) for name in ("all", "figure3")),
             format_csv_number(paper_value),
+            *([format_csv_number(coverage.get(key))] if any(coverage.values()) else []),
         ]
         for key, paper_value in {_method_and_loss(row): row["paper"] for row in rows}.items()
     ]
     heads = ["method", "loss", "all test parts", "one a family", "paper"]
+    heads += ["coverage"] if any(coverage.values()) else []
     return markdown_table(heads, table_rows) if rows else ""
 
 

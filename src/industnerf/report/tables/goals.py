@@ -3,11 +3,11 @@
 The bounds are those of the design, set before the methods were written. Goals about clouds show the
 same quantity for REFERENCE_METHODS: one is given true depth, one the true surface. No method can
 reach a goal that the oracle misses. A mean length has a supplement in mm, mean seconds the share of
-the parts that take longer than the bound.
+the parts that take longer than the bound, an error of depth the share of pixels that it is of.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import fmean
 
@@ -20,6 +20,7 @@ from industnerf.report.tables.formats import csv_text, format_significant, markd
 from industnerf.report.tables.scores import (
     AUSE,
     AUSE_RANDOM,
+    DEPTH_COVERAGE,
     EMD_EVEN,
     SPEARMAN,
     scores_of,
@@ -61,6 +62,7 @@ class Goal:
     value: float
     reference_values: dict[str, float] = field(default_factory=dict)  # of REFERENCE_METHODS
     supplement: SupplementaryValue | None = None
+    coverage: float | None = None  # of a depth: the share of the foreground that the error is of
 
     @property
     def is_met(self) -> bool:
@@ -162,9 +164,11 @@ def _image_goals(study: Study, method: str) -> Iterable[Goal]:
     for metric, (quantity, bound, at_least) in bounds.items():
         if rows := select_scores(scores, metric, "P1-union"):
             value = fmean(row.score.value for row in rows)
-            yield Goal(
+            goal = Goal(
                 method, quantity, bound, at_least, value, supplement=_mm_supplement(study, rows)
             )
+            covered = select_scores(scores, *DEPTH_COVERAGE) if metric == "depth_mse" else []
+            yield replace(goal, coverage=_mean({row.part_id: row.score for row in covered}))
 
 
 def _confidence_goals(study: Study, method: str) -> Iterable[Goal]:
@@ -225,7 +229,17 @@ def _parse_goal(row: Mapping[str, str]) -> Goal:
 def goals_csv(goals: Sequence[Goal]) -> str:
     """`goals.csv`."""
     return csv_text(
-        ("method", "goal", "target", "value", "met", "supplement", "unit", *REFERENCE_METHODS),
+        (
+            "method",
+            "goal",
+            "target",
+            "value",
+            "met",
+            "supplement",
+            "unit",
+            "coverage",
+            *REFERENCE_METHODS,
+        ),
         [
             (
                 *(
@@ -236,6 +250,7 @@ def goals_csv(goals: Sequence[Goal]) -> str:
                     "yes" if goal.is_met else "no",
                 ),
                 *((goal.supplement.value, goal.supplement.unit) if goal.supplement else ("", "")),
+                goal.coverage,
                 *(goal.reference_values.get(name) for name in REFERENCE_METHODS),
             )
             for goal in goals
@@ -265,12 +280,13 @@ def format_row(goal: Goal) -> list[str]:
 
 
 def _format_supplement(goal: Goal) -> str:
-    """Such as `3.35 mm` or `29 % of parts above 30`."""
+    """Such as `3.35 mm`, or `29 % of parts above 30`."""
     if goal.supplement is None:
         return ""
     if goal.supplement.unit == SHARE_ABOVE:
         return f"{100 * goal.supplement.value:.0f} % of parts above {goal.bound:g}"
-    return f"{format_significant(goal.supplement.value)} {goal.supplement.unit.replace('^2', '²')}"
+    text = f"{format_significant(goal.supplement.value)} {goal.supplement.unit.replace('^2', '²')}"
+    return text if goal.coverage is None else f"{text}, coverage {goal.coverage:.3f}"
 
 
 def goals_md(goals: Sequence[Goal]) -> str:

@@ -11,6 +11,7 @@ from industnerf.report.tables.formats import csv_text
 from industnerf.schema import ReportParams
 
 EMD_EVEN = ("emd", "P1-even")
+DEPTH_COVERAGE = ("coverage", "P1-union")  # beside every error of depth
 SPEARMAN = ("confidence_spearman", "P1-near")
 AUSE, AUSE_RANDOM = ("confidence_ause", "P1-near"), ("confidence_ause_chance", "P1-near")
 

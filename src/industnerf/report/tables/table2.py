@@ -21,7 +21,14 @@ from industnerf.report.tables.formats import (
     label_intervals,
     markdown_table,
 )
-from industnerf.report.tables.scores import EMD_EVEN, MeanInMm, mean_in_mm, scores_of, select_scores
+from industnerf.report.tables.scores import (
+    DEPTH_COVERAGE,
+    EMD_EVEN,
+    MeanInMm,
+    mean_in_mm,
+    scores_of,
+    select_scores,
+)
 from industnerf.schema import ReportParams
 
 NO_TABLE2 = (
@@ -72,6 +79,7 @@ class Table2Row:
     families: int
     failures: int  # counted in the EMD alone
     mean_mm: MeanInMm | None  # of lengths
+    coverage: float | None  # of a depth: mean share of the foreground that has one
 
 
 def table2_rows(study: Study, settings: ReportParams) -> list[Table2Row]:
@@ -122,12 +130,19 @@ def _table2_row(
         len(set(families)),
         sum(row.score.status != "ok" for row in select_scores(scores, *EMD_EVEN)),
         mean_in_mm(study, settings, loss_scores),
+        _mean_coverage(scores) if loss.metric == "depth_mse" else None,
     )
+
+
+def _mean_coverage(scores: list[PartScore]) -> float | None:
+    """A depth is compared where there is one: pixels left out may make its error smaller."""
+    rows = select_scores(scores, *DEPTH_COVERAGE)
+    return fmean(row.score.value for row in rows) if rows else None
 
 
 COLUMNS = (
     *("method", "loss", "subset", "score", "95 %", "mm", "whole frame", "best", "paper", "parts"),
-    "failed",
+    *("failed", "coverage"),
 )
 
 
@@ -146,6 +161,7 @@ def format_row(row: Table2Row) -> list[str]:
         "" if row.paper is None else str(row.paper),
         str(row.parts),
         str(row.failures),
+        format_fixed(row.coverage, 4),
     ]
 
 
@@ -163,7 +179,17 @@ def table2_md(rows: list[Table2Row], interval: float) -> str:
     return markdown_table(label_intervals(COLUMNS, interval), [format_row(row) for row in rows])
 
 
-CSV_COLUMNS = ("method", "subset", "loss", "value", "ci_low", "ci_high", "unit", "paper")
+CSV_COLUMNS = (
+    "method",
+    "subset",
+    "loss",
+    "value",
+    "ci_low",
+    "ci_high",
+    "unit",
+    "paper",
+    "coverage",
+)
 
 
 def table2_csv(rows: list[Table2Row]) -> str:
@@ -181,9 +207,9 @@ def table2_csv(rows: list[Table2Row]) -> str:
 
 def _csv_rows(row: Table2Row) -> Iterator[tuple]:
     key, mm = (row.method, row.subset, row.loss.metric), row.mean_mm
-    yield (*key, row.mean, row.ci_low, row.ci_high, row.unit, row.paper)
+    yield (*key, row.mean, row.ci_low, row.ci_high, row.unit, row.paper, row.coverage)
     if mm:
-        yield (*key, mm.mean, mm.ci_low, mm.ci_high, mm.unit, None)
+        yield (*key, mm.mean, mm.ci_low, mm.ci_high, mm.unit, None, row.coverage)
 
 
 def metric_means(rows: list[Table2Row]) -> dict[str, float]:
