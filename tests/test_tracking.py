@@ -98,6 +98,7 @@ def finish(process):
     return process.returncode, output
 
 
+@pytest.mark.slow
 def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
     """Without the lock MLflow's migrations collide and leave a database that never opens again."""
     for process in [start(LOG, report) for _ in range(2)]:
@@ -116,6 +117,7 @@ def test_two_at_once_on_a_fresh_database_log_one_run(report, tmp_path):
     assert "report/report.html" in output
 
 
+@pytest.mark.slow
 def test_a_method_that_was_dropped_is_not_in_the_run(report, tmp_path):
     """DVC leaves its clouds where they are; of parts without views they cannot even be shown."""
     dropped = tmp_path / "data" / "clouds" / "gone" / "p1"
@@ -129,6 +131,7 @@ def test_a_method_that_was_dropped_is_not_in_the_run(report, tmp_path):
     assert "gone.loss" not in output
 
 
+@pytest.mark.slow
 def test_what_was_logged_by_half_is_logged_anew(report, tmp_path):
     code, output = finish(start(BROKEN_ONCE + LOG, report))
     assert code == 0
@@ -138,6 +141,7 @@ def test_what_was_logged_by_half_is_logged_anew(report, tmp_path):
     assert "[(0, 0.5), (5, 0.25)]" in output
 
 
+@pytest.mark.slow
 def test_a_point_of_a_sweep_is_not_logged_a_second_time_as_a_study(report, tmp_path):
     assert finish(start(LOG_POINT, report))[0] == 0
     code, output = finish(start(READ, tmp_path / "mlflow"))

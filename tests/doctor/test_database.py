@@ -240,6 +240,7 @@ def test_a_database_that_is_in_use_is_left_alone(bare_copy: WorkingCopy, fresh_d
     assert bare_copy.check("database") == []
 
 
+@pytest.mark.slow
 def test_tables_of_an_older_mlflow_are_brought_up_to_date(bare_copy: WorkingCopy):
     python(OLDER, f"sqlite:///{bare_copy.paths.database}")
     (finding,) = bare_copy.check("database")
@@ -247,6 +248,7 @@ def test_tables_of_an_older_mlflow_are_brought_up_to_date(bare_copy: WorkingCopy
     bare_copy.fix("database")
 
 
+@pytest.mark.slow
 def test_a_migration_that_was_cut_off_is_mended_too(bare_copy: WorkingCopy, fresh_database: Path):
     """Its tables are there and its version is not: to make them once more fails."""
     shutil.copy(fresh_database, bare_copy.paths.database)

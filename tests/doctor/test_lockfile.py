@@ -50,13 +50,13 @@ def test_what_git_has_is_put_back(dvc_copy: WorkingCopy):
     assert lock.read_text() == original
 
 
-@pytest.mark.parametrize("fault", ["empty", "ends within a word", "two versions in conflict"])
+@pytest.mark.parametrize("damage", ["empty", "ends within a word", "two versions in conflict"])
 def test_a_torn_lock_file_is_set_aside_and_the_run_goes_on(
-    dvc_copy: WorkingCopy, fault: str, capsys: pytest.CaptureFixture[str]
+    dvc_copy: WorkingCopy, damage: str, capsys: pytest.CaptureFixture[str]
 ):
     lock = dvc_copy.folder / "dvc.lock"
     original = lock.read_text()
-    torn = FAULTS[fault](original)
+    torn = FAULTS[damage](original)
     lock.write_text(torn)
     lockfile.replace_torn(dvc_copy.folder)
     said = capsys.readouterr().err

@@ -42,7 +42,11 @@ INPUT_ATTRIBUTES = {
 RESAMPLED = {"tsdf"}
 IMAGES = {Input.RGB, Input.MASK, Input.DEPTH}
 BY_VIEW = IMAGES | {Input.BACKGROUND}
+TRAINED = {"industnerf", "industnerf_depth", "industnerf_shared", "r2n2", "atlasnet", "occupancy"}
 every_method = pytest.mark.parametrize("name", MODULES)
+every_method_again = pytest.mark.parametrize(  # trains once or twice more
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in TRAINED else n for n in MODULES]
+)
 
 
 def inputs_for(name: str, folder: Path) -> MethodInputs:
@@ -121,7 +125,7 @@ def default_cloud(
     return cache(lambda name: run_method(name, inputs_for(name, rendered_part)))
 
 
-@every_method
+@every_method_again
 def test_same_seed_same_bytes_other_seed_other_cloud(
     name, rendered_part, run_method, default_cloud
 ):
@@ -145,7 +149,7 @@ def test_points_are_where_the_part_is_in_mm(name, default_cloud):
     assert ((share > 0.5) & (share < 2)).all()
 
 
-@every_method
+@every_method_again
 def test_a_part_moved_and_scaled_gives_its_cloud_moved_and_scaled(
     name, rendered_part, run_method, default_cloud, tmp_path
 ):

@@ -14,6 +14,7 @@ from industnerf.metrics import protocol_grid
 from industnerf.report.tables.protocol_grid import CELL_KEYS
 from pipeline import grid
 
+pytestmark = pytest.mark.slow  # of a finished run
 GIT_IDENTITY = ("-c", "user.name=n", "-c", "user.email=e@example.org")
 
 

@@ -50,6 +50,7 @@ def small_default_settings(method: str) -> IndustnerfSettings:
     return replace(config, fusion=replace(config.fusion, grid_res=64, points=4000))
 
 
+@pytest.mark.slow
 @every_method
 @pytest.mark.parametrize("name", SOLIDS)
 def test_every_reading_as_it_ships_finds_the_surface_and_its_colors(name, method):

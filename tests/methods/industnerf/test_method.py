@@ -60,6 +60,7 @@ def test_the_other_one_does(rendered_part, tmp_path):
     assert correct.points_mm.tobytes() != wrong.points_mm.tobytes()
 
 
+@pytest.mark.slow
 def test_with_readings_nowhere_depth_is_the_papers_method_and_with_some_another(rendered_part):
     name = "industnerf_depth"
     inputs = load_inputs(load_method(name), rendered_part / "part", rendered_part / "views")

@@ -15,6 +15,7 @@ from pipeline.stages import evaluate, reconstruct, report
 from tests.methods.caster import CASTER, GRAY
 
 NAME = "oracle"  # whose points the caster returns: its settings and its seed are taken
+pytestmark = pytest.mark.slow  # of a finished run
 FAILING_PART, WORKING_PART = "enclosure-120x80x40", "clevis-din71752-g12x24"
 
 

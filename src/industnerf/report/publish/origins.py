@@ -29,7 +29,8 @@ def read_origins(folders: StudyFolders, methods: list[str]) -> list[OriginRow]:
     store, counts = Store.from_environment(), Counter[tuple]()
     origins: dict[tuple, Origin] = {}
     for result in stored_results(folders, methods):
-        origin, cost = (ask(result.stage, result.key) for ask in (store.origin, store.cost))
+        origin = store.origin(result.stage, result.key)
+        cost = store.cost(result.stage, result.key)
         if origin is None or cost is None:
             continue
         libraries = ", ".join(f"{name} {text}" for name, text in sorted(origin.libraries.items()))
