@@ -27,7 +27,7 @@ def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
     cloud_files = [file for file in files if file.suffix.lower() in SUFFIXES]
     others = [file for file in files if file not in cloud_files]
     if not cloud_files:
-        found = f"; it has {name_files(others)}" if others else ""
+        found = f"; it has {name_files(others)}" if path.is_dir() and others else ""
         raise BadParams(f"{path}: no file ends in {', '.join(SUFFIXES)}{found}")
     if others:
         print(f"left out, for they are no clouds that are read: {name_files(others)}")
