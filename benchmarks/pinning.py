@@ -94,9 +94,8 @@ def prepare(name: str) -> Callable[[], Any]:
     if method.scope == Scope.DATASET:
         training = dataclasses.replace(settings.training, max_steps=TRAINING_STEPS)
         settings = dataclasses.replace(settings, training=training)
-        example = Example(
-            target, folder / "parts" / target, folder / "views" / target, method.inputs
-        )
+        folders = folder / "parts" / target, folder / "views" / target
+        example = Example(target, target, *folders, method.inputs)
 
         def train() -> None:
             method.fit([example], settings, params.seed, Path(tempfile.mkdtemp()))

@@ -95,7 +95,8 @@ def _method_digests(params: Params, catalogue: Path, folder: Path) -> Iterator[t
         if method.scope == Scope.DATASET:
             training = dataclasses.replace(settings.training, max_steps=TRAINING_STEPS)
             settings = dataclasses.replace(settings, training=training)
-            example = Example(learned_id, parts / learned_id, views / learned_id, method.inputs)
+            folders = parts / learned_id, views / learned_id
+            example = Example(learned_id, learned_id, *folders, method.inputs)
             state, scratch = folder / name / "state", folder / name / "scratch"
             state.mkdir()
             scratch.mkdir()
