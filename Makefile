@@ -14,8 +14,8 @@ demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports
 test: $(INSTALLED)  ## the fast tests, on all cores
 	@python -m pytest -n auto --dist loadfile -m "not slow and not slurm"
 
-test-all: $(INSTALLED)  ## all tests: also those that train or run whole pipelines
-	@python -m pytest -n auto --dist loadfile
+test-all: test  ## all tests: after the fast ones those that train or run whole pipelines
+	@python -m pytest -n auto --dist loadfile -m "slow or slurm"
 
 smoke: $(INSTALLED)  ## two parts at 64x64 through every stage
 	@python -m pipeline.preset smoke
