@@ -60,5 +60,19 @@ def test_every_face_of_the_part_gets_its_share_of_points():
     assert np.abs(z).max() < 4.5  # of 320 counts, by chance once in 400 seeds
 
 
+def test_no_point_lies_on_surface_that_nobody_sees():
+    """A cavity less than 1 % of the diagonal beneath the surface: its points would be counted."""
+    outer, inner = trimesh.creation.box([20.0] * 3), trimesh.creation.box([19.6] * 3)
+    vertices = np.vstack([outer.vertices, inner.vertices])
+    faces = np.vstack([outer.faces, inner.faces[:, ::-1] + 8]).astype(np.int32)
+    cameras = cameras_around(2, 8, 50.0)
+    mesh = Mesh.with_one_appearance(vertices, faces)
+    inputs = MethodInputs("oracle", cameras, cameras, {Input.OWN_MESH: mesh})
+    points = load_method("oracle").reconstruct(inputs, SETTINGS, None, 3).points_mm
+    np.testing.assert_allclose(np.abs(points).max(axis=1), 10.0, atol=1e-12)
+    share = 20.0**2 / (20.0**2 + 19.6**2)  # of the area; 5000 draws: a standard deviation of 0.7 %
+    assert abs(len(points) / 5000 - share) < 4.5 * 0.0071
+
+
 def test_it_is_declared_as_a_bound():
     assert load_method("oracle").role is Role.BOUND
