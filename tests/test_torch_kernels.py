@@ -3,13 +3,14 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import torch
 from torch import Tensor
 
-from industnerf import processor
-from industnerf.torch_kernels import use_reproducible_kernels
+from industnerf import processor, torch_kernels
+from industnerf.torch_kernels import BLOCK, use_reproducible_kernels
 
 # Rounding of a sum of k products of normal numbers: some k^(1/2) units in the last place of its
 # largest partial sum, below 1e-6 k in float32.
@@ -30,6 +31,31 @@ def test_products_agree_with_float64(shape: tuple[tuple[int, ...], tuple[int, ..
     a, b = normal(*shape[0]), normal(*shape[1])
     expected = (a.double()[..., :, :, None] * b.double()[..., None, :, :]).sum(-2)
     torch.testing.assert_close((a @ b).double(), expected, rtol=0, atol=7 * TOLERANCE)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize(
+    ("rows", "terms", "columns"), [(2 * BLOCK + 5, 7, 3), (3, 2 * BLOCK + 5, 4), (3, 7, 2 * BLOCK)]
+)
+def test_blocks_add_up_and_the_number_of_threads_changes_no_byte(
+    rows: int, terms: int, columns: int, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    a, b = normal(rows, terms), normal(terms, columns)
+    with ThreadPoolExecutor(threads) as pool, monkeypatch.context() as patch:
+        patch.setattr(torch_kernels, "_pool", lambda: pool)
+        product = a @ b
+    expected = a.double().numpy() @ b.double().numpy()
+    torch.testing.assert_close(
+        product.double().numpy(), expected, rtol=0, atol=terms**0.5 * 10 * TOLERANCE
+    )
+    assert torch.equal(product, a @ b)
+
+
+def test_where_parts_run_side_by_side_each_has_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    assert torch_kernels.num_threads() == 1
+    monkeypatch.delenv("OMP_NUM_THREADS")
+    assert torch_kernels.num_threads() == len(os.sched_getaffinity(0))
 
 
 @pytest.mark.parametrize("transposed", [False, True])

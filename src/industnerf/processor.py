@@ -18,6 +18,7 @@ PINNED = {
     "ONEDNN_MAX_CPU_ISA": "AVX2",  # convolutions of torch
     "MKL_CBWR": "COMPATIBLE",  # the only mode of MKL that does not ask who made the processor
     "OPENBLAS_CORETYPE": "Haswell",  # matrix products of numpy and scipy
+    "OPENBLAS_NUM_THREADS": "1",  # more divide sums by their number; see `torch_kernels`
     "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR",  # functions and sorts of numpy
 }
 _late_libraries: list[str] = []

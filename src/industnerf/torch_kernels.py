@@ -4,9 +4,14 @@ torch leaves matrix products and square roots to Intel's MKL.  Its products add 
 each make of processor, and on all alike only in a mode of half the speed; numpy's OpenBLAS takes a
 kernel by name (`industnerf.processor`), and is as fast.  Its roots begin with the processor's
 approximation of 1/sqrt, which is not the same for all makes; those of the processor are exact.
+
+Products are made in blocks of fixed size, so that the number of threads does not change a byte.
 """
 
+import os
 import warnings
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import numpy as np
@@ -15,11 +20,14 @@ from torch import Tensor
 
 from industnerf import processor
 
+BLOCK = 4096  # rows, or terms of a sum, that one thread takes at a time
 
-def use_reproducible_kernels(threads: int = 1) -> None:
-    """From here on torch computes with `threads` threads, the same bytes on every x86-64 CPU.
 
-    Warns where numpy or torch was loaded before `industnerf`: then they are this processor's.
+def use_reproducible_kernels() -> None:
+    """From here on torch computes the same bytes on every x86-64 CPU, with however many cores.
+
+    Sums of torch depend on its threads, so it has one; matrix products have `num_threads`.  Warns
+    where numpy or torch was loaded before `industnerf`: then they are this processor's.
     """
     if late := processor.unpinned_libraries():
         warnings.warn(
@@ -28,8 +36,18 @@ def use_reproducible_kernels(threads: int = 1) -> None:
             RuntimeWarning,
             stacklevel=2,
         )
-    torch.set_num_threads(threads)
+    torch.set_num_threads(1)
     register_kernels()
+
+
+def num_threads() -> int:
+    """OMP_NUM_THREADS, which is 1 where parts run side by side; else the cores of this process."""
+    return int(os.environ.get("OMP_NUM_THREADS") or len(os.sched_getaffinity(0)))
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(num_threads())
 
 
 @cache
@@ -50,7 +68,23 @@ def register_kernels() -> torch.library.Library:
 
 
 def _matmul(a: Tensor, b: Tensor) -> Tensor:
-    return torch.from_numpy(np.matmul(a.detach().numpy(), b.detach().numpy()))
+    x, y = a.detach().numpy(), b.detach().numpy()
+    rows, terms = x.shape[-2:]
+    if x.ndim == 3 or max(rows, terms) <= BLOCK:
+        return torch.from_numpy(np.matmul(x, y))
+    if rows > BLOCK:
+        product = np.empty((rows, y.shape[1]), np.result_type(x, y))
+        _map_blocks(lambda block: np.matmul(x[block], y, out=product[block]), rows)
+    else:
+        product, *others = _map_blocks(lambda block: np.matmul(x[:, block], y[block]), terms)
+        for other in others:
+            product += other
+    return torch.from_numpy(product)
+
+
+def _map_blocks(multiply: Callable[[slice], np.ndarray], size: int) -> list[np.ndarray]:
+    blocks = [slice(start, start + BLOCK) for start in range(0, size, BLOCK)]
+    return list(_pool().map(multiply, blocks))
 
 
 def _addmm(
