@@ -98,14 +98,14 @@ class WorkingCopy:
 
 
 @pytest.fixture
-def say(capsys: pytest.CaptureFixture[str]) -> Callable[[str], None]:
-    """Print a line of the table at once."""
+def print_row(capsys: pytest.CaptureFixture[str]) -> Callable[[str], None]:
+    """Prints a row of the table at once."""
 
-    def print_line(text: str) -> None:
+    def print_text(text: str) -> None:
         with capsys.disabled():
             print(f"campaign: {text}", flush=True)
 
-    return print_line
+    return print_text
 
 
 @contextmanager

@@ -25,7 +25,7 @@ def resize(folder: Path, size: int) -> None:
     subprocess.run(["mount", "-o", f"remount,size={size}", str(folder)], check=True)
 
 
-def test_a_full_disk_costs_nothing(root: Path, tmp_path: Path, say: Callable[[str], None]):
+def test_a_full_disk_costs_nothing(root: Path, tmp_path: Path, print_row: Callable[[str], None]):
     growth = {}
     with small_tmpfs(tmp_path / "ample", str(AMPLE)):
         ample = Project(root, tmp_path / "ample/project")
@@ -49,7 +49,9 @@ def test_a_full_disk_costs_nothing(root: Path, tmp_path: Path, say: Callable[[st
                 reason = next(
                     (line for word in words for line in output.splitlines() if word in line), ""
                 )
-                say(f"disk full, {stage}, {room / 1e3:.0f} kB left: exit {code}, {reason[:80]}")
+                print_row(
+                    f"disk full, {stage}, {room / 1e3:.0f} kB left: exit {code}, {reason[:80]}"
+                )
                 # DVC ends with 0 where the outputs are whole and only its cache has no room
                 assert code != 0 or reason.startswith("ERROR: failed to transfer"), output
                 replace_torn(project.folder)
@@ -57,4 +59,4 @@ def test_a_full_disk_costs_nothing(root: Path, tmp_path: Path, say: Callable[[st
             assert code == 0, output
         outputs = project.outputs()
         assert [name for name in expected if outputs.get(name) != expected[name]] == []
-        say(f"disk full: {len(expected)} files as on an ample disk")
+        print_row(f"disk full: {len(expected)} files as on an ample disk")
