@@ -53,15 +53,15 @@ class WorkingCopy:
 
     def start(self) -> subprocess.Popen:
         """The command of the preset, as the leader of a process group of its own."""
-        log = (self.folder / "log").open("a")
-        return subprocess.Popen(
-            [sys.executable, "-m", "pipeline.preset", self.preset],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        with (self.folder / "log").open("a") as log:
+            return subprocess.Popen(
+                [sys.executable, "-m", "pipeline.preset", self.preset],
+                cwd=self.folder,
+                env=self.environment,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
 
     def kill_after(self, seconds: float) -> int | None:
         """Start, and SIGKILL every process of it; the exit code if it ended before."""
@@ -98,14 +98,14 @@ class WorkingCopy:
 
 
 @pytest.fixture
-def say(capsys: pytest.CaptureFixture[str]) -> Callable[[str], None]:
-    """Print a line of the table at once."""
+def print_row(capsys: pytest.CaptureFixture[str]) -> Callable[[str], None]:
+    """Prints a row of the table at once."""
 
-    def print_line(text: str) -> None:
+    def print_text(text: str) -> None:
         with capsys.disabled():
             print(f"campaign: {text}", flush=True)
 
-    return print_line
+    return print_text
 
 
 @contextmanager

@@ -97,7 +97,7 @@ def test_the_other_nineteen_are_as_without_it(
     whole: Path,
     store: Path,
     monkeypatch: pytest.MonkeyPatch,
-    say: Callable[[str], None],
+    print_row: Callable[[str], None],
 ):
     part, (function, output) = params.parts.select[7], STAGES[stage]
     # a result of the same key must not be found: every part is made anew, with the same bytes
@@ -114,7 +114,7 @@ def test_the_other_nineteen_are_as_without_it(
     assert kept == sorted(set(params.parts.select) - {part})
     require_same(folder, whole, [f"data/{output}/{name}" for name in kept])
     ended = "ends with exit code 1" if stage == "evaluate" else "ends with the report"
-    say(f"1 of {NUM_PARTS} broken in {stage}: 19 as without it, {ended}")
+    print_row(f"1 of {NUM_PARTS} broken in {stage}: 19 as without it, {ended}")
 
 
 def require_same(folder: Path, whole: Path, results: list[str]) -> None:
@@ -126,7 +126,7 @@ def require_same(folder: Path, whole: Path, results: list[str]) -> None:
 
 
 def test_a_net_that_is_broken_costs_the_parts_of_its_fold(
-    params: Params, store: Path, monkeypatch: pytest.MonkeyPatch, say: Callable[[str], None]
+    params: Params, store: Path, monkeypatch: pytest.MonkeyPatch, print_row: Callable[[str], None]
 ):
     params = replace(params, methods=["mean_shape"])
     run_pipeline(params, store / "nets")
@@ -150,11 +150,13 @@ def test_a_net_that_is_broken_costs_the_parts_of_its_fold(
     kept = list(read_index(folder / "data/clouds/mean_shape"))
     assert sorted([*kept, *failed]) == sorted(params.parts.select)
     require_same(folder, store / "nets", [f"data/clouds/mean_shape/{name}" for name in kept])
-    say(f"1 net broken in train: {len(failed)} of {NUM_PARTS} parts failed, the rest as without it")
+    print_row(
+        f"1 net broken in train: {len(failed)} of {NUM_PARTS} parts failed, the rest as without it"
+    )
 
 
 def test_a_cad_file_that_is_broken_costs_itself(
-    params: Params, store: Path, say: Callable[[str], None]
+    params: Params, store: Path, print_row: Callable[[str], None]
 ):
     cad = store / "cad"
     cad.mkdir()
@@ -170,4 +172,4 @@ def test_a_cad_file_that_is_broken_costs_itself(
     assert len(kept) == NUM_PARTS - 1
     results = [f"data/{name}/{part}" for name in ("parts", "clouds/oracle") for part in kept]
     require_same(store / "own-broken", store / "own", results)
-    say(f"1 of {NUM_PARTS} broken in solids: 19 as without it, ends with the report")
+    print_row(f"1 of {NUM_PARTS} broken in solids: 19 as without it, ends with the report")

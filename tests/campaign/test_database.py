@@ -91,7 +91,7 @@ STATES = [
 
 @pytest.mark.parametrize(("state", "is_logged"), STATES, ids=[s.__name__ for s, _ in STATES])
 def test_a_result_needs_no_database(
-    state: Callable, is_logged: bool, finished_run: Project, tmp_path: Path, say: Callable
+    state: Callable, is_logged: bool, finished_run: Project, tmp_path: Path, print_row: Callable
 ):
     expected = finished_run.outputs()
     with state(tmp_path):
@@ -107,7 +107,7 @@ def test_a_result_needs_no_database(
         )
         seconds = time.monotonic() - start
     said = [line for line in ended.stderr.splitlines() if line.startswith("MLflow: not logged")]
-    say(f"MLflow {state.__name__}: exit code {ended.returncode}, {seconds:.0f} s, {said[:1]}")
+    print_row(f"MLflow {state.__name__}: exit code {ended.returncode}, {seconds:.0f} s, {said[:1]}")
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert finished_run.outputs() == expected
     assert bool(said) != is_logged

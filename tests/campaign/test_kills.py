@@ -16,7 +16,7 @@ SECONDS = (0.5, 30.0)  # between the start and the kill
 
 
 def test_a_run_that_was_killed_ends_with_the_same_bytes(
-    root: Path, tmp_path: Path, say: Callable[[str], None]
+    root: Path, tmp_path: Path, print_row: Callable[[str], None]
 ):
     undisturbed = WorkingCopy(root, tmp_path / "undisturbed", "smoke")
     assert undisturbed.start().wait() == 0, undisturbed.log()[-2000:]
@@ -37,4 +37,6 @@ def test_a_run_that_was_killed_ends_with_the_same_bytes(
         assert copy.log().count("damaged result") == 0
         code, text = copy.doctor()
         assert code == 0, text
-        say(f"{kills} kills, {copies} runs, {num_torn} torn locks mended, {len(expected)} files")
+        print_row(
+            f"{kills} kills, {copies} runs, {num_torn} torn locks mended, {len(expected)} files"
+        )

@@ -18,7 +18,9 @@ pytestmark = pytest.mark.campaign
 ENTRIES = 10_000
 
 
-def test_two_runs_and_a_sweep_at_once_agree(root: Path, tmp_path: Path, say: Callable[[str], None]):
+def test_two_runs_and_a_sweep_at_once_agree(
+    root: Path, tmp_path: Path, print_row: Callable[[str], None]
+):
     alone = Project(root, tmp_path / "alone")
     assert alone.run()[0] == 0
     store = str(tmp_path / "store")
@@ -50,7 +52,9 @@ def test_two_runs_and_a_sweep_at_once_agree(root: Path, tmp_path: Path, say: Cal
     assert differing == []
     paths = ProjectPaths(tmp_path / "none", Path(store), tmp_path / "mlflow.db")
     assert run_check("store", paths) == []
-    say(f"two runs and a sweep at once: {time.monotonic() - start:.0f} s, {len(expected)} files")
+    print_row(
+        f"two runs and a sweep at once: {time.monotonic() - start:.0f} s, {len(expected)} files"
+    )
 
 
 def write_number(target: Path, *, number: int) -> None:
@@ -58,7 +62,7 @@ def write_number(target: Path, *, number: int) -> None:
 
 
 def test_ten_thousand_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, say: Callable[[str], None]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, print_row: Callable[[str], None]
 ):
     monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
     monkeypatch.setenv("INDUSTNERF_RUNNER", "serial")
@@ -78,7 +82,7 @@ def test_ten_thousand_results(
     assert finding.path == damaged.parent.parent
     run_stage("numbers", tasks, tmp_path / "out", "strict")
     assert damaged.exists()
-    say(
+    print_row(
         f"{ENTRIES} results: {seconds[0]:.0f} s made, {seconds[1]:.0f} s reused, "
         f"{doctor_seconds:.0f} s to examine"
     )
