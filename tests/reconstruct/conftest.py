@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-import torch
 
 from industnerf.reconstruct import __main__ as command
 from industnerf.reconstruct import checkpoint, settings
+from industnerf.torch_kernels import use_reproducible_kernels
 from tests.reconstruct import fake_pipeline, sample_images
 
 METHOD_MODULES = (
@@ -46,7 +46,7 @@ class FakeParams:
 @pytest.fixture
 def fake(monkeypatch):
     """The stand-in, for as long as the test runs; our modules that import it go with it."""
-    torch.set_num_threads(1)
+    use_reproducible_kernels()
     for name in METHOD_MODULES:
         monkeypatch.setitem(sys.modules, name, fake_pipeline)
     monkeypatch.setattr(settings, "Params", FakeParams)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 import trimesh
 from PIL import Image
 
 from industnerf.reconstruct import __main__ as command
+from industnerf.torch_kernels import use_reproducible_kernels
 from tests.methods.industnerf.synthetic_scenes import CENTER, ball, orbit_cameras, render_images
 from tests.reconstruct import sample_images
 
@@ -38,7 +38,7 @@ SETTINGS = {
 @pytest.fixture
 def ball_images(tmp_path) -> Path:
     """transforms.json beside 16 photographs of 48 px."""
-    torch.set_num_threads(1)
+    use_reproducible_kernels()
     cameras = orbit_cameras(16, 48)
     (tmp_path / "rgb").mkdir()
     for i, pixels in enumerate(render_images(ball(RADIUS), cameras)):

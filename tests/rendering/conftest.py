@@ -1,5 +1,5 @@
 """What the tests of rendering share."""
 
-import torch
+from industnerf.torch_kernels import use_reproducible_kernels
 
-torch.set_num_threads(1)  # the suite is spread over processes already
+use_reproducible_kernels()  # the suite is spread over processes already

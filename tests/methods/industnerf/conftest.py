@@ -1,5 +1,5 @@
 """Tests of the paper's method compute on one core."""
 
-import torch
+from industnerf.torch_kernels import use_reproducible_kernels
 
-torch.set_num_threads(1)
+use_reproducible_kernels()

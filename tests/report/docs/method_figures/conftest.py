@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 
 from industnerf.config import load_params
 from industnerf.geometry.cameras import (
@@ -18,11 +17,12 @@ from industnerf.geometry.cameras import (
 from industnerf.methods.industnerf.scene import PosedImages
 from industnerf.report.docs.method_figures.pipeline_trace import PipelineTrace, trace_pipeline
 from industnerf.schema.industnerf import LevelSettings
+from industnerf.torch_kernels import use_reproducible_kernels
 
 SIZE, VIEWS = 32, 6
 CENTER, RADIUS = np.array([40.0, -20.0, 7.0]), 10.0  # mm
 
-torch.set_num_threads(1)
+use_reproducible_kernels()
 
 
 def ball_images() -> PosedImages:
