@@ -14,6 +14,7 @@ FAULTS = {
     "ends within a word": lambda text: text[: text.index("stages") + 3],
     "ends before the first stage": lambda text: text[: text.index("make")],
     "ends within a stage's name": lambda text: text[: text.index("cmd") - 4] + "\n",
+    "ends within an entry": lambda text: text[: text.rindex("md5:") + 6],
     "two versions in conflict": lambda text: f"<<<<<<< ours\n{text}=======\n{text}>>>>>>> theirs\n",
     "a stage that is no more": lambda text: text + "  gone@hull:\n    cmd: 'true'\n",
 }
@@ -50,7 +51,7 @@ def test_what_git_has_is_put_back(dvc_copy: WorkingCopy):
     assert lock.read_text() == original
 
 
-@pytest.mark.parametrize("damage", ["empty", "ends within a word", "two versions in conflict"])
+@pytest.mark.parametrize("damage", ["empty", "ends within a word", "ends within an entry", "two versions in conflict"])
 def test_a_torn_lock_file_is_set_aside_and_the_run_goes_on(
     dvc_copy: WorkingCopy, damage: str, capsys: pytest.CaptureFixture[str]
 ):

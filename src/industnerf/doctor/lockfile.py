@@ -76,7 +76,19 @@ def find_truncation(text: str) -> str:
         return f"no YAML: {' '.join(str(error).split())[:160]}"
     if not isinstance(content, dict) or not {"schema", "stages"} <= set(content):
         return f"has {len(text)} characters and lacks schema or stages: cut short"
-    return _find_incomplete_stage(content["stages"])
+    return _find_incomplete_stage(content["stages"]) or _find_schema_error(content)
+
+
+def _find_schema_error(content: dict[str, Any]) -> str:
+    """What DVC refuses of a lock that ends within an entry, and is YAML all the same."""
+    from dvc.schema import COMPILED_LOCKFILE_SCHEMA  # late: slow to import
+    from voluptuous import Invalid
+
+    try:
+        COMPILED_LOCKFILE_SCHEMA(content)
+    except Invalid as error:
+        return f"no lock file of DVC: {error}: cut short"
+    return ""
 
 
 def _find_incomplete_stage(stages: Any) -> str:
