@@ -10,7 +10,7 @@ import textwrap
 
 import pytest
 
-from industnerf import code_hash, processor
+from industnerf import code_hash, manifest, processor
 from industnerf.store import Cost, Store, content_digest, store_key
 
 COST = Cost(1.0, 2.0, "cpu")
@@ -67,6 +67,11 @@ def write_through(path):
     path.chmod(0o444)
 
 
+def replace_by_link(path):
+    path.unlink()
+    path.symlink_to("nowhere")
+
+
 DAMAGE = {
     "a lost file": lambda entry: unlink(entry / "out/deep/a.txt"),
     "a lost folder": lambda entry: shutil.rmtree(entry / "out"),
@@ -74,6 +79,7 @@ DAMAGE = {
     "a file too many": lambda entry: (entry / "out/b.txt").touch(),
     "a lost manifest": lambda entry: unlink(entry / "manifest.json"),
     "a torn manifest": lambda entry: write_through(entry / "manifest.json"),
+    "a link to nowhere": lambda entry: replace_by_link(entry / "out/deep/a.txt"),
     "a lost cost": lambda entry: unlink(entry / "cost.json"),
 }
 
@@ -98,6 +104,22 @@ def test_a_damaged_result_does_not_block_put(tmp_path):
     store.put("step", "k", make_writer())
     assert store.has("step", "k")
     assert len(list(tmp_path.glob("step/.damaged-k-*"))) == 1
+
+
+def test_what_another_process_made_anew_meanwhile_is_not_set_aside(tmp_path, monkeypatch):
+    store = Store(tmp_path)
+    store.put("step", "k", make_writer())
+    unlink(tmp_path / "step/k/out/deep/a.txt")
+
+    def find_damage(entry):
+        damage = manifest.find_damage(entry)
+        monkeypatch.undo()
+        store.put("step", "k", make_writer())
+        return damage
+
+    monkeypatch.setattr("industnerf.store.find_damage", find_damage)
+    assert store.has("step", "k")
+    assert (tmp_path / "step/k/out/deep/a.txt").exists()
 
 
 def test_a_write_through_a_placed_file_is_noticed(tmp_path):

@@ -114,6 +114,9 @@ class Store:
                 return entry.is_dir()
             aside = entry.with_name(f".damaged-{key}-{time.time_ns()}")
             entry.rename(aside)  # not removed: it may tell what happened
+            if not find_damage(aside):  # another process has made it anew meanwhile
+                aside.rename(entry)
+                return True
             message = f"store: a damaged result is set aside and made anew: {aside}: it {damage}"
             print(message, file=sys.stderr)
         return False
