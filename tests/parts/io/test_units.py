@@ -2,6 +2,8 @@
 
 import pytest
 
+from industnerf.parts.io.readers import resolve_unit
+from industnerf.parts.io.readers.mesh_content import MeshContent
 from industnerf.parts.io.units import unit_note
 
 
@@ -48,3 +50,10 @@ def test_an_absurd_size_is_warninged_upon_whoever_states_the_unit():
     # no unit is smaller, none is large enough, and one is unknown
     for unit, size in (("mm, assumed", 5e6), ("mm, assumed", 1e-4), ("foot, stated", 1e6)):
         assert unit_note(unit, size).endswith(", which few parts are")
+
+
+def test_a_unit_is_overridden_whose_name_alone_is_right():
+    """COLLADA states a name and a factor, which programs let differ."""
+    content = MeshContent((), scale=1000.0, unit="cm", is_float32=True)
+    assert resolve_unit(content, "cm", override=True) == (10.0, "cm, overridden")
+    assert resolve_unit(content, "m", override=True) == (1000.0, "cm, stated")

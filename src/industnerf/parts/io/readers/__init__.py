@@ -102,7 +102,8 @@ def resolve_unit(content: MeshContent, units: str, override: bool) -> tuple[floa
     """
     if content.scale is None:
         return MM_PER_UNIT[units], units + ASSUMED
-    if not override or content.unit == units:
+    factor = content.scale if not content.is_in_mm else MM_PER_UNIT.get(content.unit or "")
+    if not override or factor == MM_PER_UNIT[units]:
         return content.scale, f"{content.unit}{STATED}"
     if not content.is_in_mm:
         return MM_PER_UNIT[units], units + OVERRIDDEN
