@@ -106,6 +106,19 @@ def test_products_and_roots_are_the_kernels_here_and_not_torchs_own() -> None:
         assert "torch_kernels" in line, line
 
 
+@pytest.mark.parametrize("dtype", [torch.bfloat16, torch.float16, torch.complex64])
+def test_a_dtype_without_a_kernel_is_refused_and_not_computed_otherwise(dtype: torch.dtype) -> None:
+    with pytest.raises(NotImplementedError, match="use float32 or float64"):
+        torch.ones(2, 2, dtype=dtype) @ torch.ones(2, 2, dtype=dtype)
+    with pytest.raises(NotImplementedError, match="use float32 or float64"):
+        torch.ones(2, dtype=dtype).sqrt()
+
+
+def test_operands_of_two_dtypes_are_refused_as_by_torch() -> None:
+    with pytest.raises(RuntimeError, match="same dtype"):
+        torch.mm(normal(2, 3), normal(3, 2).double())
+
+
 def test_whoever_loads_numpy_first_is_told() -> None:
     code = (
         "import numpy; from industnerf.torch_kernels import use_reproducible_kernels as use; use()"

@@ -21,6 +21,7 @@ from torch import Tensor
 from industnerf import processor
 
 BLOCK = 4096  # rows, or terms of a sum, that one thread takes at a time
+UNSUPPORTED = (torch.float16, torch.bfloat16, torch.complex64, torch.complex128)
 
 
 def use_reproducible_kernels() -> None:
@@ -68,6 +69,9 @@ def register_kernels() -> torch.library.Library:
 
 
 def _matmul(a: Tensor, b: Tensor) -> Tensor:
+    _require_real(a, b)
+    if a.dtype != b.dtype:
+        raise RuntimeError(f"expected operands of the same dtype, got {a.dtype} and {b.dtype}")
     x, y = a.detach().numpy(), b.detach().numpy()
     rows, terms = x.shape[-2:]
     if x.ndim == 3 or max(rows, terms) <= BLOCK:
@@ -80,6 +84,14 @@ def _matmul(a: Tensor, b: Tensor) -> Tensor:
         for other in others:
             product += other
     return torch.from_numpy(product)
+
+
+def _require_real(*tensors: Tensor) -> None:
+    for tensor in tensors:
+        if tensor.dtype in UNSUPPORTED:
+            raise NotImplementedError(
+                f"industnerf.torch_kernels has no kernel for {tensor.dtype}; use float32 or float64"
+            )
 
 
 def _map_blocks(multiply: Callable[[slice], np.ndarray], size: int) -> list[np.ndarray]:
@@ -97,6 +109,7 @@ def _addmm(
 
 
 def _sqrt(x: Tensor) -> Tensor:
+    _require_real(x)
     if not x.is_floating_point():
         x = x.to(torch.get_default_dtype())
     root = torch.empty_like(x)
@@ -104,6 +117,7 @@ def _sqrt(x: Tensor) -> Tensor:
 
 
 def _sqrt_in_place(x: Tensor) -> Tensor:
+    _require_real(x)
     return _write_sqrt(x, x)
 
 

@@ -96,3 +96,7 @@ def test_one_pixel_in_a_hundred_goes_without_saying():
     assert likeness.warning == ""
     likeness.add(white, np.ones(3))
     assert likeness.warning.startswith("2.0% of its pixels")
+
+
+def test_a_part_that_no_camera_sees_is_before_white():
+    assert contrasting_color(np.empty((0, 3), np.uint8)) == "white"

@@ -51,7 +51,9 @@ def test_what_git_has_is_put_back(dvc_copy: WorkingCopy):
     assert lock.read_text() == original
 
 
-@pytest.mark.parametrize("damage", ["empty", "ends within a word", "ends within an entry", "two versions in conflict"])
+@pytest.mark.parametrize(
+    "damage", ["empty", "ends within a word", "ends within an entry", "two versions in conflict"]
+)
 def test_a_torn_lock_file_is_set_aside_and_the_run_goes_on(
     dvc_copy: WorkingCopy, damage: str, capsys: pytest.CaptureFixture[str]
 ):

@@ -94,7 +94,12 @@ def backgrounds(
 
 
 def contrasting_color(colors: PartColors) -> str:
-    """The first of COLORS that hardly one of `colors` is like; if there is none, the least like."""
+    """The first of COLORS that hardly one of `colors` is like; if there is none, the least like.
+
+    Without any color, of a part that no camera sees, white.
+    """
+    if not len(colors):
+        return "white"
     shares = {
         name: float(is_like(colors, np.array(color) / 255, CHOICE_TOLERANCE).mean())
         for name, color in COLORS.items()

@@ -12,7 +12,7 @@ Carlo, Giles (2008), Multilevel Monte Carlo path simulation, section 2.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from itertools import count
 from statistics import fmean
 
@@ -54,7 +54,7 @@ def measure_floors(
         farthest_points(points, n) for points in (truth.visible_points, truth.points)
     )
 
-    @cache
+    @lru_cache(MAX_PAIRS)  # 2 MB each; all metrics use the first ones, the coarse EMD more
     def draw(k: int) -> SampledSurface:
         use = f"floor {k}" if k else "floor"
         drawn = sample_reference(name, reference, settings, seed, use)[1]
