@@ -42,10 +42,13 @@ REPORT_FILES = {
 TABLE1 = (
     "method,scope,inputs,split,preset,views,emd_even,ci_low,ci_high,floor,ratio_to_floor,emd_iid,"
     "emd_full,parts,failures,parameters,steps,paper_emd,"
-    "size,num_train_parts,hold_out,undertrained,emd_mm,num_predictions,seeds_sd,empty_predictions,families"
+    "size,num_train_parts,hold_out,undertrained,emd_mm,num_predictions,seeds_sd,empty_predictions,families,"
+    "floor_se,imprecise_floors"
 )
-SCORES = "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,unit,status"
-TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper"
+SCORES = (
+    "part_id,family,method,scope,split,preset,seed,metric,protocol,value,floor,floor_se,unit,status"
+)
+TABLE2 = "method,subset,loss,value,ci_low,ci_high,unit,paper,coverage"
 COMPARISONS = (
     "method,other,difference,ci_low,ci_high,difference_mm,p,p_holm,win_rate,parts,families"
 )
@@ -56,8 +59,8 @@ INSPECTION = (
     "method,emd_mm,emd_median_mm,hausdorff95_mm,hausdorff95_median_mm,"
     "within_0.1mm,within_0.5mm,within_1mm,covered_0.1mm,covered_0.5mm,covered_1mm,parts"
 )
-GOALS = "method,goal,target,value,met,supplement,unit,tsdf,oracle"
-COST = "stage,method,part_id,seconds,peak_mb,device,extra_seconds"
+GOALS = "method,goal,target,value,met,supplement,unit,coverage,tsdf,oracle"
+COST = "stage,method,part_id,seconds,peak_mb,device,extra_seconds,cpu_seconds,extra_cpu_seconds"
 
 
 def rows(path):
