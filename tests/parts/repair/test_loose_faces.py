@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadPart
 from industnerf.parts.repair import repair_mesh
 from industnerf.parts.validation.checks import bad_edges
 from tests.parts.repair.shapes import (
@@ -11,6 +12,7 @@ from tests.parts.repair.shapes import (
     box,
     concatenated,
     flipped,
+    scaled,
     select_faces,
     settings,
     triangle_soup,
@@ -82,3 +84,70 @@ def test_degenerate_and_repeated_faces_of_the_solid_do_not_make_it_open():
 
 def test_with_no_limit_all_stay():
     assert len(repair_mesh([box(), SLIVER], settings(small_component_area=0.0)).mesh.faces) == 14
+
+
+def sheets(count, width, distance) -> Mesh:
+    """`count` squares in a row along x, the last at `distance`."""
+    corners = width * np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    shifts = np.linspace(distance, 200, count)[:, None, None] * [1.0, 0, 0]
+    faces = np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(count)[:, None, None]
+    return Mesh.with_one_appearance(
+        (corners + shifts).reshape(-1, 3), faces.reshape(-1, 3).astype(np.int32)
+    )
+
+
+def with_gaps(soup: Mesh, gap: float) -> Mesh:
+    noise = np.random.default_rng(0).uniform(-gap / 4, gap / 4, soup.vertices.shape)
+    return Mesh(soup.vertices + noise, soup.faces, soup.finish)
+
+
+CUBE = box((100.0, 100.0, 100.0))
+
+
+@pytest.mark.parametrize("distance", [1e4, 1e6, 1e9])
+@pytest.mark.parametrize(
+    "solid",
+    [CUBE, triangle_soup(CUBE), with_gaps(triangle_soup(CUBE), settings().weld * 100)],
+    ids=["closed", "soup", "gaps"],
+)
+def test_the_scale_of_the_solid_decides_however_far_the_sheet(solid, distance):
+    alone = repair_mesh([solid], settings())
+    for solids in (
+        [solid, sheets(1, 2.0, distance)],
+        [concatenated(sheets(1, 2.0, distance), solid)],
+    ):
+        both = repair_mesh(solids, settings())
+        np.testing.assert_array_equal(both.mesh.triangles, alone.mesh.triangles)
+        assert both.repairs[0].startswith(
+            "loose faces beside the solid removed: 2, 0.01% of the area"
+        )
+        assert both.repairs[1:] == alone.repairs
+        assert not both.residual_defects
+
+
+def test_too_many_loose_sheets_stay_and_are_named():
+    loose = sheets(20, 14.0, 1760)
+    result = repair_mesh([CUBE, loose], settings())
+    assert len(result.mesh.faces) == 12 + 40
+    share = 20 * 14**2 / (20 * 14**2 + 6e4)
+    assert result.residual_defects[:2] == (
+        f"loose sheets beside a closed solid left: 20 with {share:.2%} of the area, more than "
+        "parts.repair.max_removed_area (5.00%); they set the size of the part: the diagonal of "
+        "its bounding box is 1829 mm, 173.2 mm without them",
+        "open edges: 80",
+    )
+    allowed = repair_mesh([CUBE, loose], settings(max_removed_area=0.1))
+    assert len(allowed.mesh.faces) == 12
+    assert not allowed.residual_defects
+
+
+def test_loose_sheets_within_the_box_of_the_solid_do_not_set_its_size():
+    loose = scaled(sheets(20, 14.0, 201), 1.0, (-200.0, 0, 0))
+    message = repair_mesh([CUBE, loose], settings()).residual_defects[0]
+    assert message.startswith("loose sheets beside a closed solid left: ")
+    assert message.endswith("parts.repair.max_removed_area (5.00%)")
+
+
+def test_a_part_that_too_many_far_sheets_make_a_point_is_refused_with_the_knob():
+    with pytest.raises(BadPart, match=r"lie on a line.*; loose sheets .* 20 .*max_removed_area"):
+        repair_mesh([CUBE, sheets(20, 14.0, 1e6)], settings())

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from industnerf.artifacts.part import Mesh
+from industnerf.errors import BadPart
 from industnerf.parts.repair.defects import (
     find_residual_defects,
     measure_back_face_share,
@@ -19,7 +20,7 @@ from industnerf.parts.repair.edges import build_edges
 from industnerf.parts.repair.holes import fill_holes
 from industnerf.parts.repair.invalid_faces import deduplicate_faces, drop_nonfinite
 from industnerf.parts.repair.loose_faces import drop_loose_faces
-from industnerf.parts.repair.mesh_ops import Normalization, concatenate, fit_normalization
+from industnerf.parts.repair.mesh_ops import concatenate, fit_normalization
 from industnerf.parts.repair.orient import fix_winding
 from industnerf.parts.repair.small_components import drop_small_components
 from industnerf.parts.repair.smooth import smooth
@@ -54,13 +55,16 @@ def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
     Raises BadPart if no surface is left.
     """
     bodies, repairs = drop_nonfinite(list(solids))
-    defects: list[str] = []
-    normalization, welded, weld_repairs = normalize_and_weld(bodies, settings)
-    bodies, loose_repairs = drop_loose_faces(bodies, welded, settings)
-    if loose_repairs:  # they may have been most of the bounding box
-        normalization, welded, weld_repairs = normalize_and_weld(bodies, settings)
+    # Before the normalization: loose faces may be most of the bounding box.
+    bodies, loose_repairs, defects = drop_loose_faces(bodies, settings)
+    normalization = fit_normalization(bodies)
+    bodies = [normalization.normalize(body) for body in bodies]
+    try:
+        require_surface(bodies)
+        bodies, weld_repairs, _ = weld(bodies, settings)
+    except BadPart as error:  # what was left may be why
+        raise BadPart("; ".join([str(error), *defects])) from error
     repairs += loose_repairs + weld_repairs
-    bodies = welded
     for step in STEPS:
         require_surface(bodies)
         bodies, step_repairs, step_defects = step(bodies, settings)
@@ -73,14 +77,3 @@ def repair_mesh(solids: Sequence[Mesh], settings: RepairParams) -> RepairResult:
     return RepairResult(
         normalization.denormalize(mesh), tuple(repairs), tuple(defects), open_edges, back_face_share
     )
-
-
-def normalize_and_weld(
-    bodies: Sequence[Mesh], settings: RepairParams
-) -> tuple[Normalization, list[Mesh], list[str]]:
-    """The normalization of `bodies`, and these normalized and welded."""
-    normalization = fit_normalization(list(bodies))
-    normalized = [normalization.normalize(body) for body in bodies]
-    require_surface(normalized)
-    welded, repairs, _ = weld(normalized, settings)
-    return normalization, welded, repairs
