@@ -40,18 +40,7 @@ def findings_table(findings: Sequence[Finding]) -> Table:
     """A row for each of `findings`; the sentences behind the counts are in `verdict_lines`."""
     grid = Table(title=_count_verdicts(findings), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     grid.add_column("file\nformat (unit, ? if assumed), size in mm", overflow="fold")
-    for heading in (
-        "area\nmm\u00b2",
-        "volume\nmm\u00b3",
-        "bodies",
-        "faces",
-        "open\nedges",
-        "back\nfaces",
-        "repairs",
-        "defects",
-        "s",
-        "MB",
-    ):
+    for heading in ("faces", "open\nedges", "back\nfaces", "repairs", "defects", "s", "MB"):
         grid.add_column(heading, justify="right", no_wrap=True)
     for finding in findings:
         cost = (f"{finding.seconds:.1f}", f"{finding.peak_mb:.0f}") if finding.peak_mb else ("", "")
@@ -63,16 +52,19 @@ def _heading(finding: Finding) -> Text:
     size = " x ".join(f"{side:.4g}" for side in finding.size_mm)
     unit = finding.unit.replace(", assumed", "?").removesuffix(", stated")
     detail = "refused" if finding.refused else f"{finding.format} ({unit}), {size}"
-    return Text.assemble(short_name(finding), "\n", (detail, "red" if finding.refused else "dim"))
+    volume = "open" if finding.volume_mm3 is None else f"{finding.volume_mm3:.4g} mm\u00b3"
+    bodies = "1 body" if finding.bodies == 1 else f"{finding.bodies} bodies"
+    measured = f"\n{finding.area_mm2:.4g} mm\u00b2, {volume}, {bodies}"
+    style = "red" if finding.refused else "dim"
+    return Text.assemble(
+        short_name(finding), "\n", (detail, style), ("" if finding.refused else measured, style)
+    )
 
 
 def _counts(finding: Finding) -> tuple[str, ...]:
     if finding.refused:
-        return ("",) * 8
+        return ("",) * 5
     return (
-        f"{finding.area_mm2:.4g}",
-        "open" if finding.volume_mm3 is None else f"{finding.volume_mm3:.4g}",
-        str(finding.bodies),
         str(finding.faces),
         str(finding.open_edges),
         f"{finding.back_face_share:.2%}",

@@ -31,7 +31,8 @@ def plot_pareto(rows: Sequence[Table1Row], extras: Sequence[Table1Extra]) -> byt
     ]
     figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axis = figure.subplots()
-    axis.set(xlabel="seconds a part, reconstruction alone", ylabel="EMD (even), diagonals")
+    kind = "wall" if any(extra.is_wall_time for extra in extras) else "processor"
+    axis.set(xlabel=f"{kind} seconds a part, reconstruction alone", ylabel="EMD (even), diagonals")
     if points:
         axis.set(xscale="log", yscale="log")
     else:
