@@ -11,6 +11,14 @@ import pytest
 from industnerf.runner.signals import defer_signals
 
 
+@pytest.fixture(autouse=True)
+def interrupt_handler():
+    """Python's own, which a job in the background of a shell does not have."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def test_a_signal_comes_when_the_block_is_over():
     done = []
 
