@@ -10,8 +10,8 @@ from industnerf.artifacts.history import History
 from industnerf.artifacts.renderings import Renderings
 from industnerf.geometry.cameras import Cameras, pixel_centers, project, ray_directions
 from industnerf.geometry.raycast import RaycastingScene
-from industnerf.geometry.sampling import sample_surface
 from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Scope
+from industnerf.methods.trivial_baselines import reconstruct_oracle
 
 GRAY = 120  # of 255: what the part looks like from everywhere
 SPREAD = 0.01  # r.m.s. distance of the candidates, in sizes of the part
@@ -20,7 +20,7 @@ SPREAD = 0.01  # r.m.s. distance of the candidates, in sizes of the part
 def reconstruct(inputs: MethodInputs, settings: Any, state: None, seed: int) -> Reconstruction:
     """The oracle's points, with everything that a method may add."""
     mesh, rng = inputs.own_mesh, np.random.default_rng(seed)
-    points, _ = sample_surface(mesh.vertices, mesh.faces, settings.points, rng)
+    points = reconstruct_oracle(inputs, settings, state, seed).points_mm
     offsets = rng.normal(size=points.shape)
     candidates = points + SPREAD * np.ptp(mesh.vertices, axis=0).max() * offsets
     confidence = np.exp(-np.linalg.norm(offsets, axis=1)).astype(np.float32)
