@@ -29,7 +29,7 @@ def test_what_is_put_can_be_placed_and_its_cost_is_known(tmp_path):
     store = Store(tmp_path / "store")
     assert not store.has("step", "k")
     store.put("step", "k", make_writer())
-    store.place("step", "k", tmp_path / "out")
+    store.checkout("step", "k", tmp_path / "out")
     assert (tmp_path / "out" / "deep" / "a.txt").read_text() == "hello"
     assert store.cost("step", "k") == COST
     assert store.cost("step", "other") is None
@@ -46,7 +46,7 @@ def test_a_placed_result_replaces_what_was_there(tmp_path):
     store.put("step", "k", make_writer())
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "stale").write_text("")
-    store.place("step", "k", tmp_path / "out")
+    store.checkout("step", "k", tmp_path / "out")
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["deep"]
 
 
@@ -126,7 +126,7 @@ def test_a_write_through_a_placed_file_is_noticed(tmp_path):
     """Where the disk has no clones it is a link; where it has, the result is not touched."""
     store = Store(tmp_path / "store")
     store.put("step", "k", make_writer())
-    store.place("step", "k", tmp_path / "out")
+    store.checkout("step", "k", tmp_path / "out")
     write_through(tmp_path / "out/deep/a.txt")
     stored = store.result_path("step", "k") / "deep/a.txt"
     assert stored.read_text() == "hello" or not store.has("step", "k")

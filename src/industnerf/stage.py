@@ -90,7 +90,7 @@ def run_stage(
         if task.part_id in failures:
             continue
         if store.has(stage, key):  # it may be long since this was asked
-            store.place(stage, key, out / task.part_id)
+            store.checkout(stage, key, out / task.part_id)
         else:
             failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
             lost.add(task.part_id)

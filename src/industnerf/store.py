@@ -168,7 +168,7 @@ class Store:
             shutil.rmtree(draft, ignore_errors=True)
         shutil.rmtree(self.scratch_dir(stage, key), ignore_errors=True)
 
-    def place(self, stage: str, key: str, target: Path) -> None:
+    def checkout(self, stage: str, key: str, target: Path) -> None:
         """Put the result at `target`: clones, links or copies, by what the disk can do."""
         if target.exists():
             shutil.rmtree(target)

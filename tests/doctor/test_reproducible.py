@@ -18,7 +18,7 @@ def test_this_machine_gives_the_published_bytes(root):
 @pytest.fixture
 def paths(tmp_path, monkeypatch) -> ProjectPaths:
     """A working copy where two digests are published, and both are as published."""
-    versions = reproducible.library_versions()
+    versions = reproducible.installed_versions()
     published = {"processor": "Abacus", "isa": "beads", "versions": versions}
     path = tmp_path / reproducible.DIGESTS
     path.parent.mkdir()
@@ -46,7 +46,7 @@ def test_what_differs_is_named_with_both_machines(paths, monkeypatch):
 
 def test_another_version_is_named(paths, monkeypatch):
     monkeypatch.setattr(reproducible, "compute_digests", lambda root: iter([("sums", "0")]))
-    monkeypatch.setattr(reproducible, "library_versions", lambda: {"numpy": "99"})
+    monkeypatch.setattr(reproducible, "installed_versions", lambda: {"numpy": "99"})
     (finding,) = reproducible.check(paths)
     assert "numpy is 99 and was" in finding.message
 

@@ -10,7 +10,6 @@ import json
 import tempfile
 from collections.abc import Iterator
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ import numpy as np
 from industnerf import config, processor
 from industnerf.capture.render import render_part
 from industnerf.cli import exit_with_message
+from industnerf.code_hash import library_versions
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.operations import OPERATIONS
 from industnerf.doctor.project_paths import ProjectPaths
@@ -27,6 +27,7 @@ from industnerf.methods.base import Example, Scope
 from industnerf.methods.run_method import fit_method, reconstruct_part
 from industnerf.parts.catalogue.sources import embedded_parts
 from industnerf.schema import Params
+from industnerf.store import content_digest
 from industnerf.torch_kernels import use_reproducible_kernels
 
 DIGESTS = Path("results/reproducible.json")
@@ -36,7 +37,7 @@ METHODS = (
     *("hull_rgb", "carve", "tsdf"),
 )
 TRAINING_STEPS = 20  # of a network
-LIBRARIES = ("numpy", "scipy", "torch", "warp-lang", "embreex", "scikit-image", "trimesh")
+COMPUTING_MODULE = "industnerf.capture.render"  # beside the methods
 
 
 def check(paths: ProjectPaths) -> list[Finding]:
@@ -53,7 +54,7 @@ def check(paths: ProjectPaths) -> list[Finding]:
         return [Finding(published_path, f"this machine gives the published bytes ({here})")]
     versions = [
         f"{name} is {version} and was {published['versions'].get(name)}"
-        for name, version in library_versions().items()
+        for name, version in installed_versions().items()
         if version != published["versions"].get(name)
     ]
     published_with = f"{published['processor']}, {published['isa']}"
@@ -85,8 +86,8 @@ def _method_digests(params: Params, catalogue: Path, folder: Path) -> Iterator[t
         part.make(parts / part.part_id)
         part_dir = parts / part.part_id
         render_part(part_dir, views / part.part_id, params.views, params.seed)
-    yield "parts", _digest_files(parts)
-    yield "views", _digest_files(views)
+    yield "parts", content_digest([parts])
+    yield "views", content_digest([views])
     learned_id, *_, target_id = sorted(path.name for path in parts.iterdir())
     for name in METHODS:
         method, settings = load_method(name), getattr(params.method, name)
@@ -105,7 +106,7 @@ def _method_digests(params: Params, catalogue: Path, folder: Path) -> Iterator[t
             )
         reconstruct = partial(reconstruct_part, settings=settings, seed=params.seed)
         reconstruct(method, parts / target_id, views / target_id, state, cloud)
-        yield name, _digest_files(cloud)
+        yield name, content_digest([cloud])
 
 
 def _digest_arrays(arrays: list[np.ndarray]) -> str:
@@ -115,16 +116,11 @@ def _digest_arrays(arrays: list[np.ndarray]) -> str:
     return digest.hexdigest()
 
 
-def _digest_files(folder: Path) -> str:
-    digest = hashlib.sha256()
-    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
-        digest.update(path.relative_to(folder).as_posix().encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
-def library_versions() -> dict[str, str]:
-    """The installed versions of what computes, without the tag of a build."""
-    return {name: version(name).partition("+")[0] for name in LIBRARIES}
+def installed_versions() -> dict[str, str]:
+    """The versions of what computes, without the tag of a build."""
+    modules = (COMPUTING_MODULE, *(load_method(name).module for name in METHODS))
+    versions = library_versions(modules)
+    return {name: version.partition("+")[0] for name, version in versions.items()}
 
 
 def write_digests(root: Path) -> None:
@@ -132,7 +128,7 @@ def write_digests(root: Path) -> None:
     digests: dict[str, Any] = {
         "processor": processor.model(),
         "isa": processor.isa(),
-        "versions": library_versions(),
+        "versions": installed_versions(),
         "digests": dict(compute_digests(root)),
     }
     (root / DIGESTS).write_text(json.dumps(digests, indent=2) + "\n", encoding="utf-8")

@@ -55,7 +55,7 @@ def measure_floors(
     )
 
     @lru_cache(MAX_PAIRS)  # 2 MB each; all metrics use the first ones, the coarse EMD more
-    def draw(k: int) -> SampledSurface:
+    def sample_truth(k: int) -> SampledSurface:
         use = f"floor {k}" if k else "floor"
         drawn = sample_reference(name, reference, settings, seed, use)[1]
         _require_enough(drawn, settings)
@@ -63,22 +63,22 @@ def measure_floors(
 
     @cache
     def even(k: int) -> list[MetricValue]:
-        value = emd(truth_visible, farthest_points(draw(k).visible_points, n))
+        value = emd(truth_visible, farthest_points(sample_truth(k).visible_points, n))
         return [MetricValue("emd", "P1-even", value, "diagonal")]
 
     def full(k: int) -> list[MetricValue]:
-        if truth.evaluated.all() and draw(k).evaluated.all():
+        if truth.evaluated.all() and sample_truth(k).evaluated.all():
             value = even(k)[0].value
         else:
-            value = emd(truth_full, farthest_points(draw(k).points, n))
+            value = emd(truth_full, farthest_points(sample_truth(k).points, n))
         return [MetricValue("emd", "P1-full", value, "diagonal")]
 
     return {
         **_mean_floors(even),
-        **_mean_floors(lambda k: dense_metrics(reference, truth, draw(k), settings)),
+        **_mean_floors(lambda k: dense_metrics(reference, truth, sample_truth(k), settings)),
         **_mean_floors(full),
         "emd P1-iid": iid_floor(
-            truth_visible, (points for k in count() for points in _disjoint(draw(k), n))
+            truth_visible, (points for k in count() for points in _disjoint(sample_truth(k), n))
         ),
     }
 

@@ -37,7 +37,7 @@ from industnerf.report.tables.inspection import inspection_csv, inspection_md
 from industnerf.report.tables.protocol_grid import load_published_grid
 from industnerf.report.tables.scores import scores_csv
 from industnerf.report.tables.strata import strata_csv, strata_md
-from industnerf.report.tables.table1 import COLUMNS, format_row, table1_csv, table1_md
+from industnerf.report.tables.table1_format import COLUMNS, format_row, table1_csv, table1_md
 from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
 from industnerf.store import content_digest

@@ -10,12 +10,12 @@ from industnerf.report.tables.goals import Goal, evaluate_goals
 from industnerf.report.tables.inspection import InspectionRow, inspection_rows
 from industnerf.report.tables.strata import StratumRow, stratum_rows
 from industnerf.report.tables.table1 import (
-    Table1Extra,
     Table1Row,
     mean_without_failures,
     ratio_to_paper_method,
     table1_rows,
 )
+from industnerf.report.tables.table1_format import Table1Extra
 from industnerf.report.tables.table2 import Table2Row, table2_rows
 from industnerf.schema import ReportParams
 

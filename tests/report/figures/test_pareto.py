@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from industnerf.report.figures.pareto import pareto_front, plot_pareto
-from industnerf.report.tables.table1 import Table1Extra, table1_rows
+from industnerf.report.tables.table1 import table1_rows
+from industnerf.report.tables.table1_format import Table1Extra
 from tests.report.conftest import SETTINGS
 
 LEVELS = [0.5, 1.0, 2.0, 4.0, 8.0]

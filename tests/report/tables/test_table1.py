@@ -13,15 +13,14 @@ from industnerf.methods import load_method
 from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary
 from industnerf.report.tables.formats import format_fixed
 from industnerf.report.tables.scores import scores_csv
-from industnerf.report.tables.table1 import (
+from industnerf.report.tables.table1 import mean_without_failures, table1_rows
+from industnerf.report.tables.table1_format import (
     COLUMNS,
     SEEDS_COLUMN,
     Table1Extra,
     format_row,
-    mean_without_failures,
     table1_csv,
     table1_md,
-    table1_rows,
 )
 from industnerf.schema import ReportParams
 from tests.samples import unit_part

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from industnerf.methods.base import Role
-from industnerf.report.tables.table1 import Table1Extra, Table1Row
+from industnerf.report.tables.table1 import Table1Row
+from industnerf.report.tables.table1_format import Table1Extra
 
 # Where a text may stand beside its point: points right and up, and which of its ends is there.
 LABEL_OFFSETS = [

@@ -32,7 +32,8 @@ from industnerf.report.study import Study
 from industnerf.report.tables.formats import format_significant
 from industnerf.report.tables.protocol_grid import PublishedGrid
 from industnerf.report.tables.scores import Scores
-from industnerf.report.tables.table1 import Table1Row, table1_notes
+from industnerf.report.tables.table1 import Table1Row
+from industnerf.report.tables.table1_format import table1_notes
 from industnerf.report.tables.table2 import NO_TABLE2
 
 SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is larger

@@ -9,7 +9,16 @@ from industnerf.methods.base import Role
 from industnerf.report.results import Results
 from industnerf.report.statistics import comparisons
 from industnerf.report.study import Study
-from industnerf.report.tables import costs, goals, inspection, protocol_grid, strata, table1, table2
+from industnerf.report.tables import (
+    costs,
+    goals,
+    inspection,
+    protocol_grid,
+    strata,
+    table1,
+    table1_format,
+    table2,
+)
 from industnerf.report.tables.formats import format_fixed, format_significant, label_intervals
 from industnerf.report.tables.scores import Scores
 
@@ -19,7 +28,16 @@ GROUP_TITLES = {
     "figure3": "One part of every family, chosen by hash: figure3",
 }
 TABLE1_COLUMNS = (  # the order on the page
-    *("method", "inputs", "views", "EMD (even)", "95 %", table1.SEEDS_COLUMN, "paper", "EMD, mm"),
+    *(
+        "method",
+        "inputs",
+        "views",
+        "EMD (even)",
+        "95 %",
+        table1_format.SEEDS_COLUMN,
+        "paper",
+        "EMD, mm",
+    ),
     *("floor", "floor, se", "x floor", "x industnerf", "EMD (iid)", "EMD (full)", "parts"),
     *("failed", "without failures", "s a part"),
 )
@@ -129,9 +147,9 @@ def _table1(results: Results) -> list[tuple[str, HtmlTable]]:
     )
 
 
-def _table1_row(row: table1.Table1Row, extra: table1.Table1Extra) -> HtmlRow:
+def _table1_row(row: table1.Table1Row, extra: table1_format.Table1Extra) -> HtmlRow:
     cells: dict[str, str | Cell] = dict(
-        zip(table1.COLUMNS, table1.format_row(row, extra), strict=True)
+        zip(table1_format.COLUMNS, table1_format.format_row(row, extra), strict=True)
     )
     if row.undertrained:
         cells["method"] = Cell(row.method, detail="undertrained")
@@ -146,7 +164,7 @@ def _table1_row(row: table1.Table1Row, extra: table1.Table1Extra) -> HtmlRow:
 def trained_methods(rows: Sequence[table1.Table1Row]) -> list[tuple[str, str]]:
     """Method and training of every method of Table 1 that learned from other parts."""
     return [
-        (row.method, table1.describe_training(row).replace("**", ""))
+        (row.method, table1_format.describe_training(row).replace("**", ""))
         for row in rows
         if row.num_train_parts and row.split == rows[0].split
     ]
