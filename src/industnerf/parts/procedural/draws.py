@@ -1,0 +1,63 @@
+"""Random choices of a designer: proportions, numbers, yes or no, from one stream."""
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+T = TypeVar("T")
+GRID = 2.0**-20
+"""Coordinates are multiples of it: the last bits of a sine differ between mathematical libraries,
+and what a solid looks like must not hang on them."""
+
+_BOXES = {  # ranges of the three edges
+    "block": ((0.5, 1.0), (0.5, 1.0), (0.4, 1.0)),
+    "slab": ((0.6, 1.2), (0.5, 1.0), (0.15, 0.4)),
+    "plate": ((0.7, 1.4), (0.5, 1.2), (0.04, 0.15)),
+    "beam": ((1.2, 2.4), (0.15, 0.5), (0.15, 0.5)),
+}
+
+
+def on_grid(values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
+    """`values` rounded to multiples of `GRID`."""
+    return np.round(np.asarray(values, np.float64) / GRID) * GRID
+
+
+class Draws:
+    """Draws from one generator; every number is a multiple of `GRID`."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def uniform(self, low: float, high: float) -> float:
+        return float(on_grid(self._rng.uniform(low, high)))
+
+    def uniforms(self, low: float, high: float, *shape: int) -> Float[np.ndarray, "*shape"]:
+        return on_grid(self._rng.uniform(low, high, shape))
+
+    def log_uniform(self, low: float, high: float) -> float:
+        """As often between 1 and 2 as between 2 and 4."""
+        return float(on_grid(low * (high / low) ** self._rng.uniform()))
+
+    def integer(self, low: int, high: int) -> int:
+        """From `low` to `high`, both included."""
+        return int(self._rng.integers(low, high + 1))
+
+    def chance(self, probability: float) -> bool:
+        return bool(self._rng.uniform() < probability)
+
+    def pick(self, options: Sequence[T]) -> T:
+        return options[self.integer(0, len(options) - 1)]
+
+    def order(self, n: int) -> list[int]:
+        """The numbers 0 to n - 1, shuffled."""
+        return self._rng.permutation(n).tolist()
+
+    def box(self, *forms: str) -> tuple[float, float, float]:
+        """Edges of a box of one of `forms` ("block", "slab", "plate", "beam"; all by default)."""
+        x, y, z = (self.uniform(*edge) for edge in _BOXES[self.pick(forms or tuple(_BOXES))])
+        return x, y, z
+
+    def sign(self) -> int:
+        return 1 if self.chance(0.5) else -1

@@ -1,0 +1,198 @@
+"""Abstract kinds that are extruded: random outlines, one or several, along one axis or several."""
+
+import numpy as np
+from manifold3d import CrossSection, Manifold
+
+from industnerf.parts.procedural.draws import Draws
+from industnerf.parts.procedural.features import bore_tool, cut_top, drilled, extents, inset
+from industnerf.parts.procedural.primitives import (
+    eased_prism,
+    facing,
+    prism,
+    union,
+)
+from industnerf.parts.procedural.profiles import (
+    cutout,
+    fillet,
+    irregular_polygon,
+    lobed,
+    on_circle,
+    outline,
+    polygon,
+    rectangle,
+    scatter,
+    wall,
+)
+
+
+def bored_prism(draws: Draws) -> Manifold:
+    """A prism of a random outline with bores and pockets from the top and from the sides."""
+    x, y, z = draws.box("block", "slab", "slab", "plate")
+    section = outline(draws, x, y)
+    body = prism(section, 0, z)
+    tools = cut_top(draws, section, z, draws.integer(1, 6))
+    body -= union(tools)
+    if z > 0.2 and draws.chance(0.4):
+        body = drilled(draws, body, draws.integer(1, 2), 0.15 * min(x, y, z))
+    return body
+
+
+def eased_block(draws: Draws) -> Manifold:
+    """A convex prism with chamfered or rounded edges, bored, slotted and stepped."""
+    x, y, z = draws.box()
+    small = min(x, y, z)
+    section = outline(draws, x, y).hull()
+    ease = draws.uniform(0.05, 0.3) * small
+    body = eased_prism(section, 0, z, ease, draws.pick((1, 1, 5)))
+    body = drilled(draws, body, draws.integer(1, 4), 0.25 * small)
+    if draws.chance(0.5):
+        step = prism(rectangle(2 * x, 2 * y, (draws.uniform(0.8, 1.3) * x, 0)), 0.4 * z, 2 * z)
+        body -= step.rotate([0, 0, 90.0 * draws.integer(0, 3)])
+    return body
+
+
+def lobed_prism(draws: Draws) -> Manifold:
+    """A wavy outline of few lobes with a window or a set of holes, sometimes tapered."""
+    harmonics = [draws.integer(2, 5), draws.integer(1, 3)]
+    section = lobed(draws, 0.6, harmonics, draws.uniform(0.05, 0.22))
+    if draws.chance(0.5):
+        section = section - inset(section, draws.uniform(0.06, 0.25))
+    else:
+        holes = scatter(draws, section, draws.integer(1, 7), 0.04, 0.2, 0.03)
+        for x, y, radius in holes:
+            section = section - cutout(draws, 2 * radius).translate((x, y))
+    top = (1.0, 1.0) if draws.chance(0.6) else (draws.uniform(0.4, 1.0),) * 2
+    return section.extrude(draws.log_uniform(0.06, 2.0), 0, 0.0, top)
+
+
+def twisted_prism(draws: Draws) -> Manifold:
+    """A random outline turned and narrowed as it rises, sometimes with a straight bore."""
+    section = outline(draws, draws.uniform(0.5, 1.0), draws.uniform(0.5, 1.0))
+    left, bottom, right, top = section.bounds()
+    section = section.translate((-(left + right) / 2, -(bottom + top) / 2))
+    height, twist = draws.log_uniform(0.4, 2.2), draws.uniform(-200, 200)
+    scale = draws.uniform(0.5, 1.0), draws.uniform(0.5, 1.0)
+    body = section.extrude(height, 14, twist, scale)
+    if draws.chance(0.5):
+        radius = draws.uniform(0.03, 0.12)
+        body -= bore_tool(draws, radius, draws.uniform(0.4, 1.5) * height).translate([0, 0, height])
+    return body
+
+
+def stacked_prisms(draws: Draws) -> Manifold:
+    """Prisms of different outlines one on another, off center, bored through."""
+    level, layers, count = 0.0, [], draws.integer(2, 5)
+    for _ in range(count):
+        height = draws.log_uniform(0.06, 0.9)
+        section = outline(draws, draws.uniform(0.3, 1.2), draws.uniform(0.3, 1.2))
+        shift = draws.uniform(-0.15, 0.15), draws.uniform(-0.15, 0.15)
+        layers.append(prism(section.translate(shift), level - 0.01, level + height))
+        level += height
+    body = union(layers)
+    if draws.chance(0.6):
+        tool = bore_tool(draws, draws.uniform(0.04, 0.14), draws.uniform(0.3, 1.2) * level)
+        body -= tool.translate([draws.uniform(-0.1, 0.1), draws.uniform(-0.1, 0.1), level])
+    return body
+
+
+def crossed_prisms(draws: Draws) -> Manifold:
+    """Two or three prisms along different axes, joined; one may be cut out instead."""
+    parts = []
+    for side in ("+z", "+x", "+y")[: draws.integer(2, 3)]:
+        section = outline(draws, draws.uniform(0.25, 0.9), draws.uniform(0.25, 0.9))
+        half = draws.uniform(0.25, 0.9)
+        at = draws.uniforms(-0.2, 0.2, 3).tolist()
+        parts.append(facing(side, prism(section, -half, half), at))
+    body = union(parts)
+    side, hole = draws.pick(("+z", "+x", "+y")), cutout(draws, draws.uniform(0.12, 0.4))
+    return body - facing(side, prism(hole, -3, 3), draws.uniforms(-0.1, 0.1, 3).tolist())
+
+
+def intersected_prisms(draws: Draws) -> Manifold:
+    """What two or three prisms along different axes have in common."""
+    x, y, z = draws.box("block", "slab", "beam")
+    body = prism(outline(draws, x, y), -z, z)
+    other = facing("+y", prism(outline(draws, x, z), -2, 2))
+    body ^= other
+    if draws.chance(0.4):
+        body ^= facing("+x", prism(outline(draws, z, y), -2, 2))
+    if draws.chance(0.7):
+        low, high = extents(body)
+        body = drilled(draws, body, draws.integer(1, 3), 0.15 * float((high - low).min()))
+    return body
+
+
+def folded_sheet(draws: Draws) -> Manifold:
+    """A thin wall along a random line, extruded, with cutouts and holes."""
+    count = draws.integer(3, 8)
+    heading = np.cumsum(np.r_[0, draws.uniforms(-100, 100, count - 1)])
+    step = draws.uniforms(0.25, 0.8, count)[:, None]
+    turn = np.deg2rad(heading)
+    path = np.cumsum(np.r_[np.zeros((1, 2)), step * np.c_[np.cos(turn), np.sin(turn)]], axis=0)
+    section = wall(path, draws.uniform(0.03, 0.12))
+    section = fillet(section, 0, draws.uniform(0.01, 0.1))
+    return _windowed(draws, section, draws.log_uniform(0.15, 2.0))
+
+
+def corrugated_sheet(draws: Draws) -> Manifold:
+    """A thin wall along a wave of any shape, extruded, with cutouts."""
+    waves, amplitude = draws.integer(2, 6), draws.uniform(0.08, 0.4)
+    along = np.linspace(0, waves, 4 * waves + 1 if draws.chance(0.5) else 12 * waves + 1)
+    form = draws.pick(("sine", "vee", "square"))
+    if form == "sine":
+        across = np.sin(2 * np.pi * along)
+    elif form == "vee":
+        across = 1 - 4 * np.abs(along % 1 - 0.5)
+    else:
+        along = np.repeat(np.arange(2 * waves + 1) / 2, 2)
+        across = np.tile([1, -1, -1, 1], waves + 1)[: len(along)]
+    bow = draws.uniform(-0.3, 0.3) * ((along / waves) * 2 - 1) ** 2
+    path = np.c_[1.6 * along / waves, amplitude * across + bow]
+    return _windowed(draws, wall(path, draws.uniform(0.03, 0.09)), draws.log_uniform(0.15, 1.6))
+
+
+def _windowed(draws: Draws, section: CrossSection, height: float) -> Manifold:
+    body = prism(section, 0, height)
+    left, bottom, right, top = section.bounds()
+    for _ in range(draws.integer(0, 3)):
+        size = draws.uniform(0.2, 0.7) * min(height, 0.6)
+        at = draws.uniform(left, right), draws.uniform(bottom, top)
+        tool = facing(draws.pick(("+x", "+y")), prism(cutout(draws, size), -0.5, 0.5))
+        body -= tool.translate([*at, draws.uniform(0.2, 0.8) * height])
+    if draws.chance(0.3):
+        slant = prism(rectangle(9, 9), height, height + 9)
+        body -= slant.rotate([draws.uniform(-15, 15), draws.uniform(-15, 15), 0])
+    return body
+
+
+def open_frame(draws: Draws) -> Manifold:
+    """An outline left as a rim, with thin spokes across and pads at some places."""
+    x, y, z = draws.box("slab", "plate")
+    section = outline(draws, x, y)
+    small = min(x, y)
+    inner = inset(section, draws.uniform(0.05, 0.15) * small)
+    strips = []
+    for _ in range(draws.integer(0, 4)):
+        strip = rectangle(3, draws.uniform(0.03, 0.1) * small, (0, draws.uniform(-0.3, 0.3) * y))
+        strips.append(strip.rotate(30.0 * draws.integer(0, 5)) ^ section)
+    frame = (section - inner) + CrossSection.compose([]) + _pads(draws, inner, small)
+    body = prism(frame, 0, z)
+    if strips:
+        body += union([prism(strip, 0, draws.uniform(0.3, 1.0) * z) for strip in strips])
+    return body
+
+
+def _pads(draws: Draws, section: CrossSection, small: float) -> CrossSection:
+    """Bored discs on the corners of an irregular polygon, where they touch the rim."""
+    pads = CrossSection()
+    for corner in irregular_polygon(draws, draws.integer(3, 6), 1, 1).to_polygons()[0][:3]:
+        left, bottom, right, top = section.bounds()
+        at = (
+            left + (corner[0] + 0.5) * (right - left),
+            bottom + (corner[1] + 0.5) * (top - bottom),
+        )
+        radius = draws.uniform(0.05, 0.1) * small
+        pads = pads + (
+            polygon(on_circle(24, 2 * radius)) - polygon(on_circle(16, radius))
+        ).translate(at)
+    return pads

@@ -1,0 +1,131 @@
+"""What machining and casting add to a body: bores, pockets, slots, fins, bosses, threads.
+
+Tools are drawn at the origin with +z out of the material, so that `primitives.facing` puts them on
+any side; the surface is z = 0, and a tool reaches a little above it.
+"""
+
+import numpy as np
+from manifold3d import CrossSection, Manifold
+
+from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.primitives import SIDES, cylinder, facing, prism, turned, union
+from industnerf.parts.procedural.profiles import (
+    circle,
+    cutout,
+    offset,
+    polygon,
+    scatter,
+)
+
+ABOVE = 0.02  # how far a tool starts above the surface
+
+
+def bore_tool(draws: Draws, radius: float, depth: float) -> Manifold:
+    """A plain, countersunk, counterbored or chamfered hole with the flat or conical end of a drill."""
+    tip = 0.58 * radius if draws.chance(0.5) else 0.0  # of a drill of 120 degrees
+    head, mouth = draws.uniform(1.3, 2.0) * radius, draws.uniform(0.15, 0.5) * depth
+    outside = {
+        "plain": [(radius, ABOVE)],
+        "chamfered": [(1.2 * radius, ABOVE), (1.2 * radius, 0), (radius, -0.2 * radius)],
+        "countersunk": [(head, ABOVE), (head, 0), (radius, radius - head)],
+        "counterbored": [(head, ABOVE), (head, -mouth), (radius, -mouth)],
+    }[draws.pick(("plain", "plain", "chamfered", "countersunk", "counterbored"))]
+    return turned(polygon([(0, ABOVE), *outside, (radius, -depth), (0, -depth - tip)]))
+
+
+def pocket_tool(section: CrossSection, depth: float) -> Manifold:
+    return prism(section, -depth, ABOVE)
+
+
+def extents(body: Manifold) -> tuple[np.ndarray, np.ndarray]:
+    """The lower and the upper corner of the bounding box."""
+    box = np.array(body.bounding_box())
+    return box[:3], box[3:]
+
+
+def drilled(draws: Draws, body: Manifold, count: int, largest: float) -> Manifold:
+    """`body` with `count` bores along the axes, entering wherever its box says."""
+    low, high = extents(body)
+    tools = []
+    for _ in range(count):
+        side = draws.pick(SIDES)
+        axis = "xyz".index(side[1])
+        across = [i for i in range(3) if i != axis]
+        at = (low + high) / 2
+        at[across] = low[across] + draws.uniforms(0.2, 0.8, 2) * (high - low)[across]
+        at[axis] = high[axis] if side[0] == "+" else low[axis]
+        length = (high - low)[axis]
+        depth = length + 1 if draws.chance(0.5) else draws.uniform(0.3, 0.8) * length
+        radius = draws.uniform(0.3, 1.0) * largest
+        tools.append(facing(side, bore_tool(draws, radius, depth), on_grid(at).tolist()))
+    return body - union(tools)
+
+
+def cut_top(draws: Draws, section: CrossSection, height: float, count: int) -> list[Manifold]:
+    """Tools for bores and pockets of several depths in the top (z = `height`) of a prism."""
+    left, bottom, right, top = section.bounds()
+    small = min(right - left, top - bottom)
+    tools = []
+    for x, y, radius in scatter(draws, section, count, 0.05 * small, 0.22 * small, 0.02 * small):
+        depth = height + 1 if draws.chance(0.45) else draws.uniform(0.25, 0.85) * height
+        if draws.chance(0.5):
+            tool = bore_tool(draws, 0.5 * radius, depth)
+        else:
+            tool = pocket_tool(cutout(draws, 2 * radius), depth)
+        tools.append(tool.translate([x, y, height]))
+    return tools
+
+
+def bosses(draws: Draws, section: CrossSection, base: float, count: int) -> Manifold:
+    """Cylinders and cones on a surface at z = `base`, within `section`, many of them bored."""
+    left, bottom, right, top = section.bounds()
+    small = min(right - left, top - bottom)
+    parts = []
+    for x, y, radius in scatter(draws, section, count, 0.06 * small, 0.25 * small, 0.01 * small):
+        height = draws.uniform(0.3, 3.0) * radius + 0.05 * small
+        taper = radius if draws.chance(0.7) else draws.uniform(0.5, 1.0) * radius
+        boss = cylinder(radius, height, (x, y, base + height / 2 - ABOVE), taper)
+        if draws.chance(0.6):
+            hole = bore_tool(
+                draws, draws.uniform(0.3, 0.6) * taper, draws.uniform(0.4, 0.95) * height
+            )
+            boss -= hole.translate([x, y, base + height - ABOVE])
+        parts.append(boss)
+    return union(parts)
+
+
+def ribs(draws: Draws, section: CrossSection, base: float, height: float, count: int) -> Manifold:
+    """Thin walls at several angles on a surface at z = `base`, ending with `section`."""
+    left, bottom, right, top = section.bounds()
+    reach, small = right - left + top - bottom, min(right - left, top - bottom)
+    step = draws.pick((90.0, 60.0, 45.0, 30.0))
+    walls = []
+    for _ in range(count):
+        center = draws.uniform(left, right) * 0.8, draws.uniform(bottom, top) * 0.8
+        thickness = draws.uniform(0.02, 0.07) * small
+        strip = CrossSection.square([reach, thickness], True).rotate(step * draws.integer(0, 5))
+        walls.append(prism((strip.translate(center)) ^ section, base - ABOVE, base + height))
+    return union(walls)
+
+
+def threaded_rod(
+    radius: float, depth: float, length: float, turns: int, starts: int, is_round: bool
+) -> Manifold:
+    """A helical thread between z = 0 and `length`: a section whose radius goes up and down by
+    `depth`, `starts` times in a turn, extruded with twist."""
+    turn = 2 * np.pi * np.arange(24 * starts) / (24 * starts)
+    phase = np.arange(24 * starts) % 24 / 24
+    wave = (1 - np.cos(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
+    reach = radius - depth + depth * wave
+    section = polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return section.extrude(length, 18 * turns, 360.0 * turns)
+
+
+def inset(section: CrossSection, distance: float) -> CrossSection:
+    """The section shrunk, or itself where nothing would be left."""
+    smaller = offset(section, -distance)
+    return section if smaller.is_empty() else smaller
+
+
+def ring(outer: float, inner: float) -> CrossSection:
+    return circle(outer) - circle(inner)

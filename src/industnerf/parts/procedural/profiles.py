@@ -1,0 +1,207 @@
+"""Plane outlines: what is extruded, revolved or swept, and the shapes of holes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float
+from manifold3d import CrossSection, JoinType, OpType
+
+from industnerf.parts.procedural.draws import Draws, on_grid
+
+SEGMENTS = 40  # of a full circle
+FILLET_SEGMENTS = 24  # of a full circle that an offset rounds corners by
+
+Points2 = Float[np.ndarray, "n 2"]
+
+
+def polygon(points: Points2 | Sequence[tuple[float, float]]) -> CrossSection:
+    """The inside of a closed line, whichever way it runs."""
+    corners = on_grid(np.asarray(points, np.float64))
+    x, y = corners.T
+    is_clockwise = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0
+    return CrossSection([corners[::-1] if is_clockwise else corners])
+
+
+def rectangle(width: float, height: float, center: tuple[float, float] = (0, 0)) -> CrossSection:
+    return CrossSection.square([width, height], True).translate(center)
+
+
+def circle(
+    radius: float, center: tuple[float, float] = (0, 0), segments: int = SEGMENTS
+) -> CrossSection:
+    return CrossSection.circle(radius, segments).translate(center)
+
+
+def offset(section: CrossSection, distance: float, is_round: bool = True) -> CrossSection:
+    """The section grown by `distance`, shrunk where it is negative; corners round or sharp."""
+    join = JoinType.Round if is_round else JoinType.Miter
+    return section.offset(distance, join, 4.0, FILLET_SEGMENTS)
+
+
+def fillet(section: CrossSection, convex: float, concave: float = 0.0) -> CrossSection:
+    """The section with its corners rounded by these radii.
+
+    What is thinner than twice `convex` vanishes; gaps narrower than twice `concave` close.
+    """
+    if convex > 0:
+        section = offset(offset(section, -convex), convex)
+    if concave > 0:
+        section = offset(offset(section, concave), -concave)
+    return section
+
+
+def rounded_rectangle(width: float, height: float, radius: float) -> CrossSection:
+    radius = min(radius, 0.49 * width, 0.49 * height)
+    if radius <= 0:
+        return rectangle(width, height)
+    return offset(rectangle(width - 2 * radius, height - 2 * radius), radius)
+
+
+def slot(length: float, width: float) -> CrossSection:
+    """A rectangle with half circles at its ends, `length` over all, along x."""
+    return rounded_rectangle(length, width, width / 2)
+
+
+def union(sections: Sequence[CrossSection]) -> CrossSection:
+    return CrossSection.batch_boolean(list(sections), OpType.Add)
+
+
+def angles(n: int, start: float = 0.0) -> Float[np.ndarray, "n"]:
+    """`n` even angles of a full turn, radians."""
+    return start + 2 * np.pi * np.arange(n) / n
+
+
+def on_circle(n: int, radius: float, start: float = 0.0) -> list[tuple[float, float]]:
+    """`n` even points of a circle."""
+    turn = angles(n, start)
+    points = on_grid(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return [(x, y) for x, y in points.tolist()]
+
+
+def irregular_polygon(draws: Draws, corners: int, width: float, height: float) -> CrossSection:
+    """Corners at uneven angles and distances, within about `width` by `height`, sharp."""
+    turn = angles(corners) + draws.uniforms(-0.35, 0.35, corners) * 2 * np.pi / corners
+    radius = draws.uniforms(0.55, 1.0, corners)
+    half = np.array([width, height]) / 2
+    return polygon(half * radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+
+
+def lobed(draws: Draws, radius: float, harmonics: Sequence[int], depth: float) -> CrossSection:
+    """A smooth closed line r(a) = radius (1 + sum of waves), each of at most `depth`."""
+    turn = angles(2 * SEGMENTS)
+    waves = [
+        draws.uniform(0.3, 1.0) * depth * np.cos(k * turn + draws.uniform(0, 2 * np.pi))
+        for k in harmonics
+    ]
+    reach = radius * (1 + np.sum(waves, axis=0))
+    return polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+
+
+def notched_rectangle(draws: Draws, width: float, height: float) -> CrossSection:
+    """A rectangle with steps, slits and tabs along its sides."""
+    section = rectangle(width, height)
+    for _ in range(draws.integer(1, 4)):
+        size = draws.uniform(0.1, 0.45) * width, draws.uniform(0.1, 0.6) * height
+        at = draws.uniform(-0.5, 0.5) * width, draws.sign() * 0.5 * height
+        cut = rectangle(*size, at)
+        is_tab = draws.chance(0.3)
+        section = section + cut if is_tab else section - cut
+    return section
+
+
+def outline(draws: Draws, width: float, height: float) -> CrossSection:
+    """A random outline of a plate or prism within about `width` by `height`, often filleted."""
+    small = min(width, height)
+    form = draws.pick(("irregular", "irregular", "notched", "notched", "rounded", "lobed", "hull"))
+    if form == "irregular":
+        section = irregular_polygon(draws, draws.integer(3, 9), width, height)
+    elif form == "notched":
+        section = notched_rectangle(draws, width, height)
+    elif form == "rounded":
+        return rounded_rectangle(width, height, draws.uniform(0.0, 0.5) * small)
+    elif form == "lobed":
+        section = lobed(draws, 0.5, draws.order(4)[:2], 0.25).scale([width, height])
+    else:
+        discs = [
+            circle(r * small, (x * (width / 2 - r * small), y * (height / 2 - r * small)))
+            for x, y, r in np.c_[draws.uniforms(-1, 1, 4, 2), draws.uniforms(0.05, 0.3, 4)].tolist()
+        ]
+        return CrossSection.batch_hull(discs)
+    if draws.chance(0.6):
+        rounded = fillet(section, draws.uniform(0.01, 0.1) * small, draws.uniform(0, 0.1) * small)
+        section = section if rounded.is_empty() else rounded
+    return section
+
+
+def cutout(draws: Draws, size: float) -> CrossSection:
+    """The outline of a hole or pocket that fits in a circle of diameter `size`, about its center."""
+    form = draws.pick(("circle", "circle", "slot", "rounded", "polygon", "irregular"))
+    if form == "circle":
+        return circle(size / 2)
+    if form == "slot":
+        return slot(size, draws.uniform(0.2, 0.6) * size).rotate(15.0 * draws.integer(0, 11))
+    if form == "rounded":
+        long, short = 0.8 * size, draws.uniform(0.3, 0.55) * size
+        section = rounded_rectangle(long, short, draws.uniform(0.1, 0.5) * short)
+        return section.rotate(45.0 * draws.integer(0, 3))
+    if form == "polygon":
+        return CrossSection.circle(size / 2, draws.integer(3, 8))
+    return fillet(irregular_polygon(draws, draws.integer(4, 7), size, size), 0.06 * size)
+
+
+def wall(points: Points2, thickness: float) -> CrossSection:
+    """A strip of `thickness` along an open line, with round joints."""
+    discs = [circle(thickness / 2, (x, y), 16) for x, y in on_grid(points).tolist()]
+    pairs = zip(discs, discs[1:], strict=False)
+    return union([CrossSection.batch_hull(list(pair)) for pair in pairs])
+
+
+def contains(section: CrossSection, points: Points2) -> Bool[np.ndarray, "n"]:
+    """Which points are inside, by the even-odd rule."""
+    inside = np.zeros(len(points), bool)
+    x, y = points[:, :1], points[:, 1:]
+    for corners in section.to_polygons():
+        a, b = corners, np.roll(corners, -1, axis=0)
+        rise = np.where(b[:, 1] == a[:, 1], 1.0, b[:, 1] - a[:, 1])
+        crossing = a[:, 0] + (y - a[:, 1]) / rise * (b[:, 0] - a[:, 0])
+        spans = (a[:, 1] > y) != (b[:, 1] > y)
+        inside ^= (spans & (x < crossing)).sum(axis=1) % 2 == 1
+    return inside
+
+
+def scatter(
+    draws: Draws, section: CrossSection, count: int, smallest: float, largest: float, gap: float
+) -> list[tuple[float, float, float]]:
+    """Up to `count` circles (x, y, radius) inside `section`, `gap` apart and from its edge."""
+    left, bottom, right, top = section.bounds()
+    placed: list[tuple[float, float, float]] = []
+    for radius in sorted((draws.uniform(smallest, largest) for _ in range(count)), reverse=True):
+        room = offset(section, -radius - gap, is_round=False)
+        candidates = np.c_[draws.uniforms(left, right, 24), draws.uniforms(bottom, top, 24)]
+        free = contains(room, candidates)
+        for x, y, r in placed:
+            away = ((candidates - [x, y]) ** 2).sum(axis=1)
+            free &= away > (radius + r + gap) ** 2
+        if free.any():
+            x, y = candidates[np.argmax(free)].tolist()
+            placed.append((x, y, radius))
+    return placed
+
+
+def hole_pattern(draws: Draws, width: float, height: float) -> CrossSection:
+    """Equal small holes on a square, hexagonal or circular grid within `width` by `height`."""
+    small = min(width, height)
+    pitch = draws.uniform(0.12, 0.35) * small
+    form = draws.pick(("square", "hexagonal", "circular"))
+    if form == "circular":
+        n = draws.integer(3, 12)
+        reach = draws.uniform(0.25, 0.42) * small
+        centers = np.array(on_circle(n, reach, draws.uniform(0, 3)))
+        pitch = min(pitch, 2 * reach * np.pi / n)
+    else:
+        nx, ny = max(1, int(width / pitch)), max(1, int(height / pitch))
+        i, j = np.meshgrid(np.arange(nx), np.arange(ny))
+        i = i + (0.5 * (j % 2) - 0.25 if form == "hexagonal" else 0)
+        centers = pitch * np.c_[i.ravel() - (nx - 1) / 2, j.ravel() - (ny - 1) / 2]
+    hole = CrossSection.circle(draws.uniform(0.2, 0.4) * pitch, draws.pick((4, 6, 12, 16)))
+    return CrossSection.compose([hole.translate(center) for center in on_grid(centers).tolist()])

@@ -1,0 +1,97 @@
+"""Procedural solids: the one of a seed and a number, whoever asks, in whatever order."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int32
+from manifold3d import Manifold
+
+from industnerf.artifacts.part import Appearance, Mesh
+from industnerf.errors import BadParams, BadPart
+from industnerf.geometry.bounding_cube import BoundingCube
+from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.finishes import draw_albedo
+from industnerf.parts.procedural.kinds import DEFAULT_KINDS, KINDS
+from industnerf.parts.validation.checks import extents_mm, volume_mm3
+from industnerf.seeds import generator
+
+MIN_THICKNESS = 0.02  # the shortest edge of the bounding box, of the longest
+MIN_VOLUME = 3e-4  # of the cube about it
+FACES = (20, 60_000)  # fewer is a plain block, more costs too much to render
+SMALLEST_DETAIL = 1e-4  # of the longest edge; what is smaller is smoothed away
+MAX_DRAWS = 100
+
+
+@dataclass(frozen=True)
+class ProceduralSolid:
+    """A closed solid in the unit cube: its bounding box is centered at 0, its longest edge is 1."""
+
+    kind: str
+    vertices: Float[np.ndarray, "n 3"]  # multiples of 2^-20
+    faces: Int32[np.ndarray, "m 3"]  # counter-clockwise seen from outside
+    albedo: tuple[float, float, float]  # linear
+
+    def as_mesh(self, edge_mm: float = 1.0) -> tuple[Mesh, tuple[Appearance, ...]]:
+        """As a part of the study is kept, its longest edge `edge_mm`, and its one finish."""
+        mesh = Mesh.with_one_appearance(edge_mm * self.vertices, self.faces)
+        return mesh, (Appearance(self.kind, self.albedo, 0.0, 0.5),)
+
+
+def procedural_solid(
+    seed: int, index: int, kinds: Sequence[str] = DEFAULT_KINDS
+) -> ProceduralSolid:
+    """Solid number `index` of `seed`; its kind is one of `kinds`, all as likely.
+
+    It depends on these three alone: any range can be made in any order, by any process.  A draw
+    that is no solid to learn from (too thin, too small, too plain, too fine) is drawn anew from
+    the same stream.  Raises BadParams for a kind that does not exist, BadPart if no draw will do.
+    """
+    unknown = [kind for kind in kinds if kind not in KINDS]
+    if unknown or not kinds:
+        raise BadParams(f"procedural kinds {unknown or 'none'}: known are {', '.join(KINDS)}")
+    kind = Draws(generator(seed, "procedural kind", str(index))).pick(kinds)
+    draws = Draws(generator(seed, "procedural solid", str(index), kind))
+    for _ in range(MAX_DRAWS):
+        mesh = _unit_mesh(draws, KINDS[kind](draws))
+        if mesh is not None:
+            return ProceduralSolid(kind, *mesh, draw_albedo(draws))
+    raise BadPart(f"procedural solid {index} of seed {seed}: {MAX_DRAWS} draws of {kind} failed")
+
+
+def _unit_mesh(
+    draws: Draws, body: Manifold
+) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]] | None:
+    """Its largest piece in one of the 24 orientations, in the unit cube; None if it is refused."""
+    if body.is_empty():
+        return None
+    piece = max(body.decompose(), key=Manifold.volume)
+    mesh = piece.simplify(
+        SMALLEST_DETAIL * max(np.ptp(np.reshape(piece.bounding_box(), (2, 3)), 0))
+    )
+    content = mesh.to_mesh64()
+    faces = np.array(content.tri_verts, np.int32)
+    if not FACES[0] <= len(faces) <= FACES[1]:
+        return None
+    vertices = np.array(content.vert_properties)[:, :3] @ _orientation(draws)
+    vertices = on_grid(BoundingCube.of(vertices).to_unit(vertices))
+    if extents_mm(vertices).min() < MIN_THICKNESS or volume_mm3(vertices, faces) < MIN_VOLUME:
+        return None
+    return vertices, faces
+
+
+def _orientation(draws: Draws) -> Float[np.ndarray, "3 3"]:
+    """One of the 24 turns of a cube onto itself."""
+    turn = np.eye(3)[draws.order(3)] * [draws.sign(), draws.sign(), 1]
+    return turn * [1, 1, round(np.linalg.det(turn))]
+
+
+def digest(solids: Sequence[ProceduralSolid]) -> str:
+    """SHA-256 of kinds, vertices, faces and finishes."""
+    total = hashlib.sha256()
+    for solid in solids:
+        total.update(solid.kind.encode())
+        for array in (solid.vertices, solid.faces, np.array(solid.albedo)):
+            total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()

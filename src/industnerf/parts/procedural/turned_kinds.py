@@ -1,0 +1,192 @@
+"""Abstract kinds that are revolved: random profiles, then random cuts."""
+
+import numpy as np
+from manifold3d import Manifold
+
+from industnerf.parts.procedural.draws import Draws
+from industnerf.parts.procedural.features import bore_tool, drilled, extents, threaded_rod
+from industnerf.parts.procedural.primitives import (
+    SIDES,
+    block,
+    cylinder,
+    facing,
+    smooth_path,
+    turned,
+    turned_outline,
+    union,
+)
+from industnerf.parts.procedural.profiles import (
+    Points2,
+    cutout,
+    fillet,
+    irregular_polygon,
+    offset,
+    on_circle,
+    polygon,
+    rectangle,
+)
+
+
+def turned_steps(draws: Draws) -> Manifold:
+    """Coaxial discs and cones of any order, edges filleted, bored and flattened."""
+    body = turned(fillet(turned_outline(_steps(draws)), 0.02, draws.uniform(0, 0.08)))
+    return _cut(draws, body)
+
+
+def _steps(draws: Draws) -> Points2:
+    count = draws.integer(2, 7)
+    levels = np.cumsum(np.r_[0, draws.uniforms(0.1, 1.0, count)])
+    levels *= draws.log_uniform(0.15, 4.0) / levels[-1]
+    radii = draws.uniforms(0.25, 1.0, count)
+    tapered = radii * np.where(draws.uniforms(0, 1, count) < 0.25, 0.7, 1.0)
+    corners = [
+        corner
+        for low, high, start, end in zip(levels, levels[1:], radii, tapered, strict=False)
+        for corner in ((start, low), (end, high))
+    ]
+    return np.array(corners)
+
+
+def turned_curve(draws: Draws) -> Manifold:
+    """A smooth outline between flat ends, with the same cuts."""
+    body = turned(turned_outline(_curve(draws)))
+    return _cut(draws, body)
+
+
+def _curve(draws: Draws) -> Points2:
+    knots = draws.integer(3, 6)
+    heights = np.linspace(0, draws.log_uniform(0.3, 3.5), knots)
+    points = np.stack([draws.uniforms(0.3, 1.0, knots), heights, np.zeros(knots)], axis=1)
+    return smooth_path(points, 8)[:, :2]
+
+
+def _cut(draws: Draws, body: Manifold) -> Manifold:
+    """Some of: a central bore at either end, holes on a circle, flats, cross bores, a slot."""
+    low, high = extents(body)
+    radius, height = high[0], high[2]
+    if draws.chance(0.5):
+        depth = height + 1 if draws.chance(0.5) else draws.uniform(0.2, 0.8) * height
+        tool = bore_tool(draws, draws.uniform(0.08, 0.22) * radius, depth)
+        body -= facing(draws.pick(("+z", "-z")), tool, (0, 0, height / 2)).translate(
+            [0, 0, 0 if depth > height else draws.sign() * height / 2]
+        )
+    if draws.chance(0.35):
+        n, size = draws.integer(2, 7), draws.uniform(0.05, 0.12) * radius
+        tool = bore_tool(draws, size, draws.uniform(0.3, 1.2) * height)
+        reach = draws.uniform(0.5, 0.85) * radius
+        body -= union([tool.translate([x, y, height]) for x, y in on_circle(n, reach)])
+    if draws.chance(0.35):
+        n, inset = draws.integer(1, 4), draws.uniform(0.6, 0.9) * radius
+        level = draws.uniform(-0.3, 1.0) * height
+        flat = block((2, 4, height), (inset + 1, 0, level + height / 2))
+        body -= union([flat.rotate([0, 0, 90.0 * k]) for k in range(n)])
+    if draws.chance(0.3):
+        body = drilled(draws, body, draws.integer(1, 3), 0.15 * min(2 * radius, height))
+    if draws.chance(0.25):
+        width = draws.uniform(0.05, 0.3) * radius
+        slit = block((4, width, height), (0, 0, height * draws.uniform(1.0, 1.4)))
+        body -= slit.rotate([0, 0, 15.0 * draws.integer(0, 11)])
+    return body
+
+
+def turned_shell(draws: Draws) -> Manifold:
+    """A thin wall of revolution, open or with a floor, with windows."""
+    outline = _curve(draws)
+    solid = turned_outline(outline)
+    thickness = draws.uniform(0.02, 0.09)
+    floor = thickness if draws.chance(0.6) else -1
+    height = outline[-1, 1]
+    cavity = offset(solid, -thickness) + (rectangle(0.4, 0.4, (0, height)))
+    wide = offset(solid, -thickness).translate((0, draws.uniform(0.3, 1.0) * thickness * 3))
+    inner = (cavity + wide) - rectangle(9, 2, (0, floor - 1))
+    if floor < 0:
+        inner = inner + rectangle(0.4, 0.4)
+    body = turned(solid - inner)
+    if draws.chance(0.6):
+        n = draws.integer(1, 8)
+        window = cutout(draws, min(0.5 * height, 2.2 / n)).extrude(3).rotate([0, 90, 0])
+        window = window.translate([0, 0, draws.uniform(0.35, 0.65) * height])
+        body -= union([window.rotate([0, 0, 360.0 * k / n]) for k in range(n)])
+    return body
+
+
+def turned_ring(draws: Draws) -> Manifold:
+    """A random section carried round the axis at a distance, notched or drilled."""
+    size = draws.uniform(0.15, 0.6), draws.uniform(0.15, 0.9)
+    section = irregular_polygon(draws, draws.integer(3, 8), *size)
+    section = fillet(section, draws.uniform(0, 0.04))
+    left, bottom, right, top = section.bounds()
+    body = turned(section.translate((1 - right, -bottom)))
+    n, form = draws.integer(1, 9), draws.pick(("notches", "holes", "windows", "none"))
+    if form == "notches":
+        depth = draws.uniform(0.2, 0.8) * (top - bottom)
+        tool = block((2, draws.uniform(0.3, 1.5) / n, 2), (1.2, 0, depth + 1))
+    elif form == "holes":
+        tool = cylinder(draws.uniform(0.1, 0.3) * (right - left), 5, (1 - (right - left) / 2, 0, 0))
+    elif form == "windows":
+        hole = cutout(draws, min(0.6 * (top - bottom), 2.0 / n))
+        tool = hole.extrude(3).rotate([0, 90, 0]).translate([0, 0, (top - bottom) / 2])
+    else:
+        return body
+    return body - union([tool.rotate([0, 0, 360.0 * k / n]) for k in range(n)])
+
+
+def turned_sector(draws: Draws) -> Manifold:
+    """A random section turned through part of a circle, with bores, as cams and guides have."""
+    size = draws.uniform(0.3, 1.0), draws.uniform(0.2, 1.2)
+    section = fillet(irregular_polygon(draws, draws.integer(4, 8), *size), 0.03, 0.03)
+    left, bottom, _, _ = section.bounds()
+    body = turned(
+        section.translate((draws.uniform(0, 0.8) - left, -bottom)), draws.uniform(50, 300)
+    )
+    low, high = extents(body)
+    return drilled(draws, body, draws.integer(1, 3), 0.12 * float((high - low).min()))
+
+
+def grooved_body(draws: Draws) -> Manifold:
+    """A smooth or straight turned body cut into thin discs by rings of grooves."""
+    outline = _curve(draws) if draws.chance(0.5) else np.array([[0.8, 0.0], [0.8, 1.6]])
+    height, widest = outline[-1, 1], outline[:, 0].max()
+    count = draws.integer(3, 12)
+    pitch = height / (count + 1)
+    width, depth = draws.uniform(0.25, 0.75) * pitch, draws.uniform(0.1, 0.7) * widest
+    groove = {
+        "square": polygon([(0, -width), (2, -width), (2, width), (0, width)]),
+        "vee": polygon(
+            [(0, -0.1 * width), (depth, -width), (2, -width), (2, width), (depth, width)]
+        ),
+        "round": offset(rectangle(2, width, (1 + width / 2, 0)), width / 2),
+    }[draws.pick(("square", "vee", "round"))].scale((1, 0.5))
+    section = turned_outline(outline)
+    for level in range(1, count + 1):
+        cut = groove.translate((widest - depth, level * pitch))
+        section = section - cut
+    body = turned(section)
+    if draws.chance(0.5):
+        radius = draws.uniform(0.2, 0.8) * max(widest - depth, 0.15)
+        body -= bore_tool(draws, radius * 0.6, height + 1).translate([0, 0, height])
+    if draws.chance(0.4):
+        n = draws.integer(2, 6)
+        flat = block((2, 4, 9), (widest * draws.uniform(0.65, 0.95) + 1, 0, 0))
+        body -= union([flat.rotate([0, 0, 360.0 * k / n]) for k in range(n)])
+    return body
+
+
+def helical_body(draws: Draws) -> Manifold:
+    """Threads of any pitch and number of starts, between or on blocks and discs."""
+    radius, turns = draws.uniform(0.3, 0.7), draws.integer(1, 7)
+    length = draws.log_uniform(0.4, 2.5)
+    depth = draws.uniform(0.1, 0.4) * radius
+    starts = draws.integer(1, 4) if turns < 4 else 1
+    body = threaded_rod(radius, depth, length, turns, starts, draws.chance(0.5))
+    for side in ("+z", "-z"):
+        if draws.chance(0.6):
+            size = draws.uniform(0.5, 1.3), draws.uniform(0.5, 1.3), draws.uniform(0.1, 0.6)
+            end = block(size, (draws.uniform(-0.2, 0.2), 0, size[2] / 2 - 0.01))
+            body += facing(side, end, (0, 0, length if side == "+z" else 0))
+    if draws.chance(0.5):
+        side = draws.pick(SIDES[:2])
+        low, high = extents(body)
+        tool = bore_tool(draws, draws.uniform(0.3, 0.6) * (radius - depth), draws.uniform(1, 6))
+        body -= facing(side, tool, (0, 0, high[2] if side == "+z" else low[2]))
+    return body
