@@ -50,7 +50,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def print_kinds() -> None:
-    for name, kind in KINDS.items():
+    for name in KINDS:
         family = f" [resembles {RESEMBLING_KINDS[name]}]" if name in RESEMBLING_KINDS else ""
         print(f"{name:20} {describe(name)}{family}")
 

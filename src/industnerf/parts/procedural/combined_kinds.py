@@ -1,5 +1,7 @@
 """Abstract kinds made of other bodies: random CSG trees, symmetry, hulls, cuts by planes."""
 
+from itertools import pairwise
+
 import numpy as np
 from manifold3d import Manifold
 
@@ -154,6 +156,5 @@ def lofted_stack(draws: Draws) -> Manifold:
         shift = draws.uniform(-0.15, 0.15), draws.uniform(-0.15, 0.15)
         layers.append(prism(section.translate(shift), level, level + 0.03))
         level += draws.log_uniform(0.08, 0.8)
-    pairs = zip(layers, layers[1:], strict=False)
-    body = union([Manifold.batch_hull(list(pair)) for pair in pairs])
+    body = union([Manifold.batch_hull(list(pair)) for pair in pairwise(layers)])
     return drilled(draws, body, draws.integer(1, 3), 0.15)

@@ -6,19 +6,18 @@ from manifold3d import CrossSection, Manifold
 from industnerf.parts.procedural.draws import Draws
 from industnerf.parts.procedural.features import bore_tool, cut_top, drilled, extents, inset
 from industnerf.parts.procedural.primitives import (
+    cylinder,
     eased_prism,
     facing,
     prism,
     union,
 )
 from industnerf.parts.procedural.profiles import (
+    circle,
     cutout,
     fillet,
-    irregular_polygon,
     lobed,
-    on_circle,
     outline,
-    polygon,
     rectangle,
     scatter,
     wall,
@@ -70,13 +69,13 @@ def twisted_prism(draws: Draws) -> Manifold:
     section = outline(draws, draws.uniform(0.5, 1.0), draws.uniform(0.5, 1.0))
     left, bottom, right, top = section.bounds()
     section = section.translate((-(left + right) / 2, -(bottom + top) / 2))
-    height, twist = draws.log_uniform(0.4, 2.2), draws.uniform(-200, 200)
+    height, twist = draws.log_uniform(0.4, 2.2), draws.uniform(20, 200)
     scale = draws.uniform(0.5, 1.0), draws.uniform(0.5, 1.0)
-    body = section.extrude(height, 14, twist, scale)
+    body = section.extrude(height, 20, twist, scale)
     if draws.chance(0.5):
         radius = draws.uniform(0.03, 0.12)
         body -= bore_tool(draws, radius, draws.uniform(0.4, 1.5) * height).translate([0, 0, height])
-    return body
+    return body.mirror([1, 0, 0]) if draws.chance(0.5) else body
 
 
 def stacked_prisms(draws: Draws) -> Manifold:
@@ -166,33 +165,17 @@ def _windowed(draws: Draws, section: CrossSection, height: float) -> Manifold:
 
 
 def open_frame(draws: Draws) -> Manifold:
-    """An outline left as a rim, with thin spokes across and pads at some places."""
+    """An outline left as a rim, with thin spokes across and bored pads inside."""
     x, y, z = draws.box("slab", "plate")
-    section = outline(draws, x, y)
-    small = min(x, y)
+    section, small = outline(draws, x, y), min(x, y)
     inner = inset(section, draws.uniform(0.05, 0.15) * small)
-    strips = []
+    parts = [prism(section - inner, 0, z)]
+    pads = scatter(draws, inner, draws.integer(0, 3), 0.07 * small, 0.14 * small, -0.1 * small)
+    for px, py, radius in pads:
+        parts.append(prism(circle(radius, (px, py), 28), 0, draws.uniform(0.5, 1.4) * z))
     for _ in range(draws.integer(0, 4)):
         strip = rectangle(3, draws.uniform(0.03, 0.1) * small, (0, draws.uniform(-0.3, 0.3) * y))
-        strips.append(strip.rotate(30.0 * draws.integer(0, 5)) ^ section)
-    frame = (section - inner) + CrossSection.compose([]) + _pads(draws, inner, small)
-    body = prism(frame, 0, z)
-    if strips:
-        body += union([prism(strip, 0, draws.uniform(0.3, 1.0) * z) for strip in strips])
-    return body
-
-
-def _pads(draws: Draws, section: CrossSection, small: float) -> CrossSection:
-    """Bored discs on the corners of an irregular polygon, where they touch the rim."""
-    pads = CrossSection()
-    for corner in irregular_polygon(draws, draws.integer(3, 6), 1, 1).to_polygons()[0][:3]:
-        left, bottom, right, top = section.bounds()
-        at = (
-            left + (corner[0] + 0.5) * (right - left),
-            bottom + (corner[1] + 0.5) * (top - bottom),
-        )
-        radius = draws.uniform(0.05, 0.1) * small
-        pads = pads + (
-            polygon(on_circle(24, 2 * radius)) - polygon(on_circle(16, radius))
-        ).translate(at)
-    return pads
+        strip = strip.rotate(30.0 * draws.integer(0, 5)) ^ section
+        parts.append(prism(strip, 0, draws.uniform(0.3, 1.0) * z))
+    bores = [cylinder(0.5 * r, 9, (px, py, 0), segments=20) for px, py, r in pads]
+    return union(parts) - union(bores)

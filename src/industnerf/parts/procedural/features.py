@@ -10,6 +10,7 @@ from manifold3d import CrossSection, Manifold
 from industnerf.parts.procedural.draws import Draws, on_grid
 from industnerf.parts.procedural.primitives import SIDES, cylinder, facing, prism, turned, union
 from industnerf.parts.procedural.profiles import (
+    angles,
     circle,
     cutout,
     offset,
@@ -18,10 +19,11 @@ from industnerf.parts.procedural.profiles import (
 )
 
 ABOVE = 0.02  # how far a tool starts above the surface
+THREAD_CORNERS = {1: 24, 2: 16, 3: 12, 4: 12}  # of a thread's profile, by number of starts
 
 
 def bore_tool(draws: Draws, radius: float, depth: float) -> Manifold:
-    """A plain, countersunk, counterbored or chamfered hole with the flat or conical end of a drill."""
+    """A plain, chamfered, countersunk or counterbored hole, its end flat or a drill's cone."""
     tip = 0.58 * radius if draws.chance(0.5) else 0.0  # of a drill of 120 degrees
     head, mouth = draws.uniform(1.3, 2.0) * radius, draws.uniform(0.15, 0.5) * depth
     outside = {
@@ -111,14 +113,18 @@ def ribs(draws: Draws, section: CrossSection, base: float, height: float, count:
 def threaded_rod(
     radius: float, depth: float, length: float, turns: int, starts: int, is_round: bool
 ) -> Manifold:
-    """A helical thread between z = 0 and `length`: a section whose radius goes up and down by
-    `depth`, `starts` times in a turn, extruded with twist."""
-    turn = 2 * np.pi * np.arange(24 * starts) / (24 * starts)
-    phase = np.arange(24 * starts) % 24 / 24
+    """A right-handed thread between z = 0 and `length`.
+
+    It is a section whose radius falls and rises by `depth`, `starts` times in a turn, extruded
+    with twist.  Each layer is turned by one corner, so that its triangles follow the helix.
+    """
+    per_start = THREAD_CORNERS[starts]
+    corners = per_start * starts
+    turn, phase = angles(corners), np.arange(corners) % per_start / per_start
     wave = (1 - np.cos(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
     reach = radius - depth + depth * wave
     section = polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
-    return section.extrude(length, 18 * turns, 360.0 * turns)
+    return section.extrude(length, corners * turns - 1, 360.0 * turns)
 
 
 def inset(section: CrossSection, distance: float) -> CrossSection:

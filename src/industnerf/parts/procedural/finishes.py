@@ -4,13 +4,13 @@ from industnerf.parts.catalogue.appearances import APPEARANCES
 from industnerf.parts.procedural.draws import Draws
 
 MAX_ALBEDO = 0.72  # as of the catalogue's finishes: a lit face stays darker than the background
-PAINT_SHARE = 0.35
+PAINT_SHARE = 0.25
 
 
 def draw_albedo(draws: Draws) -> tuple[float, float, float]:
     """A linear color in [0, `MAX_ALBEDO`]; batches of one finish differ a little in brightness."""
     if draws.chance(PAINT_SHARE):
-        strong, weak = draws.uniform(0.4, 0.7), draws.uniform(0.05, 0.2)
+        strong, weak = draws.uniform(0.25, 0.6), draws.uniform(0.06, 0.2)
         levels = (strong, draws.uniform(weak, strong), weak)
         color = [levels[i] for i in draws.order(3)]
     else:

@@ -7,6 +7,7 @@ from manifold3d import Manifold
 from industnerf.parts.procedural import (
     combined_kinds,
     extruded_kinds,
+    resembling_kinds,
     sprawling_kinds,
     turned_kinds,
     walled_kinds,
@@ -61,8 +62,26 @@ _ABSTRACT: tuple[Kind, ...] = (
 DEFAULT_KINDS: tuple[str, ...] = tuple(kind.__name__ for kind in _ABSTRACT)
 """Features combined at random: none of these imitates a family of the study."""
 
-RESEMBLING_KINDS: dict[str, str] = {}
+_RESEMBLING: dict[Kind, str] = {
+    resembling_kinds.ball_bearing: "bearings",
+    resembling_kinds.angle_bracket: "brackets_structure",
+    resembling_kinds.spoked_wheel: "drives_wheels",
+    resembling_kinds.crank: "engine",
+    resembling_kinds.flange: "flanges",
+    resembling_kinds.gear: "gears",
+    resembling_kinds.motor_housing: "housings_motors",
+    resembling_kinds.spring: "linear_springs",
+    resembling_kinds.nut: "nuts_washers_inserts",
+    resembling_kinds.elbow: "pipe_fittings",
+    resembling_kinds.fan: "rotors",
+    resembling_kinds.bolt: "screws",
+    resembling_kinds.stepped_shaft: "shafts_couplings",
+    resembling_kinds.heat_sink: "thermal",
+    resembling_kinds.end_mill: "tooling_misc",
+    resembling_kinds.valve_body: "valves_fluid",
+}
+RESEMBLING_KINDS: dict[str, str] = {kind.__name__: name for kind, name in _RESEMBLING.items()}
 """Kinds that imitate a family of the study -> that family, with which they are held out."""
 
 ALL_KINDS: tuple[str, ...] = (*DEFAULT_KINDS, *RESEMBLING_KINDS)
-KINDS: dict[str, Kind] = {kind.__name__: kind for kind in _ABSTRACT}
+KINDS: dict[str, Kind] = {kind.__name__: kind for kind in (*_ABSTRACT, *_RESEMBLING)}

@@ -53,7 +53,8 @@ def eased_prism(
     layers = []
     for inset, depth in on_grid(np.stack([insets, depths], axis=1)).tolist():
         layer = offset(section, -inset, is_round=False) if inset > 0 else section
-        layers.append(prism(layer, bottom + depth, top - depth))
+        if not layer.is_empty():  # the inset may be more than a thin section has
+            layers.append(prism(layer, bottom + depth, top - depth))
     return Manifold.batch_hull(layers)
 
 

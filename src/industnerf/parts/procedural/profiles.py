@@ -1,6 +1,7 @@
 """Plane outlines: what is extruded, revolved or swept, and the shapes of holes."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -62,7 +63,7 @@ def slot(length: float, width: float) -> CrossSection:
     return rounded_rectangle(length, width, width / 2)
 
 
-def union(sections: Sequence[CrossSection]) -> CrossSection:
+def joined(sections: Sequence[CrossSection]) -> CrossSection:
     return CrossSection.batch_boolean(list(sections), OpType.Add)
 
 
@@ -134,7 +135,7 @@ def outline(draws: Draws, width: float, height: float) -> CrossSection:
 
 
 def cutout(draws: Draws, size: float) -> CrossSection:
-    """The outline of a hole or pocket that fits in a circle of diameter `size`, about its center."""
+    """The outline of a hole or pocket, centered, that fits in a circle of diameter `size`."""
     form = draws.pick(("circle", "circle", "slot", "rounded", "polygon", "irregular"))
     if form == "circle":
         return circle(size / 2)
@@ -152,8 +153,7 @@ def cutout(draws: Draws, size: float) -> CrossSection:
 def wall(points: Points2, thickness: float) -> CrossSection:
     """A strip of `thickness` along an open line, with round joints."""
     discs = [circle(thickness / 2, (x, y), 16) for x, y in on_grid(points).tolist()]
-    pairs = zip(discs, discs[1:], strict=False)
-    return union([CrossSection.batch_hull(list(pair)) for pair in pairs])
+    return joined([CrossSection.batch_hull(list(pair)) for pair in pairwise(discs)])
 
 
 def contains(section: CrossSection, points: Points2) -> Bool[np.ndarray, "n"]:

@@ -4,7 +4,7 @@ import numpy as np
 from manifold3d import CrossSection, Manifold
 
 from industnerf.parts.procedural.draws import Draws, on_grid
-from industnerf.parts.procedural.features import bore_tool, ring
+from industnerf.parts.procedural.features import bore_tool
 from industnerf.parts.procedural.primitives import (
     SIDES,
     block,
@@ -21,6 +21,7 @@ from industnerf.parts.procedural.profiles import (
     circle,
     fillet,
     irregular_polygon,
+    lobed,
     rectangle,
     rounded_rectangle,
 )
@@ -66,21 +67,25 @@ def bar_walk(draws: Draws) -> Manifold:
 
 
 def swept_tube(draws: Draws) -> Manifold:
-    """A round bar or open tube along a curve in space, with collars or plates at its ends."""
+    """A bar or open tube of any section along a curve in space, with blocks at its ends."""
     count = draws.integer(3, 5)
     knots = np.c_[np.arange(count) * 0.7, draws.uniforms(-0.5, 0.5, count, 2)]
     path = on_grid(smooth_path(knots, 9))
     radius = draws.uniform(0.07, 0.22)
-    section = circle(radius, segments=24)
-    if draws.chance(0.6):
-        section = ring(radius, draws.uniform(0.55, 0.85) * radius)
-    body = swept(section, path)
+    outer = {
+        "round": circle(radius, segments=24),
+        "square": rounded_rectangle(2 * radius, 1.5 * radius, 0.3 * radius),
+        "lobed": lobed(draws, radius, (3,), 0.25),
+    }[draws.pick(("round", "square", "lobed"))]
+    is_open = draws.chance(0.6)
+    body = swept(outer - outer.scale((0.75, 0.75)) if is_open else outer, path)
     for end, before in ((path[0], path[1]), (path[-1], path[-2])):
-        if draws.chance(0.5):
+        if draws.chance(0.4):
             outward = (end - before) / np.linalg.norm(end - before)
-            collar = ring(draws.uniform(1.3, 2.0) * radius, 0.9 * radius)
-            length = draws.uniform(0.3, 1.2) * radius
-            body += swept(collar, np.stack([end - length * outward, end]))
+            size = draws.uniform(2.2, 4.0) * radius, draws.uniform(2.2, 3.0) * radius
+            foot = rectangle(*size, (draws.uniform(-0.5, 0.5) * radius, 0))
+            length = draws.uniform(0.5, 1.5) * radius
+            body += swept(foot, np.stack([end - length * outward, end]))
     return body
 
 

@@ -6,10 +6,10 @@ from manifold3d import Manifold
 from industnerf.parts.procedural.draws import Draws
 from industnerf.parts.procedural.features import bore_tool, drilled, extents, threaded_rod
 from industnerf.parts.procedural.primitives import (
-    SIDES,
     block,
     cylinder,
     facing,
+    prism,
     smooth_path,
     turned,
     turned_outline,
@@ -22,6 +22,7 @@ from industnerf.parts.procedural.profiles import (
     irregular_polygon,
     offset,
     on_circle,
+    outline,
     polygon,
     rectangle,
 )
@@ -62,7 +63,7 @@ def _curve(draws: Draws) -> Points2:
 
 def _cut(draws: Draws, body: Manifold) -> Manifold:
     """Some of: a central bore at either end, holes on a circle, flats, cross bores, a slot."""
-    low, high = extents(body)
+    _, high = extents(body)
     radius, height = high[0], high[2]
     if draws.chance(0.5):
         depth = height + 1 if draws.chance(0.5) else draws.uniform(0.2, 0.8) * height
@@ -173,20 +174,26 @@ def grooved_body(draws: Draws) -> Manifold:
 
 
 def helical_body(draws: Draws) -> Manifold:
-    """Threads of any pitch and number of starts, between or on blocks and discs."""
-    radius, turns = draws.uniform(0.3, 0.7), draws.integer(1, 7)
-    length = draws.log_uniform(0.4, 2.5)
-    depth = draws.uniform(0.1, 0.4) * radius
-    starts = draws.integer(1, 4) if turns < 4 else 1
-    body = threaded_rod(radius, depth, length, turns, starts, draws.chance(0.5))
-    for side in ("+z", "-z"):
+    """Coarse helices of several starts, widths and hands, one on another, with blocks between."""
+    level, parts = 0.0, []
+    for _ in range(draws.integer(1, 3)):
+        radius, starts = draws.uniform(0.3, 0.8), draws.integer(1, 4)
+        turns = draws.integer(1, 5) if starts == 1 else draws.integer(1, 2)
+        length = draws.log_uniform(0.3, 1.5)
+        depth = draws.uniform(0.12, 0.5) * radius
+        helix = threaded_rod(radius, depth, length, turns, starts, draws.chance(0.5))
+        if draws.chance(0.3):
+            helix = helix.mirror([1, 0, 0])
+        parts.append(helix.translate([0, 0, level]))
+        level += length
         if draws.chance(0.6):
-            size = draws.uniform(0.5, 1.3), draws.uniform(0.5, 1.3), draws.uniform(0.1, 0.6)
-            end = block(size, (draws.uniform(-0.2, 0.2), 0, size[2] / 2 - 0.01))
-            body += facing(side, end, (0, 0, length if side == "+z" else 0))
+            height = draws.uniform(0.08, 0.5)
+            section = outline(draws, draws.uniform(0.6, 1.5), draws.uniform(0.6, 1.5))
+            shift = draws.uniform(-0.2, 0.2), draws.uniform(-0.2, 0.2)
+            parts.append(prism(section.translate(shift), level - 0.01, level + height))
+            level += height - 0.01
+    body = union(parts)
     if draws.chance(0.5):
-        side = draws.pick(SIDES[:2])
-        low, high = extents(body)
-        tool = bore_tool(draws, draws.uniform(0.3, 0.6) * (radius - depth), draws.uniform(1, 6))
-        body -= facing(side, tool, (0, 0, high[2] if side == "+z" else low[2]))
+        depth = draws.uniform(0.3, 1.2) * level
+        body -= bore_tool(draws, draws.uniform(0.06, 0.2), depth).translate([0, 0, level])
     return body

@@ -1,5 +1,7 @@
 """Abstract kinds of deep pockets and thin walls: plates, trays, shells, fins, panels."""
 
+from itertools import pairwise
+
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
@@ -25,12 +27,12 @@ from industnerf.parts.procedural.profiles import (
     cutout,
     fillet,
     hole_pattern,
+    joined,
     offset,
     outline,
     rectangle,
     rounded_rectangle,
     scatter,
-    union as union2,
 )
 
 
@@ -109,7 +111,7 @@ def fin_field(draws: Draws) -> Manifold:
         fins.append(prism(rectangle(length, end - start, (at, (start + end) / 2)), 0, height))
     body = prism(rounded_rectangle(x, y, 0.1 * y), 0, base) + union(fins)
     if draws.chance(0.4):
-        low, high = extents(body)
+        _, high = extents(body)
         cut = rectangle(x, draws.uniform(0.1, 0.4) * y).rotate(draws.uniform(-60, 60))
         body -= prism(cut, base, 3 * high[2])
     if draws.chance(0.4):
@@ -192,11 +194,11 @@ def perforated_panel(draws: Draws) -> Manifold:
 
 def _bent(section: CrossSection, thickness: float, radius: float) -> Manifold:
     """A sheet rolled about the y axis, in strips so that its flats follow the bend."""
-    left, bottom, right, top = section.bounds()
+    left, _, right, _ = section.bounds()
     bars = np.linspace(left, right, 25)
     strips = [
         prism(section ^ rectangle(b - a, 9, ((a + b) / 2, 0)), 0, thickness)
-        for a, b in zip(bars, bars[1:], strict=False)
+        for a, b in pairwise(bars)
     ]
 
     def bend(points: np.ndarray) -> np.ndarray:
@@ -221,7 +223,7 @@ def terraces(draws: Draws) -> Manifold:
     radius = draws.uniform(0, 0.2) * pitch
     layers, below = [], -0.01
     for height in heights:
-        section = union2([square for tall, square in columns if tall >= height])
+        section = joined([square for tall, square in columns if tall >= height])
         layers.append(prism(fillet(section, radius, radius), below, height))
         below = height - 0.001
     return union(layers)
