@@ -143,12 +143,12 @@ def unit_ball_projections(
     return (cameras.K @ np.linalg.inv(cameras.c2w)[:, :3] @ to_mm / radius_mm).astype(np.float32)
 
 
-def nested_view_subset(
+def nested_view_order(
     positions: Float[np.ndarray, "n 3"], count: int
 ) -> Int64[np.ndarray, "count"]:
-    """Indices of `count` of `positions`, ascending: the first, and each next the farthest from all.
+    """Indices of `count` of `positions`: the first, and each next the farthest from all before.
 
-    A subset of any size contains all smaller ones.  Of positions alike far the one with the lower
+    So the first few of them look from all round.  Of positions alike far the one with the lower
     index is taken.  `count` is at most n.
     """
     chosen = [0]
@@ -157,4 +157,11 @@ def nested_view_subset(
         distance = np.minimum(distance, np.linalg.norm(positions - positions[chosen[-1]], axis=1))
         distance[chosen] = -1.0
         chosen.append(int(distance.argmax()))
-    return np.sort(chosen)
+    return np.array(chosen)
+
+
+def nested_view_subset(
+    positions: Float[np.ndarray, "n 3"], count: int
+) -> Int64[np.ndarray, "count"]:
+    """`nested_view_order`, ascending: a subset of any size contains all smaller ones."""
+    return np.sort(nested_view_order(positions, count))

@@ -17,13 +17,17 @@ from industnerf.artifacts.history import History
 from industnerf.artifacts.state import ModelState
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning import checkpoint
-from industnerf.learning.weights import state_arrays
+from industnerf.learning.training_shape import Prior, TrainingShape
+from industnerf.learning.weights import load_arrays, state_arrays
 from industnerf.schema import TrainingSettings
 from industnerf.seeds import generator
 
 # Loss of a batch: parts by index, maybe more than once; what else is drawn comes from the rng.
 Loss = Callable[[Int[np.ndarray, "batch"], np.random.Generator], Float[Tensor, ""]]
 CHECKPOINT_S = 20.0
+WARM_UP_STEPS = 100  # over which the learning rate rises to its full value
+LAST_LR = 0.01  # of the full learning rate, at the end of its half cosine
+MAX_GRADIENT_NORM = 5.0  # longer gradients are shortened to this
 # converged: in the last fifth of the steps the loss fell by at most 2 %
 CONVERGENCE_WINDOW, CONVERGENCE_TOLERANCE = 0.2, 0.02
 VALIDATION_REPEATS = 4  # how often each part is validated on, rounded up to whole batches
@@ -92,17 +96,56 @@ def _hash(name: str) -> str:
     return hashlib.sha256(f"validation/{name}".encode()).hexdigest()
 
 
-def train(
+def fit_network(
     net: nn.Module,
     loss: Loss,
-    split: tuple[list[int], list[int]],
+    examples: Sequence[TrainingShape],
+    prior: Prior,
     settings: TrainingSettings,
     seed: int,
     checkpoint_path: Path,
-) -> TrainResult:
-    """Train `net` by `loss` on the parts `split[0]`, and keep what is best on those of `split[1]`.
+) -> tuple[TrainResult, int]:
+    """`train` `net` on `examples`, and on the solids of `prior` from its weights.
 
-    Parameters that need no gradient stay as they are.  It resumes from `checkpoint_path` where that
+    `loss` knows the shapes by their place in [*examples, *prior.solids].  Without any example this
+    is pretraining: solids are learned from and validated on.  Also returns how many shapes were
+    learned from, not counting solids beside examples.
+    """
+    if prior.weights is not None:
+        load_arrays(net, prior.weights.arrays)
+    train_ids, val_ids = train_val_split(examples or prior.solids, settings.val_fraction)
+    solid_ids = list(range(len(examples), len(examples) + len(prior.solids))) if examples else []
+    split = TrainingSplit(train_ids, val_ids, solid_ids)
+    result = train(
+        net, loss, split, settings, seed, checkpoint_path, starts_trained=prior.weights is not None
+    )
+    return result, len(train_ids)
+
+
+@dataclass(frozen=True)
+class TrainingSplit:
+    """Indices of the shapes that are learned from and validated on."""
+
+    train: list[int]
+    val: list[int]
+    solids: list[int] = field(default_factory=list)  # if there are any, half of every batch
+
+
+def train(
+    net: nn.Module,
+    loss: Loss,
+    split: TrainingSplit,
+    settings: TrainingSettings,
+    seed: int,
+    checkpoint_path: Path,
+    *,
+    starts_trained: bool = False,
+) -> TrainResult:
+    """Train `net` by `loss`, and keep the weights that are best on the validation parts.
+
+    The learning rate rises over WARM_UP_STEPS and falls as half a cosine.  Weights that were
+    trained before are validated too, so that no training makes them worse.  Parameters that need
+    no gradient stay as they are.  It resumes from `checkpoint_path` where that
     exists, to the same bytes on a CPU.
 
     Raises ReconstructionFailed if a loss is not finite, BadArtifact if `checkpoint_path` cannot be
@@ -110,6 +153,8 @@ def train(
     """
     trainer = _Trainer(net, loss, split, settings, seed)
     trainer.resume(checkpoint_path)
+    if starts_trained and not trainer.progress.val_steps:
+        trainer.validate()
     last_saved = time.monotonic()
     while not trainer.is_finished:
         trainer.train_step()
@@ -126,17 +171,20 @@ class _Trainer:
         self,
         net: nn.Module,
         loss: Loss,
-        split: tuple[list[int], list[int]],
+        split: TrainingSplit,
         settings: TrainingSettings,
         seed: int,
     ) -> None:
-        self.net, self.loss, self.settings, self.seed = net, loss, settings, seed
-        self.train_ids, self.val_ids = (np.array(ids) for ids in split)
+        self.net, self.loss, self.split = net, loss, split
+        self.settings, self.seed = settings, seed
         self.rng, self.progress = generator(seed, "batches"), TrainingProgress()
-        parameters = [p for p in net.parameters() if p.requires_grad]
+        self.parameters = [p for p in net.parameters() if p.requires_grad]
         # only weights decay: a bias or a scale that is pulled to 0 regularizes nothing
         groups = [
-            {"params": [p for p in parameters if (p.ndim > 1) == decays], "weight_decay": decay}
+            {
+                "params": [p for p in self.parameters if (p.ndim > 1) == decays],
+                "weight_decay": decay,
+            }
             for decays, decay in ((True, settings.weight_decay), (False, 0.0))
         ]
         self.optimizer = torch.optim.Adam(groups, settings.lr)
@@ -150,29 +198,33 @@ class _Trainer:
 
     def train_step(self) -> None:
         """One step, and a validation where one is due."""
-        lr_drops = sum(
-            self.progress.step >= share * self.settings.max_steps
-            for share in self.settings.lr_milestones
-        )
         for group in self.optimizer.param_groups:
-            group["lr"] = self.settings.lr * 0.1**lr_drops
+            group["lr"] = self.settings.lr * lr_factor(self.progress.step, self.settings.max_steps)
         self.net.train()
         self.optimizer.zero_grad()
-        loss = self.loss(self.rng.choice(self.train_ids, self.settings.batch_size), self.rng)
+        loss = self.loss(self._draw_batch(), self.rng)
         loss.backward()
+        nn.utils.clip_grad_norm_(self.parameters, MAX_GRADIENT_NORM)
         self.optimizer.step()
         self.progress.step += 1
         self.progress.train_losses.append(self._require_finite("training", loss.item()))
         if self.progress.step % self.settings.val_interval == 0 or self.is_finished:
-            self._validate()
+            self.validate()
+
+    def _draw_batch(self) -> Int[np.ndarray, "batch"]:
+        size = self.settings.batch_size
+        if not self.split.solids:
+            return self.rng.choice(self.split.train, size)
+        parts = self.rng.choice(self.split.train, size - size // 2)
+        return np.concatenate([parts, self.rng.choice(self.split.solids, size // 2)])
 
     @torch.no_grad()
-    def _validate(self) -> None:
+    def validate(self) -> None:
         """The loss on the validation parts: the same draws every time, so that losses compare."""
         self.net.eval()
         rng, batch = generator(self.seed, "validation"), self.settings.batch_size
-        batches = math.ceil(VALIDATION_REPEATS * len(self.val_ids) / batch)
-        val_batches = np.resize(self.val_ids, batches * batch)
+        batches = math.ceil(VALIDATION_REPEATS * len(self.split.val) / batch)
+        val_batches = np.resize(self.split.val, batches * batch)
         losses = [self.loss(batch_ids, rng).item() for batch_ids in val_batches.reshape(-1, batch)]
         self.progress.val_steps.append(self.progress.step)
         self.progress.val_losses.append(self._require_finite("validation", float(np.mean(losses))))
@@ -231,6 +283,12 @@ def model_state(net: nn.Module, result: TrainResult, num_parts: int, size: str) 
         train_history=result.train_history,
         val_history=result.val_history,
     )
+
+
+def lr_factor(step: int, max_steps: int) -> float:
+    """The learning rate of a step, of the full one."""
+    cosine = (1 + math.cos(math.pi * step / max_steps)) / 2
+    return min(1.0, (step + 1) / WARM_UP_STEPS) * (LAST_LR + (1 - LAST_LR) * cosine)
 
 
 def has_converged(steps: Sequence[int], losses: Sequence[float]) -> bool:

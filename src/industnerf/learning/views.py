@@ -1,20 +1,14 @@
-"""Views as networks take them: fewer, smaller, and in the axes that the network predicts in.
+"""Views as networks take them: fewer, smaller, and with the axes of the picture.
 
 The published networks predict in the part's axes.  Of a part unlike all others one image
-does not tell these; those of the camera are known, for every method is given its cameras.
+does not tell these; those of the picture are known, for every method is given its cameras.
 """
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, UInt8
 
+from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.geometry.cameras import Cameras
-from industnerf.schema.training import OutputAxes
-
-
-def evenly_spaced_indices(total: int, count: int) -> Int[np.ndarray, "_"]:
-    """At most `count` of the indices below `total`, evenly spread, the first among them."""
-    count = min(count, total)
-    return np.arange(count) * total // count
 
 
 def resize_images(
@@ -27,15 +21,14 @@ def resize_images(
     return np.stack([np.asarray(one) for one in resized])
 
 
-def axis_rotations(cameras: Cameras, axes: OutputAxes) -> Float[np.ndarray, "n 3 3"]:
-    """A rotation R a view: of points p in the part's axes, p @ R are in `axes`."""
-    if axes == "part":
-        return np.tile(np.eye(3), (len(cameras), 1, 1))
-    return cameras.c2w[:, :3, :3]
+def picture_frames(cameras: Cameras, cube: BoundingCube) -> Float[np.ndarray, "n 3 3"]:
+    """A matrix F a view: of points p in the unit cube of `cube`, p @ F are in picture axes.
 
-
-def apply_camera_roll(
-    rotations: Float[np.ndarray, "n 3 3"], rolls: Float[np.ndarray, "n 3 3"], axes: OutputAxes
-) -> Float[np.ndarray, "n 3 3"]:
-    """`rotations` after the cameras rolled by `rolls`, which leave the part's axes alone."""
-    return rotations @ rolls if axes == "view" else rotations
+    They are the camera's axes (x right, y down, z forward) about the center of the part, in units
+    of the width that the picture has at the part's distance: what looks twice as large is twice
+    as large, whatever the part's longest edge.
+    """
+    offsets = cube.center_mm - cameras.centers
+    depth = np.einsum("ij,ij->i", offsets, cameras.c2w[:, :3, 2])
+    width_mm = depth * cameras.width / cameras.K[:, 0, 0]
+    return cameras.c2w[:, :3, :3] * (cube.edge_mm / width_mm)[:, None, None]

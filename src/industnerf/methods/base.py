@@ -8,7 +8,7 @@ points: renderings from the held-out cameras, confidence, the history of its los
 What is learned from other parts is learned from `Example`s, and returned as `ModelState`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -25,8 +25,9 @@ from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.views import load_views
 from industnerf.errors import UndeclaredInput
 from industnerf.geometry.bounding_cube import BoundingCube
-from industnerf.geometry.cameras import Cameras, nested_view_subset
-from industnerf.learning.views import evenly_spaced_indices, resize_images
+from industnerf.geometry.cameras import Cameras, nested_view_order, nested_view_subset
+from industnerf.learning import targets
+from industnerf.learning.views import picture_frames, resize_images
 
 
 class Input(StrEnum):
@@ -38,7 +39,20 @@ class Input(StrEnum):
     DEPTH = "depth"
     PART_FRAME = "frame"  # axes, center and longest edge of the part
     OTHER_MESHES = "other meshes"
+    PROCEDURAL_SOLIDS = "procedural solids"  # and weights that were pretrained on them
     OWN_MESH = "own mesh"
+
+
+# of networks that learn from other parts
+NETWORK_INPUTS = frozenset(
+    {
+        Input.RGB,
+        Input.BACKGROUND,
+        Input.PART_FRAME,
+        Input.OTHER_MESHES,
+        Input.PROCEDURAL_SOLIDS,
+    }
+)
 
 
 class Scope(StrEnum):
@@ -74,21 +88,42 @@ class Example:
         return BoundingCube.of(mesh.vertices).to_unit(mesh.vertices), mesh.faces
 
     def rgb(self, px: int, count: int) -> UInt8[np.ndarray, "views {px} {px} 3"]:
-        """At most `count` of the training views, evenly chosen, scaled to `px` a side."""
+        """At most `count` of the training views, in nested order, scaled to `px` a side."""
         self._refuse_undeclared(Input.RGB)
         views = load_views(self.views)
         return resize_images(views.rgb(views.train_indices[self.view_indices(count)]), px)
 
-    def cameras(self, count: int) -> Cameras:
-        """Those of the views that `rgb` takes."""
-        self._refuse_undeclared(Input.RGB)
+    def background(self, count: int) -> Float[np.ndarray, "views 3"]:
+        """The color behind the part in each of the views that `rgb` takes."""
+        self._refuse_undeclared(Input.BACKGROUND)
         views = load_views(self.views)
-        return views.cameras[views.train_indices[self.view_indices(count)]]
+        return views.background[views.train_indices[self.view_indices(count)]]
+
+    def picture_frames(self, count: int) -> Float[np.ndarray, "views 3 3"]:
+        """From the unit cube to the axes of each of the pictures that `rgb` takes."""
+        self._refuse_undeclared(Input.OTHER_MESHES)
+        views = load_views(self.views)
+        cameras = views.cameras[views.train_indices[self.view_indices(count)]]
+        return picture_frames(cameras, BoundingCube.of(load_mesh(self.part).vertices))
 
     def view_indices(self, count: int) -> Int64[np.ndarray, "_"]:
         """Which of the training views `rgb` takes."""
         self._refuse_undeclared(Input.RGB)
-        return evenly_spaced_indices(len(load_views(self.views).train_indices), count)
+        views = load_views(self.views)
+        centers = views.cameras.centers[views.train_indices]
+        return nested_view_order(centers, min(count, len(centers)))
+
+    def filled_shares(self, size: int = targets.VOXELS) -> UInt8[np.ndarray, "n n n"]:
+        """How much of each voxel is solid; 255 is all of it."""
+        return targets.filled_shares(*self.mesh, size)
+
+    def occupancy_pool(self, count: int, rng: np.random.Generator) -> targets.OccupancyPool:
+        """`count` points of the padded unit cube with known occupancy."""
+        return targets.sample_occupancy(*self.mesh, count, rng)
+
+    def surface_pool(self, rng: np.random.Generator) -> Float32[np.ndarray, "pool 3"]:
+        """Area-uniform points of the surface."""
+        return targets.surface_points(*self.mesh, targets.SURFACE_POOL, rng)
 
     def _refuse_undeclared(self, name: Input) -> None:
         if name not in self.inputs:
@@ -168,7 +203,7 @@ class Method:
     scope: Scope
     inputs: frozenset[Input]
     reconstruct: Callable[[MethodInputs, Any, Any, int], Reconstruction]
-    fit: Callable[[Sequence[Example], Any, int, Path], ModelState] | None = None
+    fit: Callable[..., ModelState] | None = None  # one more argument with PROCEDURAL_SOLIDS: Prior
     role: Role = Role.METHOD
     is_stochastic: bool = False  # another seed of `reconstruct` gives another cloud
 

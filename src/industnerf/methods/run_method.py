@@ -1,6 +1,7 @@
 """Run a method: give it what it declares, check and save what it returns."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,8 @@ import numpy as np
 from industnerf.artifacts.cloud import Cloud, save_extra_clouds, save_warnings
 from industnerf.artifacts.state import ModelState
 from industnerf.errors import ReconstructionFailed
+from industnerf.learning.procedural_shapes import load_procedural_shapes
+from industnerf.learning.training_shape import Prior
 from industnerf.methods.base import (
     Example,
     Input,
@@ -46,8 +49,12 @@ def fit_method(
     settings: Any,
     seed: int,
     scratch: Path,
+    prior: tuple[Path | None, Path, Sequence[str]] | None = None,
 ) -> None:
     """Write into `target` what `method` learns from `examples`; `scratch` is to resume from.
+
+    `prior` has the folder of its pretrained weights, that of the procedural solids, and which of
+    their chunks; of a method that declares no procedural solids it is None.
 
     Raises ReconstructionFailed if there is nothing to learn from.
     """
@@ -56,7 +63,38 @@ def fit_method(
             "no part is left to learn from: all are held out together (split.hold_out, split.folds)"
         )
     method_seed = seed_for(seed, "fit", method.name)
-    method.fit(examples, settings, method_seed, scratch).save(target)
+    more = () if prior is None else (load_prior(*prior),)
+    method.fit(examples, settings, method_seed, scratch, *more).save(target)
+
+
+def load_prior(weights: Path | None, procedural: Path, chunks: Sequence[str]) -> Prior:
+    """Read the weights, if there are any, and the procedural solids."""
+    return Prior(
+        load_procedural_shapes(procedural, chunks),
+        None if weights is None else ModelState.load(weights),
+    )
+
+
+def pretrain_method(
+    method: Method,
+    procedural: Path,
+    chunks: Sequence[str],
+    target: Path,
+    *,
+    settings: Any,
+    seed: int,
+    scratch: Path,
+) -> None:
+    """Write into `target` what `method` learns from the procedural solids of `chunks` alone."""
+    prior = Prior(load_procedural_shapes(procedural, chunks))
+    settings = replace(settings, training=settings.pretraining)
+    method_seed = seed_for(seed, "pretrain", method.name)
+    method.fit((), settings, method_seed, scratch, prior).save(target)
+
+
+def copy_weights(source: Path, target: Path) -> None:
+    """Copy a state that `pretrain_method` wrote, from the folder `source`."""
+    ModelState.load(source).save(target)
 
 
 def reconstruct_part(

@@ -29,6 +29,8 @@ from industnerf.schema.methods import (
 from industnerf.schema.params import (
     EvaluateParams,
     Params,
+    PretrainParams,
+    ProceduralParams,
     ReconstructParams,
     ReportParams,
     SplitParams,
@@ -68,7 +70,9 @@ __all__ = [
     "Params",
     "PartsParams",
     "PhotorealisticParams",
+    "PretrainParams",
     "PretrainingSettings",
+    "ProceduralParams",
     "R2n2Settings",
     "ReconstructParams",
     "RepairParams",

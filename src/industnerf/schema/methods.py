@@ -10,13 +10,11 @@ from industnerf.schema.industnerf import (
     IndustnerfSettings,
     IndustnerfSharedSettings,
 )
-from industnerf.schema.training import AugmentSettings, OutputAxes, TrainingSettings
+from industnerf.schema.training import AugmentSettings, OutputAxes, QueryAxes, TrainingSettings
 from industnerf.schema.validators import (
     Fraction,
     GridRes,
     ImagePx,
-    NonNegativeFloat,
-    OpenFraction,
     PositiveInt,
     Rule,
     at_least,
@@ -34,10 +32,9 @@ class R2n2Settings:
     size: Size
     image_px: ImagePx
     channel_divisor: Annotated[int, DIVISOR]
-    train_views: PositiveInt
     max_views: PositiveInt
-    threshold: OpenFraction
     points: PositiveInt
+    pretraining: TrainingSettings
     training: TrainingSettings
     augment: AugmentSettings
 
@@ -64,20 +61,19 @@ class AtlasNetSettings:
 @dataclass(frozen=True)
 class OccupancySettings:
     size: Size
-    output_axes: OutputAxes
+    query_axes: QueryAxes
     image_px: Annotated[int, at_least(32, " px")]
     train_views: PositiveInt
     encoder_width: PositiveInt
     latent_dim: PositiveInt
     decoder_width: PositiveInt
     decoder_blocks: PositiveInt
-    padding: NonNegativeFloat
     points_per_part: PositiveInt
     points_subsample: PositiveInt
+    pretraining: TrainingSettings
     training: TrainingSettings
     augment: AugmentSettings
     eval_views: PositiveInt
-    threshold: OpenFraction
     resolution_0: PositiveInt
     upsampling_steps: Annotated[int, in_interval("[0, 4]")]
     points: PositiveInt

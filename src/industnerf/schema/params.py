@@ -7,6 +7,7 @@ from industnerf.schema.methods import MethodSettings
 from industnerf.schema.parts import PartsParams
 from industnerf.schema.validators import (
     Fraction,
+    ImagePx,
     NonNegativeInt,
     OpenFraction,
     PositiveFloat,
@@ -28,6 +29,20 @@ class SplitParams:
     dev_fraction: Fraction
     folds: Annotated[int, at_least(2)]
     hold_out: Literal["family", "part", "none"]
+
+
+@dataclass(frozen=True)
+class ProceduralParams:
+    solids: NonNegativeInt
+    kinds: Literal["abstract", "all"]
+    views: PositiveInt
+    image_px: ImagePx
+
+
+@dataclass(frozen=True)
+class PretrainParams:
+    weights: Literal["shipped", "trained", "none"]
+    time_limit_s: PositiveFloat
 
 
 @dataclass(frozen=True)
@@ -75,6 +90,8 @@ class Params:
     split: SplitParams
     methods: Annotated[list[Annotated[str, KNOWN_METHOD]], non_empty("method")]
     method: MethodSettings
+    procedural: ProceduralParams
+    pretrain: PretrainParams
     train: TrainParams
     reconstruct: ReconstructParams
     evaluate: EvaluateParams

@@ -13,7 +13,9 @@ from industnerf.schema.validators import (
     in_interval,
 )
 
-OutputAxes = Literal["part", "view"]  # the axes that a net of one view answers in
+# the axes that a network of one view knows points in
+OutputAxes = Literal["part", "picture"]
+QueryAxes = Literal["part", "picture", "both"]
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,6 @@ class TrainingSettings:
     max_steps: PositiveInt
     batch_size: Annotated[int, at_least(2, ", for batch norm")]
     lr: PositiveFloat
-    lr_milestones: list[OpenFraction]
     weight_decay: NonNegativeFloat
     val_fraction: OpenFraction
     val_interval: PositiveInt

@@ -1,25 +1,39 @@
 """Occupancy Networks: whether a point is inside the part, given one photograph of it.
 
 Mescheder et al., "Occupancy Networks: Learning 3D Reconstruction in Function Space" (2019), with
-its released code.  The encoder starts at random: published weights cannot be had offline.
+its released code.  What differs: the decoder knows a point both in the part's axes and in those of
+the picture, whose camera is known; and the surface is where it encloses the volume that the
+probabilities sum up to, for at a fixed threshold thin parts vanish.
 """
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from industnerf.artifacts.state import ModelState
-from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
+from industnerf.learning.training_shape import NO_PRIOR, Prior
+from industnerf.methods.base import (
+    NETWORK_INPUTS,
+    Example,
+    Method,
+    MethodInputs,
+    Reconstruction,
+    Scope,
+)
 from industnerf.schema import OccupancySettings
 
 
 def fit(
-    examples: Sequence[Example], settings: OccupancySettings, seed: int, scratch: Path
+    examples: Sequence[Example],
+    settings: OccupancySettings,
+    seed: int,
+    scratch: Path,
+    prior: Prior = NO_PRIOR,
 ) -> ModelState:
     """The weights that are best on the validation parts."""
     # late: torch is slow to import
     from industnerf.methods.occupancy.run import fit
 
-    return fit(examples, settings, seed, scratch)
+    return fit(examples, settings, seed, scratch, prior)
 
 
 def reconstruct(
@@ -35,7 +49,7 @@ METHODS = {
     "occupancy": Method(
         "occupancy",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
+        NETWORK_INPUTS,
         reconstruct,
         fit,
         is_stochastic=True,

@@ -17,21 +17,25 @@ Known = Bool[np.ndarray, "n n n"]
 THIRDS = slice(None, -1, 2), slice(1, None, 2), slice(2, None, 2)  # points of cells along an axis
 
 
-def mise(field: Field, level: float, cells: int, subdivisions: int) -> tuple[Values, int]:
-    """Values at the (cells * 2^subdivisions + 1)^3 lattice points, and how many were evaluated.
+def mise(
+    field: Field, choose_level: Callable[[Values], float], cells: int, subdivisions: int
+) -> tuple[Values, float, int]:
+    """Values at the (cells * 2^subdivisions + 1)^3 lattice points, the level, and the cost.
 
-    They cross `level` exactly where the values of `field` do, but for what is missed on all
-    points of a coarse lattice of `cells`^3: islands and holes smaller than a cell of it.
+    The level is chosen from the values of the coarse lattice; the cost is how many points were
+    evaluated.  The values cross the level exactly where those of `field` do, but for what is missed
+    on all points of a coarse lattice of `cells`^3: islands and holes smaller than a cell of it.
     """
     stride = 2**subdivisions
     values, known = np.zeros((cells + 1,) * 3), np.zeros((cells + 1,) * 3, bool)
     _evaluate(field, stride, values, known, ~known)
+    level = choose_level(values)
     for _ in range(subdivisions):
         stride //= 2
         values, known = _upsampled(values), _upsampled_mask(known)
         while (needed := _cell_points(_active_cells(values > level)) & ~known).any():
             _evaluate(field, stride, values, known, needed)
-    return values, int(known.sum())
+    return values, level, int(known.sum())
 
 
 def _evaluate(field: Field, stride: int, values: Values, known: Known, needed: Known) -> None:

@@ -11,8 +11,8 @@ from torch.nn import functional as F
 from industnerf.learning.resnet import ResNet18
 from industnerf.schema import OccupancySettings
 
-# of ImageNet, r g b; the published encoder takes its images relative to these
-MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+POINT_DIMS = {"part": 3, "picture": 3, "both": 6}  # numbers of a point, by `query_axes`
+INPUT_GAIN = 2.0  # images start about as bright as after ImageNet's normalization
 
 
 class ConditionalNorm(nn.Module):
@@ -55,14 +55,14 @@ class Block(nn.Module):
 class Decoder(nn.Module):
     """Logits of being inside, point by point."""
 
-    def __init__(self, code: int, width: int, blocks: int) -> None:
+    def __init__(self, code: int, width: int, blocks: int, point_dims: int = 3) -> None:
         super().__init__()
-        self.first = nn.Linear(3, width)
+        self.first = nn.Linear(point_dims, width)
         self.blocks = nn.ModuleList(Block(code, width) for _ in range(blocks))
         self.norm, self.last = ConditionalNorm(code, width), nn.Linear(width, 1)
 
     def forward(
-        self, points: Float[Tensor, "b n 3"], code: Float[Tensor, "b code"]
+        self, points: Float[Tensor, "b n dims"], code: Float[Tensor, "b code"]
     ) -> Float[Tensor, "b n"]:
         x = self.first(points)
         for block in self.blocks:
@@ -71,19 +71,23 @@ class Decoder(nn.Module):
 
 
 class OccupancyNet(nn.Module):
-    """As published with the settings of `experiment=gpu`."""
+    """As published with the settings of `experiment=gpu` and points in the part's axes."""
 
     def __init__(self, settings: OccupancySettings) -> None:
         super().__init__()
         self.encoder = ResNet18(settings.latent_dim, settings.encoder_width)
-        self.decoder = Decoder(settings.latent_dim, settings.decoder_width, settings.decoder_blocks)
+        self.decoder = Decoder(
+            settings.latent_dim,
+            settings.decoder_width,
+            settings.decoder_blocks,
+            POINT_DIMS[settings.query_axes],
+        )
 
-    def encode(self, images: Float[Tensor, "b 3 px px"]) -> Float[Tensor, "b code"]:
-        """The code of each image, whose values are in [0, 1]."""
-        mean, std = (images.new_tensor(x).view(3, 1, 1) for x in (MEAN, STD))
-        return self.encoder((images - mean) / std)
+    def encode(self, contrasts: Float[Tensor, "b 3 px px"]) -> Float[Tensor, "b code"]:
+        """The code of each image, given as its contrast to the background."""
+        return self.encoder(INPUT_GAIN * contrasts)
 
     def forward(
-        self, images: Float[Tensor, "b 3 px px"], points: Float[Tensor, "b n 3"]
+        self, contrasts: Float[Tensor, "b 3 px px"], points: Float[Tensor, "b n dims"]
     ) -> Float[Tensor, "b n"]:
-        return self.decoder(points, self.encode(images))
+        return self.decoder(points, self.encode(contrasts))

@@ -9,26 +9,35 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from industnerf.artifacts.state import ModelState
-from industnerf.methods.base import Example, Input, Method, MethodInputs, Reconstruction, Scope
+from industnerf.learning.training_shape import NO_PRIOR, Prior
+from industnerf.methods.base import (
+    NETWORK_INPUTS,
+    Example,
+    Method,
+    MethodInputs,
+    Reconstruction,
+    Scope,
+)
 from industnerf.schema import R2n2Settings
 
 
 def fit(
-    examples: Sequence[Example], settings: R2n2Settings, seed: int, scratch: Path
+    examples: Sequence[Example],
+    settings: R2n2Settings,
+    seed: int,
+    scratch: Path,
+    prior: Prior = NO_PRIOR,
 ) -> ModelState:
     """The weights of a network trained on `examples`."""
     from industnerf.methods.r2n2.train import fit_net
 
-    return fit_net(examples, settings, seed, scratch)
+    return fit_net(examples, settings, seed, scratch, prior)
 
 
 def reconstruct(
     inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """Points of the surface that the network predicts from `max_views` images, in one pass.
-
-    Raises ReconstructionFailed if no voxel reaches the threshold.
-    """
+    """Points of the surface that the network predicts from `max_views` images, in one pass."""
     from industnerf.methods.r2n2.predict import predict_part
 
     return predict_part(inputs, settings, state, seed)
@@ -38,7 +47,7 @@ METHODS = {
     "r2n2": Method(
         "r2n2",
         Scope.DATASET,
-        frozenset({Input.RGB, Input.PART_FRAME, Input.OTHER_MESHES}),
+        NETWORK_INPUTS,
         reconstruct,
         fit,
         is_stochastic=True,

@@ -10,7 +10,6 @@ from torch.nn import functional as F
 from industnerf.methods.r2n2 import gru
 from industnerf.methods.r2n2.encoder import SLOPE
 
-VOXELS = 32  # a side: three times twice the hidden grid's cells
 CHANNELS = (128, 128, 64, 32)  # at 8^3, 16^3, 32^3 and once more at 32^3, as published
 CLASSES = 2  # empty, full
 
@@ -31,6 +30,13 @@ def conv_unpooled(conv: nn.Conv3d, x: VoxelFeatures) -> Float[Tensor, "b d m m m
     return F.conv_transpose3d(x, weight, conv.bias, stride=2, padding=1, output_padding=1)
 
 
+def shortcut_unpooled(shortcut: nn.Module, x: VoxelFeatures) -> Float[Tensor, "b d m m m"]:
+    """`shortcut(unpool(x))` of a kernel of 1 or of none, without its products with 0."""
+    if isinstance(shortcut, nn.Identity):
+        return unpool(x)
+    return unpool(F.conv3d(x, shortcut.weight)) + shortcut.bias.view(-1, 1, 1, 1)
+
+
 def conv3(in_channels: int, out_channels: int) -> nn.Conv3d:
     return nn.Conv3d(in_channels, out_channels, 3, padding=1)
 
@@ -46,7 +52,7 @@ class UpsampleBlock(nn.Module):
 
     def forward(self, x: VoxelFeatures) -> Float[Tensor, "b d m m m"]:
         y = F.leaky_relu(conv_unpooled(self.conv_a, x), SLOPE)
-        return F.leaky_relu(self.conv_b(y), SLOPE) + self.shortcut(unpool(x))
+        return F.leaky_relu(self.conv_b(y), SLOPE) + shortcut_unpooled(self.shortcut, x)
 
 
 class OutputBlock(nn.Module):

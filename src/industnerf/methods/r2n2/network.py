@@ -12,10 +12,11 @@ from industnerf.methods.r2n2.encoder import FEATURES, Encoder
 from industnerf.methods.r2n2.gru import GridGRU
 
 INITIAL_BIAS = 0.1
+INPUT_GAIN = 2.0  # a gray part before white is then about 1: what the initial weights are made for
 
 
 class R2N2(nn.Module):
-    """Images of `px` a side to scores of empty and full; as published with px 127, divisor 1.
+    """Contrasts to the background to scores of empty and full; as published with 127 px, divisor 1.
 
     All channels but those of the images and the two classes are divided by `divisor`.
     """
@@ -27,18 +28,18 @@ class R2N2(nn.Module):
         self.decoder = Decoder(divisor)
         self.apply(initialize)
 
-    def forward(self, images: Float[Tensor, "b views 3 px px"]) -> Float[Tensor, "b 2 32 32 32"]:
+    def forward(self, contrasts: Float[Tensor, "b views 3 px px"]) -> Float[Tensor, "b 2 32 32 32"]:
         # channels last: so few channels at so many places take a CPU half the time
-        flat = images.flatten(0, 1).contiguous(memory_format=torch.channels_last)
-        hidden = self.gru(self.encoder(flat).view(*images.shape[:2], -1))
+        flat = (INPUT_GAIN * contrasts).flatten(0, 1).contiguous(memory_format=torch.channels_last)
+        hidden = self.gru(self.encoder(flat).view(*contrasts.shape[:2], -1))
         return self.decoder(hidden.contiguous(memory_format=torch.channels_last_3d))
 
     @torch.no_grad()
     def occupancy_probability(
-        self, images: Float[Tensor, "b views 3 px px"]
+        self, contrasts: Float[Tensor, "b views 3 px px"]
     ) -> Float[Tensor, "b 32 32 32"]:
         """The probability of each voxel to be full."""
-        return self(images).softmax(dim=1)[:, 1]
+        return self(contrasts).softmax(dim=1)[:, 1]
 
 
 def initialize(module: nn.Module) -> None:

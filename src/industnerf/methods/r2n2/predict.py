@@ -5,14 +5,14 @@ from jaxtyping import Float32
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.geometry.cameras import nested_view_subset
-from industnerf.geometry.isosurface import isosurface_points
-from industnerf.learning.augment import images_to_tensor
+from industnerf.geometry.cameras import nested_view_order
+from industnerf.geometry.isosurface import isosurface_points, volume_matched_level
+from industnerf.learning.augment import contrast_to_background
+from industnerf.learning.targets import VOXELS
 from industnerf.learning.views import resize_images
 from industnerf.learning.weights import load_arrays
 from industnerf.methods.base import MethodInputs, Reconstruction
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
-from industnerf.methods.r2n2.decoder import VOXELS
 from industnerf.methods.r2n2.network import R2N2, new_net
 from industnerf.schema import R2n2Settings
 from industnerf.torch_kernels import use_reproducible_kernels
@@ -21,11 +21,16 @@ from industnerf.torch_kernels import use_reproducible_kernels
 def predict_part(
     inputs: MethodInputs, settings: R2n2Settings, state: ModelState, seed: int
 ) -> Reconstruction:
-    """One prediction from all views: area-uniform points of the surface at the threshold."""
+    """One prediction from all views: area-uniform points of the volume-matched surface."""
     probabilities = occupancy_probabilities(inputs, settings, load_net(settings, state))
     center, rng = np.full(3, 0.5 / VOXELS - 0.5), np.random.default_rng(seed)
     points = isosurface_points(
-        probabilities, settings.threshold, center, 1 / VOXELS, settings.points, rng
+        probabilities,
+        volume_matched_level(probabilities),
+        center,
+        1 / VOXELS,
+        settings.points,
+        rng,
     )
     return predictions_to_reconstruction([points], inputs.part_frame, state)
 
@@ -42,9 +47,13 @@ def occupancy_probabilities(
     inputs: MethodInputs, settings: R2n2Settings, net: R2N2
 ) -> Float32[np.ndarray, "n n n"]:
     """The probability of each voxel of the unit cube to be full, from at most `max_views` views."""
-    # farthest apart in space: every n-th camera of a spiral may look from the same side
-    view_indices = nested_view_subset(
+    # farthest apart in space, and in the order of the training
+    view_indices = nested_view_order(
         inputs.cameras.centers, min(settings.max_views, len(inputs.rgb))
     )
-    images = images_to_tensor(resize_images(inputs.rgb[view_indices], settings.image_px), device())
-    return net.occupancy_probability(images[None])[0].cpu().numpy()
+    contrasts = contrast_to_background(
+        resize_images(inputs.rgb[view_indices], settings.image_px),
+        inputs.background[view_indices],
+        device(),
+    )
+    return net.occupancy_probability(contrasts[None])[0].cpu().numpy()

@@ -1,0 +1,35 @@
+"""What a network starts from: weights that ship, or those of a pretraining.  DVC stage `pretrain`."""
+
+from functools import partial
+from pathlib import Path
+
+from industnerf.cli import run_as_stage
+from industnerf.config import StageParams
+from industnerf.methods import load_method
+from industnerf.methods.run_method import copy_weights, pretrain_method
+from industnerf.stage import Task, read_index, run_stage
+
+WEIGHTS = "weights"  # the one result of this stage
+
+
+def main(cfg: StageParams, name: str, shipped: str, procedural: str, out: str) -> None:
+    method, settings, source = load_method(name), getattr(cfg.method, name), Path(shipped) / name
+    tasks = []
+    if name in cfg.methods and cfg.pretrain.weights == "shipped" and source.exists():
+        files = tuple(sorted(path for path in source.rglob("*") if path.is_file()))
+        tasks = [Task(WEIGHTS, partial(copy_weights, source), name, files)]
+    elif name in cfg.methods and cfg.pretrain.weights == "trained":
+        chunks = list(read_index(Path(procedural)))
+        make = partial(
+            pretrain_method, method, Path(procedural), chunks, settings=settings, seed=cfg.seed
+        )
+        inputs = tuple(Path(procedural) / chunk for chunk in chunks)
+        key = [name, settings, cfg.seed]
+        tasks = [Task(WEIGHTS, make, key, inputs, (method.module,), resumable=True)]
+    run_stage(
+        "pretrain", tasks, Path(out), "strict", limit_s=cfg.pretrain.time_limit_s, needs_one=False
+    )
+
+
+if __name__ == "__main__":
+    run_as_stage(main, "pretrain")

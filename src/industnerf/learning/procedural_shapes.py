@@ -1,0 +1,94 @@
+"""Procedural solids as networks learn from them: views and targets, packed by the hundred.
+
+    <chunk>/kinds.json  <chunk>/images.npy  ...   one row a solid in each array
+
+Arrays are mapped from their files, so that processes side by side share one copy of thousands of
+solids, and a training needs no more memory with them than without.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float16, Float32, UInt8
+
+from industnerf.artifacts.files import read_json, write_json
+from industnerf.errors import BadParams
+from industnerf.learning.targets import OccupancyPool
+from industnerf.learning.views import resize_images
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class ProceduralArrays:
+    """What is known of so many solids, one row each; the targets are those of `targets`."""
+
+    images: UInt8[np.ndarray, "solids views px px 3"]  # in nested order
+    backgrounds: Float32[np.ndarray, "solids views 3"]
+    frames: Float32[np.ndarray, "solids views 3 3"]
+    filled: UInt8[np.ndarray, "solids n n n"]
+    points: Float16[np.ndarray, "solids pool 3"]
+    shares: Float32[np.ndarray, "solids 3"]
+    surface: Float16[np.ndarray, "solids dense 3"]
+
+    def save(self, folder: Path, kinds: Sequence[str]) -> None:
+        """Write every array into `folder`, and the kind of every solid."""
+        for field in fields(self):
+            np.save(folder / f"{field.name}.npy", getattr(self, field.name))
+        write_json(folder / "kinds.json", {"schema": SCHEMA, "kinds": list(kinds)})
+
+
+@dataclass(frozen=True)
+class ProceduralShape:
+    """One row of `arrays`, as a `TrainingShape`."""
+
+    part_id: str
+    group: str
+    kind: str
+    arrays: ProceduralArrays
+    row: int
+
+    def rgb(self, px: int, count: int) -> UInt8[np.ndarray, "views {px} {px} 3"]:
+        """Raises BadParams if `px` is more than the solids were rendered with."""
+        images = self.arrays.images[self.row, :count]
+        if px > images.shape[1]:
+            raise BadParams(
+                f"a network takes images of {px} px, but procedural solids were rendered with "
+                f"{images.shape[1]}: raise procedural.image_px"
+            )
+        return images if px == images.shape[1] else resize_images(images, px)
+
+    def background(self, count: int) -> Float32[np.ndarray, "views 3"]:
+        return self.arrays.backgrounds[self.row, :count]
+
+    def picture_frames(self, count: int) -> Float32[np.ndarray, "views 3 3"]:
+        return self.arrays.frames[self.row, :count]
+
+    def filled_shares(self) -> UInt8[np.ndarray, "n n n"]:
+        return self.arrays.filled[self.row]
+
+    def occupancy_pool(self, count: int, rng: np.random.Generator) -> OccupancyPool:
+        """As many points as are stored, however many are wanted."""
+        return OccupancyPool(self.arrays.points[self.row], self.arrays.shares[self.row])
+
+    def surface_pool(self, rng: np.random.Generator) -> Float16[np.ndarray, "dense 3"]:
+        return self.arrays.surface[self.row]
+
+
+def load_procedural_shapes(folder: Path, chunks: Sequence[str]) -> list[ProceduralShape]:
+    """The solids of all `chunks` in `folder`, in their order; each is a group of its own."""
+    shapes: list[ProceduralShape] = []
+    for chunk in chunks:
+        kinds = read_json(folder / chunk / "kinds.json", SCHEMA, "procedural")["kinds"]
+        arrays = ProceduralArrays(
+            **{
+                field.name: np.load(folder / chunk / f"{field.name}.npy", mmap_mode="r")
+                for field in fields(ProceduralArrays)
+            }
+        )
+        for row, kind in enumerate(kinds):
+            part_id = f"procedural-{len(shapes):05d}"
+            shapes.append(ProceduralShape(part_id, part_id, kind, arrays, row))
+    return shapes
