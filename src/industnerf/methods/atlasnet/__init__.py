@@ -3,7 +3,8 @@
 Groueix et al., "A Papier-Mache Approach to Learning 3D Surface Generation" (2018), as the authors'
 second code has it.  It sees one view at a time, so that several views give several predictions.
 What differs: parts fill the unit cube, not the unit ball; no mirror images; fewer parts by far;
-batch norms keep their statistics in the last of the three trainings.
+patches start on a sphere, the decoder has no batch norm, the Chamfer distance is not squared, and
+one training of all weights takes the place of three.  `network` and `chamfer` have the reasons.
 """
 
 from collections.abc import Sequence
@@ -17,11 +18,11 @@ from industnerf.schema import AtlasNetSettings
 def fit(
     examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
 ) -> ModelState:
-    """Weights of the image encoder and the decoder, after three trainings."""
+    """Weights of the image encoder and the decoder, after training."""
     # late: torch is slow to import
-    from industnerf.methods.atlasnet.run import train_phases
+    from industnerf.methods.atlasnet.run import train_on_examples
 
-    return train_phases(examples, settings, seed, scratch)
+    return train_on_examples(examples, settings, seed, scratch)
 
 
 def reconstruct(
