@@ -118,7 +118,6 @@ KEYS = {
     "method.atlasnet.hidden": "method.atlasnet.hidden_dim",
     "method.atlasnet.grid": "method.atlasnet.grid_res",
     "method.atlasnet.answers": "method.atlasnet.eval_views",
-    "method.atlasnet.phases": "method.atlasnet.phase_fractions",
     "method.occupancy.frame": "method.occupancy.output_axes",
     "method.occupancy.views": "method.occupancy.train_views",
     "method.occupancy.code": "method.occupancy.latent_dim",

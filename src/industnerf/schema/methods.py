@@ -24,7 +24,6 @@ from industnerf.schema.validators import (
 
 Size = Literal["full", "cpu", "tiny"]
 DIVISOR = Rule(lambda divisor: divisor > 0 and 32 % divisor == 0, "1, 2, 4, 8, 16 or 32")
-PHASES = Rule(lambda shares: len(shares) == 3 and min(shares) > 0, "three positive numbers")
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,11 @@ class AtlasNetSettings:
     hidden_dim: PositiveInt
     patches: PositiveInt
     patch_points: PositiveInt
+    target_points: PositiveInt
     grid_res: Annotated[int, at_least(2)]
     eval_views: PositiveInt
     points: PositiveInt
-    phase_fractions: Annotated[list[float], PHASES]
+    pretraining: TrainingSettings
     training: TrainingSettings
     augment: AugmentSettings
 

@@ -4,13 +4,8 @@ import pytest
 import torch
 from torch import nn
 
-from industnerf.methods.atlasnet.network import (
-    Decoder,
-    PatchLinear,
-    PointNet,
-    build_decoder,
-    build_image_encoder,
-)
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.methods.atlasnet.network import START_RADIUS, Decoder, build_network
 from tests.methods.test_conformance import merged
 
 
@@ -34,20 +29,16 @@ def test_full_is_as_published(full):
         512,
     )
     assert (full.patches, full.patches * full.patch_points) == (25, 2500)
-    assert (full.training.batch_size, full.training.lr, full.phase_fractions) == (
-        32,
-        1e-3,
-        [150, 150, 50],
-    )
+    assert (full.training.batch_size, full.training.lr) == (32, 1e-3)
 
 
 def test_the_decoder_has_the_published_layers(full):
-    """Each patch: 2-1024-512-512-512-3, batch norm (scale and shift) on all but the last."""
+    """Each patch: 2-1024-512-512-512-3; the published batch norms are left out."""
     layers = 2 * 1024 + 1024, 1024 * 512 + 512, 512 * 512 + 512, 512 * 512 + 512, 512 * 3 + 3
     norms = 2 * (1024 + 512 + 512 + 512)
     assert sum(layers) + norms == 1_059_843
     with torch.device("meta"):
-        assert count(build_decoder(full)) == 25 * 1_059_843
+        assert count(build_network(full).decoder) == 25 * (1_059_843 - norms)
 
 
 def test_the_image_encoder_has_the_published_layers(full):
@@ -58,29 +49,17 @@ def test_the_image_encoder_has_the_published_layers(full):
         stages += before * after * 9 + 3 * after * after * 9 + before * after + 5 * 2 * after
     assert stem + stages + 513_000 == 11_689_512  # as torchvision counts ResNet-18
     with torch.device("meta"):
-        encoder = build_image_encoder(full)
+        encoder = build_network(full).encoder
         assert count(encoder) == stem + stages + 512 * 1024 + 1024
         x = torch.zeros(2, 3, full.image_px, full.image_px)
         assert nn.Sequential(*list(encoder)[:-3])(x).shape == (2, 512, 7, 7)  # what is pooled
         assert encoder(x).shape == (2, 1024)
 
 
-def test_the_point_encoder_has_the_published_layers(full):
-    """3-64-128-1024, the maximum, 1024-1024: all with batch norm, ReLU on all but the third."""
-    layers = 3 * 64 + 64, 64 * 128 + 128, 128 * 1024 + 1024, 2 * (1024 * 1024 + 1024)
-    norms = 2 * (64 + 128 + 3 * 1024)
-    with torch.device("meta"):
-        encoder = PointNet(full.latent_dim)
-        assert count(encoder) == sum(layers) + norms == 2_246_400
-        assert encoder(torch.zeros(2, 2500, 3)).shape == (2, 1024)
-    kinds = [type(layer) for layer in (*encoder.points, *encoder.cloud)]
-    assert [i for i, kind in enumerate(kinds) if kind is nn.ReLU] == [2, 5, 10, 13]
-
-
 def test_full_gives_2500_points(full):
     with torch.device("meta"):
         uv = torch.zeros(25, 2, 2, 100)
-        assert build_decoder(full)(torch.zeros(2, 1024), uv).shape == (2, 2500, 3)
+        assert build_network(full).decoder(torch.zeros(2, 1024), uv).shape == (2, 2500, 3)
 
 
 def layer(linear, patch):
@@ -92,46 +71,39 @@ def layer(linear, patch):
     return conv
 
 
-def norm(patch_norm, patch, channels):
-    """The same, of batch norm and ReLU."""
-    batch_norm = nn.BatchNorm1d(channels)
-    batch_norm.weight.data = patch_norm.weight.view(-1, channels)[patch]
-    batch_norm.bias.data = patch_norm.bias.view(-1, channels)[patch]
-    return nn.Sequential(batch_norm, nn.ReLU())
-
-
 def one_patch(decoder, patch, latent, uv):
-    """The authors' Mapping2Dto3D with the weights of one patch."""
-    x = layer(decoder.first, patch)(uv[patch].permute(1, 0, 2)) + latent[:, :, None]
-    for step in decoder.rest:
-        ours = isinstance(step, PatchLinear)
-        x = (layer(step, patch) if ours else norm(step, patch, x.shape[1]))(x)
-    return x.transpose(1, 2)
+    """The authors' Mapping2Dto3D, without batch norm, with the weights of one patch."""
+    x = layer(decoder.first, patch)(2 * uv[patch].permute(1, 0, 2) - 1) + latent[:, :, None]
+    for hidden in decoder.hidden:
+        x = layer(hidden, patch)(x.relu())
+    return layer(decoder.last, patch)(x.relu()).transpose(1, 2)
 
 
 def test_patches_are_nets_of_their_own():
-    """All at once as one after the other, batch norm's statistics included."""
+    """All at once as one after the other."""
     torch.manual_seed(0)
     decoder = Decoder(3, 8, 6)
     for weights in decoder.parameters():
-        nn.init.uniform_(weights, -1, 1)  # or all norms would be alike
+        nn.init.uniform_(weights, -1, 1)  # or all biases would be alike
     latent, uv = torch.randn(4, 8), torch.rand(3, 2, 4, 5)
     points = decoder(latent, uv).view(4, 3, 5, 3)
     for patch in range(3):
         expected = one_patch(decoder, patch, latent, uv)
-        # sums of 8 float32 terms of order 1, through four norms that divide by 0.1 and more
+        # sums of 8 float32 terms of order 1 through five layers
         torch.testing.assert_close(points[:, patch], expected, rtol=1e-4, atol=1e-5)
 
 
-def test_layers_start_as_linear_ones_do():
+def test_patches_start_apart():
+    """Most are nearer to their own place on a sphere than to any other's; by chance 1 of 25 is."""
     torch.manual_seed(0)
-    weights = Decoder(25, 64, 16).rest[1].weight
-    assert weights.abs().max() <= 1 / 8
+    points = Decoder(25, 64, 64)(torch.zeros(1, 64), torch.rand(25, 2, 1, 50)).view(25, 50, 3)
+    places = torch.tensor(START_RADIUS * fibonacci_sphere(25), dtype=torch.float32)
+    nearest = torch.cdist(points.mean(dim=1), places).argmin(dim=1)
+    assert (nearest == torch.arange(25)).float().mean() > 0.5
+
+
+def test_layers_start_for_rectifiers():
+    torch.manual_seed(0)
+    weights = Decoder(25, 64, 16).hidden[0].weight
     # of 25 600 uniform draws the deviation is known to 0.5 %: 4 of its standard errors are 2 %
-    assert weights.std().item() == pytest.approx(1 / 8 / 3**0.5, rel=0.02)
-
-
-def test_the_order_of_points_is_no_matter_to_their_encoder():
-    torch.manual_seed(0)
-    encoder, points = PointNet(16).eval(), torch.rand(2, 50, 3)
-    torch.testing.assert_close(encoder(points), encoder(points.flip(1)))
+    assert weights.std().item() == pytest.approx((2 / 64) ** 0.5, rel=0.02)

@@ -1,73 +1,60 @@
-"""Training data and losses of both trainings: of points, and of images."""
+"""Training data and the loss."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float32
+from jaxtyping import Float
 from torch import Tensor
 
-from industnerf.device import device
 from industnerf.errors import ReconstructionFailed
-from industnerf.learning.targets import surface_points
+from industnerf.learning.training_shape import TrainingShape
 from industnerf.learning.view_sampler import Batch, ViewSampler
 from industnerf.methods.atlasnet.chamfer import chamfer
 from industnerf.methods.atlasnet.network import AtlasNet
-from industnerf.methods.base import Example
 from industnerf.schema import AtlasNetSettings
-
-SURFACE_POOL = 16384  # points of a surface that every step draws its few from
 
 
 class AtlasNetDataset:
-    """Photographs and surfaces of all parts, in memory."""
+    """Views and surfaces of all shapes, in memory or mapped from files."""
 
     def __init__(
-        self, examples: Sequence[Example], settings: AtlasNetSettings, rng: np.random.Generator
-    ) -> None:
-        self.settings, self.device = settings, device()
-        self.view_sampler = ViewSampler.of(examples, settings)
-        self.surfaces: Float32[np.ndarray, "parts dense 3"] = np.stack(
-            [surface_points(*one.mesh, SURFACE_POOL, rng) for one in examples]
-        )
-
-    def autoencoder_loss(
-        self, net: AtlasNet, part_indices: Batch, rng: np.random.Generator
-    ) -> Float[Tensor, ""]:
-        """Loss of the auto-encoder: to reproduce its input points."""
-        rotations = self.view_sampler.rotations_of(
-            part_indices, self.view_sampler.sample_views(part_indices, rng)
-        )
-        points = self._points(part_indices, rotations, rng)
-        return self._loss(net, points, points, rng)
-
-    def image_loss(
-        self, net: AtlasNet, part_indices: Batch, rng: np.random.Generator
-    ) -> Float[Tensor, ""]:
-        """Loss of points predicted from one random view of each part."""
-        images, rotations = self.view_sampler.sample_images(net, part_indices, rng)
-        return self._loss(net, images, self._points(part_indices, rotations, rng), rng)
-
-    def _points(
-        self, part_indices: Batch, rotations: Float[np.ndarray, "b 3 3"], rng: np.random.Generator
-    ) -> Float[Tensor, "b n 3"]:
-        count = self.settings.patches * self.settings.patch_points
-        point_indices = rng.integers(SURFACE_POOL, size=(len(part_indices), count))
-        points = self.surfaces[part_indices[:, None], point_indices] @ rotations.astype(np.float32)
-        return torch.from_numpy(points).to(self.device)
-
-    def _loss(
         self,
-        net: AtlasNet,
-        inputs: Float[Tensor, "b ..."],
-        target: Float[Tensor, "b n 3"],
+        shapes: Sequence[TrainingShape],
+        settings: AtlasNetSettings,
         rng: np.random.Generator,
+    ) -> None:
+        self.settings = settings
+        self.view_sampler = ViewSampler.of(
+            shapes, settings.image_px, settings.train_views, settings.augment
+        )
+        self.surfaces = [shape.surface_pool(rng) for shape in shapes]
+
+    def loss(
+        self, net: AtlasNet, part_indices: Batch, rng: np.random.Generator
     ) -> Float[Tensor, ""]:
+        """Chamfer distance of points predicted from one random view of each part.
+
+        Raises ReconstructionFailed if they are not finite.
+        """
+        views = self.view_sampler.random_views(part_indices, rng)
+        contrasts, frames = self.view_sampler.contrasts(net, part_indices, views, rng)
+        target = torch.from_numpy(self._targets(part_indices, frames, rng)).to(contrasts)
         shape = self.settings.patches, 2, len(target), self.settings.patch_points
-        points = net(inputs, torch.from_numpy(rng.random(shape, np.float32)).to(self.device))
+        uv = torch.from_numpy(rng.random(shape, np.float32)).to(contrasts.device)
+        points = net(contrasts, torch.from_numpy(frames).to(contrasts), uv)
         if not points.isfinite().all():
             raise ReconstructionFailed(
                 "the network predicts points that are not finite: its training diverged; "
                 f"method.atlasnet.training.lr is {self.settings.training.lr}, lower it"
             )
         return chamfer(points, target)
+
+    def _targets(
+        self, part_indices: Batch, frames: Float[np.ndarray, "b 3 3"], rng: np.random.Generator
+    ) -> Float[np.ndarray, "b n 3"]:
+        """Random points of each surface, in the axes to predict in."""
+        count = self.settings.target_points
+        surfaces = [self.surfaces[part] for part in part_indices]
+        points = np.stack([one[rng.integers(len(one), size=count)] for one in surfaces])
+        return points @ frames if self.settings.output_axes == "picture" else points

@@ -1,120 +1,104 @@
-"""AtlasNet's decoder, and the encoder of points that it is first trained with.
+"""AtlasNet: an encoder of images, and the decoder that maps patches into space.
 
 As in the authors' second code, which differs from the paper: all of a patch's layers but the first
-have one width, and nothing bounds where its points may be.
+have one width, and nothing bounds where its points may be.  Different from both: patches start
+apart, the decoder has no batch norm, and no auto-encoder comes first.
 """
 
 import math
 
+import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
-from torch.nn.modules.batchnorm import _BatchNorm
 
+from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.learning.resnet import ResNet18
 from industnerf.schema import AtlasNetSettings
 
-POINT_WIDTHS = (64, 128)  # of the first layers of PointNet
+START_RADIUS = 0.3  # of the sphere on which patches start; the axes' unit is the size of the part
+INPUT_GAIN = 2.0  # a gray part before white is then about 1
+START_SCALE = 0.1  # of the last layer's weights, so that most patches start at their places
 
 
 class PatchLinear(nn.Module):
-    """A linear layer for each patch, all at once, initialized as `nn.Linear` is."""
+    """A linear layer for each patch, all at once, initialized for ReLU -- He et al. (2015)."""
 
     def __init__(self, patches: int, in_features: int, out_features: int) -> None:
         super().__init__()
-        bound = 1 / math.sqrt(in_features)
+        bound = math.sqrt(6 / in_features)
         self.weight = nn.Parameter(
             torch.empty(patches, out_features, in_features).uniform_(-bound, bound)
         )
-        self.bias = nn.Parameter(torch.empty(patches * out_features).uniform_(-bound, bound))
+        self.bias = nn.Parameter(torch.zeros(patches * out_features))
 
     def forward(self, x: Float[Tensor, "patches before n"]) -> Float[Tensor, "patches after n"]:
         return torch.baddbmm(self.bias.view(*self.weight.shape[:2], 1), self.weight, x)
 
 
-class PatchNorm(nn.BatchNorm1d):
-    """Batch norm of every channel of every patch, then ReLU."""
-
-    def __init__(self, patches: int, channels: int) -> None:
-        super().__init__(patches * channels)
-
-    def forward(self, x: Float[Tensor, "patches c n"]) -> Float[Tensor, "patches c n"]:
-        return F.relu(super().forward(x.reshape(1, -1, x.shape[2])).view(x.shape))
-
-
 class Decoder(nn.Module):
-    """From a latent to points: each patch maps its unit square into space."""
+    """From a latent to points: each patch maps its unit square into space.
+
+    Patches start small and spread over a sphere.  Where all start at the origin they overlap, and
+    no loss of nearest points parts them again.  Batch norm would add noise and a third of the time.
+    """
 
     def __init__(self, patches: int, latent: int, hidden: int) -> None:
         super().__init__()
         self.patches = patches
         self.first = PatchLinear(patches, 2, latent)
-        layers: list[nn.Module] = [PatchNorm(patches, latent)]
-        for in_features in (latent, hidden, hidden):
-            layers += [PatchLinear(patches, in_features, hidden), PatchNorm(patches, hidden)]
-        self.rest = nn.Sequential(*layers, PatchLinear(patches, hidden, 3))
+        self.hidden = nn.ModuleList(
+            PatchLinear(patches, in_features, hidden) for in_features in (latent, hidden, hidden)
+        )
+        self.last = PatchLinear(patches, hidden, 3)
+        centers = START_RADIUS * fibonacci_sphere(patches)
+        with torch.no_grad():
+            self.last.weight *= START_SCALE
+            self.last.bias.copy_(torch.from_numpy(centers.astype(np.float32)).flatten())
 
     def forward(
         self, latent: Float[Tensor, "b latent"], uv: Float[Tensor, "patches 2 b n"]
     ) -> Float[Tensor, "b patches_n 3"]:
         """The points at `uv`, patch by patch; the latent is one more bias of the first layer."""
         batch, count = uv.shape[2:]
-        x = self.first(uv.flatten(2)).unflatten(2, (batch, count)) + latent.T[:, :, None]
-        points = self.rest(x.flatten(2)).unflatten(2, (batch, count))
+        centered = 2 * uv.flatten(2) - 1
+        x = self.first(centered).unflatten(2, (batch, count)) + latent.T[:, :, None]
+        x = F.relu(x).flatten(2)
+        for layer in self.hidden:
+            x = F.relu(layer(x))
+        points = self.last(x).unflatten(2, (batch, count))
         return points.permute(2, 0, 3, 1).flatten(1, 2)
 
 
-class PointNet(nn.Module):
-    """Points (b, n, 3), in any order, to a latent (b, c) -- Qi et al. (2017)."""
-
-    def __init__(self, latent: int) -> None:
-        super().__init__()
-        one, two = POINT_WIDTHS
-        self.points = nn.Sequential(
-            *(nn.Conv1d(3, one, 1), nn.BatchNorm1d(one), nn.ReLU()),
-            *(nn.Conv1d(one, two, 1), nn.BatchNorm1d(two), nn.ReLU()),
-            *(nn.Conv1d(two, latent, 1), nn.BatchNorm1d(latent)),
-        )
-        self.cloud = nn.Sequential(
-            *(nn.Linear(latent, latent), nn.BatchNorm1d(latent), nn.ReLU()),
-            *(nn.Linear(latent, latent), nn.BatchNorm1d(latent), nn.ReLU()),
-        )
-
-    def forward(self, points: Float[Tensor, "b n 3"]) -> Float[Tensor, "b latent"]:
-        return self.cloud(self.points(points.transpose(1, 2)).amax(dim=2))
-
-
 class AtlasNet(nn.Module):
-    """An encoder, of points or of images, and the decoder that both share."""
+    """An encoder of images, one of the axes of the picture, and the decoder.
 
-    def __init__(self, encoder: nn.Module, decoder: Decoder) -> None:
+    The camera is known, and parts are made along their axes: told these, the network need not
+    guess them from the image.
+    """
+
+    def __init__(self, encoder: nn.Module, latent: int, decoder: Decoder) -> None:
         super().__init__()
         self.encoder, self.decoder = encoder, decoder
-        self.has_frozen_batch_norm = False  # batch norms keep their statistics in training
-
-    def train(self, mode: bool = True) -> "AtlasNet":
-        """For training or for evaluation; frozen batch norms are always for evaluation.
-
-        Wu and Johnson, "Rethinking 'Batch' in BatchNorm" (2021), freeze them in the last epochs.
-        """
-        super().train(mode)
-        for module in self.modules():
-            if self.has_frozen_batch_norm and isinstance(module, _BatchNorm):
-                module.eval()
-        return self
+        self.frame_encoder = nn.Sequential(
+            nn.Flatten(), nn.Linear(9, latent), nn.ReLU(), nn.Linear(latent, latent)
+        )
 
     def forward(
-        self, inputs: Float[Tensor, "b ..."], uv: Float[Tensor, "patches 2 b n"]
+        self,
+        contrasts: Float[Tensor, "b 3 px px"],
+        frames: Float[Tensor, "b 3 3"],
+        uv: Float[Tensor, "patches 2 b n"],
     ) -> Float[Tensor, "b patches_n 3"]:
-        return self.decoder(self.encoder(inputs), uv)
+        latent = self.encoder(INPUT_GAIN * contrasts) + self.frame_encoder(frames)
+        return self.decoder(latent, uv)
 
 
-def build_decoder(settings: AtlasNetSettings) -> Decoder:
-    """A new decoder."""
-    return Decoder(settings.patches, settings.latent_dim, settings.hidden_dim)
-
-
-def build_image_encoder(settings: AtlasNetSettings) -> ResNet18:
-    """A new encoder of images."""
-    return ResNet18(settings.latent_dim, settings.encoder_width)
+def build_network(settings: AtlasNetSettings) -> AtlasNet:
+    """A new network."""
+    return AtlasNet(
+        ResNet18(settings.latent_dim, settings.encoder_width),
+        settings.latent_dim,
+        Decoder(settings.patches, settings.latent_dim, settings.hidden_dim),
+    )

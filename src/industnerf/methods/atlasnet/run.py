@@ -1,152 +1,94 @@
-"""AtlasNet's three trainings, and its prediction from photographs."""
+"""AtlasNet's training, and its prediction from photographs."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int, UInt8
-from torch import Tensor, nn
+from jaxtyping import Float, Int
+from torch import Tensor
 
-from industnerf.artifacts.history import History
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
+from industnerf.geometry.cameras import nested_view_order
 from industnerf.geometry.sampling import sample_surface
-from industnerf.learning.augment import images_to_tensor
-from industnerf.learning.training import TrainResult, model_state, train, train_val_split
+from industnerf.learning.augment import contrast_to_background
+from industnerf.learning.training import fit_network, model_state
+from industnerf.learning.training_shape import Prior, TrainingShape
+from industnerf.learning.views import picture_frames, resize_images
 from industnerf.learning.weights import load_arrays, torch_seed
 from industnerf.methods.atlasnet.dataset import AtlasNetDataset
-from industnerf.methods.atlasnet.network import (
-    AtlasNet,
-    PointNet,
-    build_decoder,
-    build_image_encoder,
-)
-from industnerf.methods.base import Example
-from industnerf.schema import AtlasNetSettings, TrainingSettings
-from industnerf.seeds import generator, seed_for
+from industnerf.methods.atlasnet.network import AtlasNet, build_network
+from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
+from industnerf.schema import AtlasNetSettings
+from industnerf.seeds import generator
 from industnerf.torch_kernels import use_reproducible_kernels
 
-PHASES = ("auto_encoder", "encoder", "together")
-LAST_PHASE_LR_FACTOR = 0.1  # of the last phase, which fine-tunes all weights
 
-
-def train_phases(
-    examples: Sequence[Example], settings: AtlasNetSettings, seed: int, scratch: Path
-) -> ModelState:
-    """The network for images, trained as published: training/launcher.py of the authors' code."""
-    use_reproducible_kernels()  # folds are what runs side by side
-    dataset = AtlasNetDataset(examples, settings, generator(seed, "lessons"))
-    autoencoder, net = new_nets(settings, seed)
-    split = train_val_split(examples, settings.training.val_fraction)
-    settings_by_phase = dict(zip(PHASES, phase_settings(settings), strict=True))
-
-    def phase(name: str, model: AtlasNet) -> TrainResult:
-        loss = dataset.autoencoder_loss if model is autoencoder else dataset.image_loss
-        phase_seed = seed_for(seed, "phase", name)
-        return train(
-            model,
-            partial(loss, model),
-            split,
-            settings_by_phase[name],
-            phase_seed,
-            scratch / f"{name}.pt",
-        )
-
-    phases = [phase("auto_encoder", autoencoder)]
-    # its weights alone: the statistics of its batch norms follow the new encoder
-    net.decoder.requires_grad_(False)
-    phases.append(phase("encoder", net))
-    net.decoder.requires_grad_(True)
-    # A batch of few parts has statistics of its own, and a network trained with those may predict
-    # far off with the running ones.  So the last phase trains with the ones it predicts with.
-    net.has_frozen_batch_norm = True
-    phases.append(phase("together", net))
-    return merged_state(net, settings, len(split[0]), phases)
-
-
-def new_nets(settings: AtlasNetSettings, seed: int) -> tuple[AtlasNet, AtlasNet]:
-    """One that encodes points and one that encodes images; they share their decoder."""
-    with torch_seed(seed):
-        decoder = build_decoder(settings)
-        nets = [AtlasNet(PointNet(settings.latent_dim), decoder)]
-        nets.append(AtlasNet(build_image_encoder(settings), decoder))
-    autoencoder, net = (one.to(device()) for one in nets)
-    return autoencoder, net
-
-
-def phase_settings(settings: AtlasNetSettings) -> list[TrainingSettings]:
-    """The settings of each phase, which share the steps; in the last, rates fall but once."""
-    training, total = settings.training, sum(settings.phase_fractions)
-    steps = [
-        max(1, round(training.max_steps * share / total)) for share in settings.phase_fractions
-    ]
-    phases = [replace(training, max_steps=count) for count in steps]
-    return [
-        *phases[:2],
-        replace(
-            phases[2],
-            lr=LAST_PHASE_LR_FACTOR * training.lr,
-            lr_milestones=training.lr_milestones[:1],
-        ),
-    ]
-
-
-def merged_state(
-    net: nn.Module, settings: AtlasNetSettings, num_parts: int, phases: list[TrainResult]
-) -> ModelState:
-    """The state of a network after its trainings, one after the other."""
-    starts = np.cumsum([0] + [one.steps for one in phases])
-    combined = TrainResult(
-        int(starts[-1]),
-        all(one.has_converged for one in phases[1:]),
-        _concatenated([one.train_history for one in phases], starts),
-        _concatenated([one.val_history for one in phases], starts),
-    )
-    return model_state(net, combined, num_parts, settings.size)
-
-
-def _concatenated(histories: list[History], starts: np.ndarray) -> History:
-    return History(
-        np.concatenate([one.steps + at for one, at in zip(histories, starts[:-1], strict=True)]),
-        np.concatenate([one.loss for one in histories]),
-        dict(zip(PHASES, starts.tolist(), strict=False)),
-    )
-
-
-def predict_clouds(
-    images: UInt8[np.ndarray, "n px px 3"],
-    rotations: Float[np.ndarray, "n 3 3"],
+def fit(
+    examples: Sequence[TrainingShape],
     settings: AtlasNetSettings,
-    state: ModelState,
     seed: int,
-) -> list[Float[np.ndarray, "points 3"]]:
-    """The prediction from each image: area-uniform points of all patches, in the unit cube.
-
-    The network predicts points @ rotation.
-    """
-    use_reproducible_kernels()
-    net = AtlasNet(build_image_encoder(settings), build_decoder(settings)).to(device()).eval()
-    load_arrays(net, state.arrays)
-    uv, faces = square_mesh(settings.grid_res)
-    squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
-    rng = np.random.default_rng(seed)
-    tensors = images_to_tensor(images, device())
-    meshes = (_vertices(net, image, squares, settings.patches) for image in tensors)
-    return [
-        sample_patches(vertices @ rotation.T, faces, settings.points, rng)
-        for vertices, rotation in zip(meshes, rotations, strict=True)
-    ]
+    scratch: Path,
+    prior: Prior,
+) -> ModelState:
+    """The network trained on the parts that are not for validation."""
+    use_reproducible_kernels()  # folds are what runs side by side
+    dataset = AtlasNetDataset([*examples, *prior.solids], settings, generator(seed, "lessons"))
+    with torch_seed(seed):
+        net = build_network(settings).to(device())
+    result, num_parts = fit_network(
+        net,
+        partial(dataset.loss, net),
+        examples,
+        prior,
+        settings.training,
+        seed,
+        scratch / "atlasnet.pt",
+    )
+    return model_state(net, result, num_parts, settings.size)
 
 
 @torch.no_grad()
-def _vertices(
-    net: AtlasNet, image: Float[Tensor, "3 px px"], squares: Float[Tensor, "2 n"], patches: int
-) -> Float[np.ndarray, "{patches} n 3"]:
-    points = net(image[None], squares[None, :, None].expand(patches, -1, -1, -1))
-    return points.view(patches, -1, 3).cpu().numpy().astype(np.float64)
+def reconstruct(
+    inputs: MethodInputs, settings: AtlasNetSettings, state: ModelState, seed: int
+) -> Reconstruction:
+    """One prediction a view, each of area-uniform points of all patches."""
+    use_reproducible_kernels()  # parts are what runs side by side
+    net = build_network(settings).to(device()).eval()
+    load_arrays(net, state.arrays)
+    view_indices = nested_view_order(
+        inputs.cameras.centers, min(settings.eval_views, len(inputs.rgb))
+    )
+    images = resize_images(inputs.rgb[view_indices], settings.image_px)
+    contrasts = contrast_to_background(images, inputs.background[view_indices], device())
+    frames = picture_frames(inputs.cameras[view_indices], inputs.part_frame)
+    rng = np.random.default_rng(seed)
+    clouds = [predict(net, *view, settings, rng) for view in zip(contrasts, frames, strict=True)]
+    return predictions_to_reconstruction(clouds, inputs.part_frame, state)
+
+
+def predict(
+    net: AtlasNet,
+    contrast: Float[Tensor, "3 px px"],
+    frame: Float[np.ndarray, "3 3"],
+    settings: AtlasNetSettings,
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "points 3"]:
+    """Points in the unit cube, predicted from one view, whose picture has the axes `frame`."""
+    uv, faces = square_mesh(settings.grid_res)
+    squares = torch.tensor(uv.T, dtype=torch.float32, device=device())
+    points = net(
+        contrast[None],
+        torch.from_numpy(frame[None]).to(contrast),
+        squares[None, :, None].expand(settings.patches, -1, -1, -1),
+    )
+    vertices = points.view(settings.patches, -1, 3).cpu().numpy().astype(np.float64)
+    if settings.output_axes == "picture":
+        vertices = vertices @ np.linalg.inv(frame)
+    return sample_patches(vertices, faces, settings.points, rng)
 
 
 def square_mesh(side: int) -> tuple[Float[np.ndarray, "n 2"], Int[np.ndarray, "m 3"]]:
