@@ -39,7 +39,8 @@ results: $(INSTALLED)  ## the finished study's numbers to results/study, README 
 
 clean:  ## remove the environment, the store and every result that is not committed
 	rm -rf .venv .store .slurm runs reports site mlruns mlflow.db mlflow.db.lock .dvc/cache .dvc/tmp
-	rm -rf data/solids data/parts data/views data/split.json data/truth data/states data/clouds data/scores
+	rm -rf data/solids data/parts data/views data/split.json data/procedural data/weights \
+	  data/truth data/states data/clouds data/scores
 
 # uv does not read pip's configuration: hand its find-links on, so that both choose the same torch.
 define install

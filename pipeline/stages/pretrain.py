@@ -1,15 +1,14 @@
-"""What a network starts from: weights that ship, or those of a pretraining.  DVC stage `pretrain`."""
+"""The weights that a network starts from: shipped, or pretrained.  DVC stage `pretrain`."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.methods import load_method
-from industnerf.methods.run_method import copy_weights, pretrain_method
+from industnerf.methods.run_method import WEIGHTS, copy_weights, pretrain_method
 from industnerf.stage import Task, read_index, run_stage
-
-WEIGHTS = "weights"  # the one result of this stage
 
 
 def main(cfg: StageParams, name: str, shipped: str, procedural: str, out: str) -> None:
@@ -20,6 +19,7 @@ def main(cfg: StageParams, name: str, shipped: str, procedural: str, out: str) -
         tasks = [Task(WEIGHTS, partial(copy_weights, source), name, files)]
     elif name in cfg.methods and cfg.pretrain.weights == "trained":
         chunks = list(read_index(Path(procedural)))
+        settings = replace(settings, training=settings.pretraining)
         make = partial(
             pretrain_method, method, Path(procedural), chunks, settings=settings, seed=cfg.seed
         )

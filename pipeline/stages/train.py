@@ -8,13 +8,23 @@ from industnerf.artifacts.split import load_split, train_parts
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.methods import load_method
-from industnerf.methods.base import Example
-from industnerf.methods.run_method import fit_method, training_files
+from industnerf.methods.base import Example, Input, Method
+from industnerf.methods.run_method import WEIGHTS, fit_method, training_files
 from industnerf.stage import Task, read_index, run_stage
 
 
-def main(cfg: StageParams, name: str, parts: str, views: str, split: str, out: str) -> None:
+def main(
+    cfg: StageParams,
+    name: str,
+    parts: str,
+    views: str,
+    split: str,
+    procedural: str,
+    weights: str,
+    out: str,
+) -> None:
     method, settings = load_method(name), getattr(cfg.method, name)
+    prior, prior_files = prior_of(method, Path(procedural), Path(weights))
     assignments, views_index = load_split(Path(split)), read_index(Path(views))
     holds_out_families = cfg.split.hold_out == "family"  # of tests, so of validation too
     groups = {
@@ -35,12 +45,26 @@ def main(cfg: StageParams, name: str, parts: str, views: str, split: str, out: s
             for part_id in train_parts(assignments, fold)
             if part_id in views_index
         ]
-        make = partial(fit_method, method, examples, settings=settings, seed=cfg.seed)
-        inputs = tuple(path for example in examples for path in training_files(example))
+        make = partial(fit_method, method, examples, settings=settings, seed=cfg.seed, prior=prior)
+        files = [path for example in examples for path in training_files(example)]
+        inputs = (*files, *prior_files)
         key = [name, settings, cfg.seed, [example.group for example in examples]]
         tasks.append(Task(fold, make, key, inputs, (method.module,), resumable=True))
     limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
     run_stage("train", tasks, Path(out), cfg.on_failure, **limits)
+
+
+def prior_of(
+    method: Method, procedural: Path, weights: Path
+) -> tuple[tuple[Path | None, Path, list[str]] | None, list[Path]]:
+    """`fit_method`'s prior, and the files that it is read from."""
+    if Input.PROCEDURAL_SOLIDS not in method.inputs:
+        return None, []
+    chunks = list(read_index(procedural))
+    state = weights / method.name / WEIGHTS
+    has_weights = WEIGHTS in read_index(weights / method.name)
+    files = [procedural / chunk for chunk in chunks] + has_weights * [state / "state.npz"]
+    return (state if has_weights else None, procedural, chunks), files
 
 
 if __name__ == "__main__":

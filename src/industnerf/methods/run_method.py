@@ -1,7 +1,6 @@
 """Run a method: give it what it declares, check and save what it returns."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from industnerf.methods.checks import check_reconstruction, check_renderings
 from industnerf.seeds import seed_for
 from industnerf.timing import Timing
 
+WEIGHTS = "weights"  # the name of the one result of a pretraining
 FILES = {Input.RGB: "rgb", Input.MASK: "mask", Input.DEPTH: "depth"}
 
 
@@ -87,7 +87,6 @@ def pretrain_method(
 ) -> None:
     """Write into `target` what `method` learns from the procedural solids of `chunks` alone."""
     prior = Prior(load_procedural_shapes(procedural, chunks))
-    settings = replace(settings, training=settings.pretraining)
     method_seed = seed_for(seed, "pretrain", method.name)
     method.fit((), settings, method_seed, scratch, prior).save(target)
 

@@ -2,9 +2,10 @@
 
 Groueix et al., "A Papier-Mache Approach to Learning 3D Surface Generation" (2018), as the authors'
 second code has it.  It sees one view at a time, so that several views give several predictions.
-What differs: parts fill the unit cube, not the unit ball; no mirror images; fewer parts by far;
-patches start on a sphere, the decoder has no batch norm, the Chamfer distance is not squared, and
-one training of all weights takes the place of three, and the axes of the picture are known.  `network` and `chamfer` have the reasons.
+What differs: parts fill the unit cube, not the unit ball; no mirror images; patches start on a
+sphere, the decoder has no batch norm, the Chamfer distance is not squared, one training of all
+weights takes the place of three, and the network is told the axes of the picture.  `network` and
+`chamfer` have the reasons.
 """
 
 from collections.abc import Sequence

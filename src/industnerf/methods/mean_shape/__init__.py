@@ -32,11 +32,11 @@ def fit(
     examples: Sequence[Example], settings: MeanShapeSettings, seed: int, scratch: Path
 ) -> ModelState:
     """The share of parts that each voxel of the unit cube belongs to, and where to cut it."""
-    from industnerf.learning.targets import surface_points, voxelize
+    from industnerf.learning.targets import filled_shares, surface_points
 
     rng = np.random.default_rng(seed)
     meshes = [example.mesh for example in examples]
-    mean = np.mean([voxelize(*mesh, settings.grid_res, rng) for mesh in meshes], axis=0)
+    mean = np.mean([filled_shares(*mesh, settings.grid_res) for mesh in meshes], axis=0) / 255
     surfaces = [surface_points(*mesh, NUM_SAMPLES, rng) for mesh in meshes]
     return ModelState(
         {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, surfaces, rng))},
