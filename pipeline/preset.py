@@ -32,7 +32,10 @@ HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
 # No links: whoever writes to an output would write into DVC's cache, which DVC then hands out.
 DVC_CONFIG = {"core.analytics": "false", "cache.type": "reflink,copy"}
 CODE_PATHS = ("src", "pipeline", "conf", "dvc.yaml", "constraints.txt")
-SHARED_PATHS = (*CODE_PATHS, "data/embedded", "data/organic", "results/grid", "results/seeds")
+SHARED_PATHS = (
+    *CODE_PATHS,
+    *("data/embedded", "data/organic", "data/pretrained", "results/grid", "results/seeds"),
+)
 
 
 def main(preset: str) -> None:

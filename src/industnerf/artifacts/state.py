@@ -33,7 +33,7 @@ class ModelState:
         if self.train_history is not None:
             self.train_history.save(folder)
         if self.val_history is not None:
-            (folder / "validation").mkdir()
+            (folder / "validation").mkdir(exist_ok=True)
             self.val_history.save(folder / "validation")
 
     @staticmethod
