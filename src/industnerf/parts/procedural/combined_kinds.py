@@ -62,7 +62,7 @@ def combined(draws: Draws) -> Manifold:
 
 
 def mirrored(draws: Draws) -> Manifold:
-    """The same, symmetrical about one, two or three planes."""
+    """A random tree of primitives made symmetrical about one, two or three planes."""
     body = _grow(draws, _primitive(draws), draws.integer(2, 5), 8)
     low, high = extents(body)
     for axis in range(draws.integer(1, 3)):

@@ -24,6 +24,16 @@ def on_grid(values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
     return np.round(np.asarray(values, np.float64) / GRID) * GRID
 
 
+def cosine(turn: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
+    """Of an angle in radians, to 40 bits: half of 1 is half of 1 everywhere."""
+    return np.round(np.cos(turn) * 2.0**40) / 2.0**40
+
+
+def sine(turn: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
+    """Of an angle in radians, to 40 bits."""
+    return np.round(np.sin(turn) * 2.0**40) / 2.0**40
+
+
 class Draws:
     """Draws from one generator; every number is a multiple of `GRID`."""
 

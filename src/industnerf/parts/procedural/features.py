@@ -7,7 +7,7 @@ any side; the surface is z = 0, and a tool reaches a little above it.
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, cosine, on_grid, sine
 from industnerf.parts.procedural.primitives import SIDES, cylinder, facing, prism, turned, union
 from industnerf.parts.procedural.profiles import (
     angles,
@@ -121,9 +121,9 @@ def threaded_rod(
     per_start = THREAD_CORNERS[starts]
     corners = per_start * starts
     turn, phase = angles(corners), np.arange(corners) % per_start / per_start
-    wave = (1 - np.cos(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
+    wave = (1 - cosine(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
     reach = radius - depth + depth * wave
-    section = polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    section = polygon(reach[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
     return section.extrude(length, corners * turns - 1, 360.0 * turns)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from manifold3d import CrossSection, Manifold, OpType
 
-from industnerf.parts.procedural.draws import on_grid
+from industnerf.parts.procedural.draws import cosine, on_grid, sine
 from industnerf.parts.procedural.profiles import SEGMENTS, Points2, offset, polygon
 
 Vector = Sequence[float]
@@ -49,7 +49,7 @@ def eased_prism(
 ) -> Manifold:
     """A prism of a convex section whose end edges are chamfered (1 step) or rounded (more)."""
     turn = np.linspace(0, np.pi / 2, steps + 1)
-    insets, depths = ease * (1 - np.sin(turn)), ease * (1 - np.cos(turn))
+    insets, depths = ease * (1 - sine(turn)), ease * (1 - cosine(turn))
     layers = []
     for inset, depth in on_grid(np.stack([insets, depths], axis=1)).tolist():
         layer = offset(section, -inset, is_round=False) if inset > 0 else section

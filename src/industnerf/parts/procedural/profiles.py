@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from manifold3d import CrossSection, JoinType, OpType
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, cosine, on_grid, sine
 
 SEGMENTS = 40  # of a full circle
 FILLET_SEGMENTS = 24  # of a full circle that an offset rounds corners by
@@ -75,7 +75,7 @@ def angles(n: int, start: float = 0.0) -> Float[np.ndarray, "n"]:
 def on_circle(n: int, radius: float, start: float = 0.0) -> list[tuple[float, float]]:
     """`n` even points of a circle."""
     turn = angles(n, start)
-    points = on_grid(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    points = on_grid(radius * np.stack([cosine(turn), sine(turn)], axis=1))
     return [(x, y) for x, y in points.tolist()]
 
 
@@ -84,18 +84,18 @@ def irregular_polygon(draws: Draws, corners: int, width: float, height: float) -
     turn = angles(corners) + draws.uniforms(-0.35, 0.35, corners) * 2 * np.pi / corners
     radius = draws.uniforms(0.55, 1.0, corners)
     half = np.array([width, height]) / 2
-    return polygon(half * radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return polygon(half * radius[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
 def lobed(draws: Draws, radius: float, harmonics: Sequence[int], depth: float) -> CrossSection:
     """A smooth closed line r(a) = radius (1 + sum of waves), each of at most `depth`."""
     turn = angles(2 * SEGMENTS)
     waves = [
-        draws.uniform(0.3, 1.0) * depth * np.cos(k * turn + draws.uniform(0, 2 * np.pi))
+        draws.uniform(0.3, 1.0) * depth * cosine(k * turn + draws.uniform(0, 2 * np.pi))
         for k in harmonics
     ]
     reach = radius * (1 + np.sum(waves, axis=0))
-    return polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return polygon(reach[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
 def notched_rectangle(draws: Draws, width: float, height: float) -> CrossSection:

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, cosine, on_grid, sine
 from industnerf.parts.procedural.features import (
     bosses,
     cut_top,
@@ -203,7 +203,7 @@ def _bent(section: CrossSection, thickness: float, radius: float) -> Manifold:
 
     def bend(points: np.ndarray) -> np.ndarray:
         turn, reach = points[:, 0] / radius, radius + points[:, 2]
-        return on_grid(np.c_[reach * np.sin(turn), points[:, 1], reach * np.cos(turn)])
+        return on_grid(np.c_[reach * sine(turn), points[:, 1], reach * cosine(turn)])
 
     return union(strips).warp_batch(bend)
 
