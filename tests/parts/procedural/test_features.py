@@ -105,7 +105,7 @@ def test_a_rounded_block_has_its_size():
 
 
 def test_a_turned_step_is_two_cylinders():
-    body = turned(turned_outline(np.array([(1, 0), (1, 1), (0.5, 1), (0.5, 3)])))
+    body = turned(turned_outline(np.array([(1, 0), (1, 1), (0.5, 1), (0.5, 3.0)])))
     assert body.volume() == pytest.approx(polygon_area(1) + 2 * polygon_area(0.5), rel=1e-6)
 
 

@@ -76,22 +76,22 @@ def test_a_mesh_has_the_volume_of_its_body():
 def test_the_largest_piece_is_kept():
     scattered = union([block((1, 1, 1)) - block((0.3, 0.3, 2)), block((0.4, 0.4, 0.4), (3, 0, 0))])
     vertices, faces = _unit_mesh(scattered, np.eye(3))
-    assert checks.volume_mm3(vertices, faces) == pytest.approx(1 - 0.09, rel=1e-9)
+    assert checks.volume_mm3(vertices, faces) == pytest.approx(1 - 0.09, abs=4 * GRID)
 
 
 @pytest.mark.parametrize(
-    "body",
+    "draw",
     [
-        Manifold(),
-        block((1, 1, 1)),  # 12 triangles
-        block((1, 1, 0.019)) - block((0.5, 0.5, 1)),  # thin
-        Manifold.sphere(1, 400),  # fine
-        block((1, 0.021, 0.021)) - block((0.9, 0.015, 1)),  # little
+        Manifold,
+        lambda: block((1, 1, 1)),  # 12 triangles
+        lambda: block((1, 1, 0.019)) - block((0.5, 0.5, 1)),
+        lambda: Manifold.sphere(1, 400),
+        lambda: block((1, 0.021, 0.021)) - block((0.9, 0.015, 1)),
     ],
     ids=["empty", "plain", "thin", "fine", "little"],
 )
-def test_a_draw_that_teaches_nothing_is_refused(body):
-    assert _unit_mesh(body, np.eye(3)) is None
+def test_a_draw_that_teaches_nothing_is_refused(draw):
+    assert _unit_mesh(draw(), np.eye(3)) is None
 
 
 def test_a_refused_draw_is_drawn_anew_from_the_same_stream(monkeypatch):
@@ -137,7 +137,7 @@ def test_the_list_of_kinds_changes_nothing_but_the_kind():
     alone = procedural_solid(0, 5, ("gear",))
     among = next(
         solid
-        for kinds in (("gear", other) for other in DEFAULT_KINDS)
+        for kinds in (("gear", "nut"), ("nut", "gear"))
         if (solid := procedural_solid(0, 5, kinds)).kind == "gear"
     )
     assert digest([alone]) == digest([among])
@@ -175,8 +175,8 @@ def test_solids_are_of_many_proportions(solids):
     short, middle, _ = extents.T
     is_rod, is_plate, is_block = middle < 0.35, (short < 0.2) & (middle > 0.5), short > 0.5
     assert [share.mean() > 0.05 for share in (is_rod, is_plate, is_block)] == [True] * 3
-    assert np.mean(np.array(fill) < 0.15) > 0.1  # sprawling
-    assert np.mean(np.array(fill) > 0.6) > 0.1  # compact
+    assert np.mean(np.array(fill) < 0.15) > 0.05  # sprawling
+    assert np.mean(np.array(fill) > 0.6) > 0.05  # compact
 
 
 def test_orientations_are_the_24_turns_of_a_cube():

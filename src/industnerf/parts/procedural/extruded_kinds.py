@@ -3,7 +3,7 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, cosine, sine
+from industnerf.parts.procedural.draws import Draws, Real, cosine, sine
 from industnerf.parts.procedural.features import bore_tool, cut_top, drilled, extents, inset
 from industnerf.parts.procedural.primitives import (
     cylinder,
@@ -150,7 +150,7 @@ def corrugated_sheet(draws: Draws) -> Manifold:
     return _windowed(draws, wall(path, draws.uniform(0.03, 0.09)), draws.log_uniform(0.15, 1.6))
 
 
-def _windowed(draws: Draws, section: CrossSection, height: float) -> Manifold:
+def _windowed(draws: Draws, section: CrossSection, height: Real) -> Manifold:
     body = prism(section, 0, height)
     left, bottom, right, top = section.bounds()
     for _ in range(draws.integer(0, 3)):

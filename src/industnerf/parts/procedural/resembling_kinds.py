@@ -3,7 +3,7 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, cosine, on_grid, sine
+from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.features import bore_tool, ring, threaded_rod
 from industnerf.parts.procedural.primitives import (
     block,
@@ -50,13 +50,13 @@ def gear(draws: Draws) -> Manifold:
     return body - _holes(1, 0, draws.uniform(0.4, 0.7) * hub)
 
 
-def _toothed(teeth: int, tip: float, root: float) -> CrossSection:
+def _toothed(teeth: int, tip: Real, root: Real) -> CrossSection:
     turn = angles(teeth)[:, None] + np.array([-0.3, -0.13, 0.13, 0.3]) * 2 * np.pi / teeth
     reach = np.broadcast_to([root, tip, tip, root], turn.shape)
     return polygon((reach[..., None] * np.stack([cosine(turn), sine(turn)], -1)).reshape(-1, 2))
 
 
-def _holes(n: int, reach: float, radius: float) -> Manifold:
+def _holes(n: int, reach: Real, radius: Real) -> Manifold:
     tools = [cylinder(radius, 2 * TALL, (x, y, 0), segments=24) for x, y in on_circle(n, reach)]
     return union(tools)
 
