@@ -38,11 +38,11 @@ def polygon_area(radius: float, segments: int = SEGMENTS) -> float:
 
 
 class Fixed(Draws):
-    """Draws that always take the low end, the first option and `answer`."""
+    """Draws that always take the low end, the first option and `yes`."""
 
-    def __init__(self, answer: bool):
+    def __init__(self, yes: bool):
         super().__init__(np.random.default_rng(0))
-        self.answer = answer
+        self.yes = yes
 
     def uniform(self, low, high):
         return low
@@ -51,7 +51,7 @@ class Fixed(Draws):
         return options[0]
 
     def chance(self, probability):
-        return self.answer
+        return self.yes
 
 
 @pytest.mark.parametrize("is_conical", [False, True])

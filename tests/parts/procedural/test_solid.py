@@ -19,6 +19,7 @@ from industnerf.parts.procedural import (
 )
 from industnerf.parts.procedural import solid as solid_module
 from industnerf.parts.procedural.draws import GRID
+from industnerf.parts.procedural.features import drilled
 from industnerf.parts.procedural.kinds import KINDS
 from industnerf.parts.procedural.primitives import block, union
 from industnerf.parts.procedural.solid import (
@@ -79,6 +80,14 @@ def test_the_largest_piece_is_kept():
     assert checks.volume_mm3(vertices, faces) == pytest.approx(1 - 0.09, abs=4 * GRID)
 
 
+def test_what_hangs_on_a_hair_is_dropped():
+    """A bar thinner than the smallest detail vanishes, and the piece at its end with it."""
+    big, small = block((1, 1, 1)) - block((0.3, 0.3, 2)), block((0.2, 0.2, 0.2), (1, 0, 0))
+    hair = block((1, 5e-5, 5e-5), (0.5, 0, 0.1))
+    _, faces = _unit_mesh(union([big, hair, small]), np.eye(3))
+    assert checks.count_bodies(faces) == 1
+
+
 @pytest.mark.parametrize(
     "draw",
     [
@@ -110,8 +119,12 @@ def test_a_refused_draw_is_drawn_anew_from_the_same_stream(monkeypatch):
     assert drawn[:3] == drawn[3:]
 
 
-def test_a_kind_that_never_succeeds_is_an_error(monkeypatch):
-    monkeypatch.setitem(KINDS, "nothing", lambda draws: Manifold())
+@pytest.mark.parametrize(
+    "fail", [lambda draws: Manifold(), lambda draws: drilled(draws, Manifold(), 1, 0.1)]
+)
+def test_a_kind_that_never_succeeds_is_an_error(fail, monkeypatch):
+    """Also one that goes on to drill what is not there."""
+    monkeypatch.setitem(KINDS, "nothing", fail)
     with pytest.raises(BadPart, match=f"solid 3 of seed 2: {MAX_DRAWS} draws of nothing"):
         procedural_solid(2, 3, ("nothing",))
 

@@ -22,6 +22,10 @@ ABOVE = 0.02  # how far a tool starts above the surface
 THREAD_CORNERS = {1: 24, 2: 16, 3: 12, 4: 12}  # of a thread's profile, by number of starts
 
 
+class EmptyBody(Exception):
+    """Cuts have left nothing: the draw is refused."""
+
+
 def bore_tool(draws: Draws, radius: Real, depth: Real) -> Manifold:
     """A plain, chamfered, countersunk or counterbored hole, its end flat or a drill's cone."""
     tip = 0.58 * radius if draws.chance(0.5) else 0.0  # of a drill of 120 degrees
@@ -40,7 +44,9 @@ def pocket_tool(section: CrossSection, depth: Real) -> Manifold:
 
 
 def extents(body: Manifold) -> tuple[np.ndarray, np.ndarray]:
-    """The lower and the upper corner of the bounding box."""
+    """The lower and the upper corner of the bounding box; raises EmptyBody if there is none."""
+    if body.is_empty():
+        raise EmptyBody
     box = np.array(body.bounding_box())
     return box[:3], box[3:]
 

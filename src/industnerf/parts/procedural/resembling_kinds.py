@@ -105,12 +105,11 @@ def elbow(draws: Draws) -> Manifold:
     bore = draws.uniform(0.6, 0.9) * radius
     parts = [swept(ring(radius, bore), on_grid(path))]
     if draws.chance(0.7):
-        collar, length = (
-            ring(draws.uniform(1.2, 1.9) * radius, bore),
-            draws.uniform(0.2, 0.8) * radius,
-        )
-        parts.append(swept(collar, on_grid(path[0] + np.array([[0, 0, 0], [0, length, 0]]))))
-        parts.append(swept(collar, on_grid(np.stack([path[-1] - length * leave, path[-1]]))))
+        # longer than the pipe and wider inside: no two surfaces coincide
+        collar = ring(draws.uniform(1.2, 1.9) * radius, (radius + bore) / 2)
+        along = np.array([[-draws.uniform(0.2, 0.8) * radius], [0.02]])
+        for end, outward in ((path[0], np.array([0.0, -1.0, 0.0])), (path[-1], leave)):
+            parts.append(swept(collar, on_grid(end + along * outward)))
     return union(parts)
 
 

@@ -12,7 +12,7 @@ from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, BadPart
 from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.parts.procedural.draws import Draws, on_grid
-from industnerf.parts.procedural.features import extents
+from industnerf.parts.procedural.features import EmptyBody, extents
 from industnerf.parts.procedural.finishes import draw_albedo
 from industnerf.parts.procedural.kinds import DEFAULT_KINDS, KINDS, RESEMBLING_KINDS
 from industnerf.parts.validation.checks import extents_mm, volume_mm3
@@ -56,7 +56,10 @@ def procedural_solid(
     kind = Draws(generator(seed, "procedural kind", str(index))).pick(kinds)
     draws = Draws(generator(seed, "procedural solid", str(index), kind))
     for _ in range(MAX_DRAWS):
-        body = KINDS[kind](draws)
+        try:
+            body = KINDS[kind](draws)
+        except EmptyBody:
+            continue
         if kind not in RESEMBLING_KINDS and draws.chance(STRETCHED_SHARE):
             body = body.scale([1, 1, draws.log_uniform(1 / MAX_STRETCH, MAX_STRETCH)])
         mesh = _unit_mesh(body, _orientation(draws))
@@ -71,9 +74,9 @@ def _unit_mesh(
     """Vertices and faces of its largest piece, turned, in the unit cube; None if it is refused."""
     if body.is_empty():
         return None
-    piece = max(body.decompose(), key=Manifold.volume)
-    low, high = extents(piece)
-    mesh = piece.simplify(SMALLEST_DETAIL * float((high - low).max())).to_mesh64()
+    low, high = extents(body)
+    pieces = body.simplify(SMALLEST_DETAIL * float((high - low).max())).decompose()
+    mesh = max(pieces, key=Manifold.volume).to_mesh64()
     faces = np.array(mesh.tri_verts, np.int32)
     if not MIN_FACES <= len(faces) <= MAX_FACES:
         return None

@@ -85,7 +85,7 @@ def swept_tube(draws: Draws) -> Manifold:
             size = draws.uniform(2.2, 4.0) * radius, draws.uniform(2.2, 3.0) * radius
             foot = rectangle(*size, (draws.uniform(-0.5, 0.5) * radius, 0))
             length = draws.uniform(0.5, 1.5) * radius
-            body += swept(foot, np.stack([end - length * outward, end]))
+            body += swept(foot, np.stack([end - length * outward, end + 0.02 * outward]))
     return body
 
 
