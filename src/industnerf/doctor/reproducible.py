@@ -10,6 +10,7 @@ import json
 import tempfile
 from collections.abc import Iterator
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,8 @@ from industnerf.methods import load_method
 from industnerf.methods.base import Example, Scope
 from industnerf.methods.run_method import fit_method, reconstruct_part
 from industnerf.parts.catalogue.sources import embedded_parts
+from industnerf.parts.procedural import ALL_KINDS, procedural_solid
+from industnerf.parts.procedural import digest as solids_digest
 from industnerf.schema import Params
 from industnerf.store import content_digest
 from industnerf.torch_kernels import use_reproducible_kernels
@@ -37,7 +40,8 @@ METHODS = (
     *("hull_rgb", "carve", "tsdf"),
 )
 TRAINING_STEPS = 20  # of a network
-COMPUTING_MODULE = "industnerf.capture.render"  # beside the methods
+COMPUTING_MODULES = ("industnerf.capture.render", "industnerf.parts.procedural.solid")
+PROCEDURAL_SOLIDS = 100  # of seed 0, of all kinds
 
 
 def check(paths: ProjectPaths) -> list[Finding]:
@@ -68,13 +72,19 @@ def check(paths: ProjectPaths) -> list[Finding]:
 
 
 def compute_digests(root: Path) -> Iterator[tuple[str, str]]:
-    """Name and SHA-256 of each kind of result, one at a time: operations, views, methods."""
+    """Name and SHA-256 of each kind of result, one at a time: operations, solids, methods."""
     use_reproducible_kernels()
     for name, operation in OPERATIONS.items():
         yield name, _digest_arrays(operation())
+    yield "procedural solids", procedural_digest()
     params = config.load_preset(root / PRESET, root / config.PARAMS)
     with tempfile.TemporaryDirectory() as folder:
         yield from _method_digests(params, root / params.parts.path, Path(folder))
+
+
+def procedural_digest() -> str:
+    """SHA-256 of the first procedural solids."""
+    return solids_digest([procedural_solid(0, i, ALL_KINDS) for i in range(PROCEDURAL_SOLIDS)])
 
 
 def _method_digests(params: Params, catalogue: Path, folder: Path) -> Iterator[tuple[str, str]]:
@@ -118,9 +128,11 @@ def _digest_arrays(arrays: list[np.ndarray]) -> str:
 
 def installed_versions() -> dict[str, str]:
     """The versions of what computes, without the tag of a build."""
-    modules = (COMPUTING_MODULE, *(load_method(name).module for name in METHODS))
+    modules = (*COMPUTING_MODULES, *(load_method(name).module for name in METHODS))
     versions = library_versions(modules)
-    return {name: version.partition("+")[0] for name, version in versions.items()}
+    # one extension module without Python files, which `library_versions` does not see
+    versions = {**versions, "manifold3d": version("manifold3d")}
+    return {name: text.partition("+")[0] for name, text in versions.items()}
 
 
 def write_digests(root: Path) -> None:

@@ -50,9 +50,16 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def print_kinds() -> None:
-    for name in KINDS:
-        family = f" [resembles {RESEMBLING_KINDS[name]}]" if name in RESEMBLING_KINDS else ""
-        print(f"{name:20} {describe(name)}{family}")
+    print(kinds_table())
+
+
+def kinds_table() -> str:
+    """Name, description and family of every kind, in Markdown."""
+    rows = ["| kind | what it is | resembles |", "| --- | --- | --- |"]
+    rows += [
+        f"| `{kind}` | {describe(kind)} | {RESEMBLING_KINDS.get(kind, '')} |" for kind in KINDS
+    ]
+    return "\n".join(rows)
 
 
 def describe(kind: str) -> str:

@@ -62,7 +62,7 @@ def combined(draws: Draws) -> Manifold:
 
 
 def mirrored(draws: Draws) -> Manifold:
-    """The same, symmetrical about one, two or three planes."""
+    """A random tree of primitives made symmetrical about one, two or three planes."""
     body = _grow(draws, _primitive(draws), draws.integer(2, 5), 8)
     low, high = extents(body)
     for axis in range(draws.integer(1, 3)):
@@ -121,9 +121,9 @@ def faceted_block(draws: Draws) -> Manifold:
         if (body - cut).volume() < MIN_LEFT * body.volume():
             continue
         body -= cut
-        if draws.chance(0.5):
+        if draws.chance(0.8):
             depth = draws.uniform(0.3, 2.0) * small
-            tool = bore_tool(draws, draws.uniform(0.05, 0.15) * small, depth)
+            tool = bore_tool(draws, draws.uniform(0.06, 0.2) * small, depth)
             tools.append(tool.translate([0, 0, level]).rotate(turn))
     return body - union(tools)
 
@@ -135,7 +135,7 @@ def hulled_lumps(draws: Draws) -> Manifold:
         at = (draws.uniforms(-1, 1, 3) * [0.8, 0.6, 0.4]).tolist()
         size = draws.uniform(0.08, 0.3)
         lump = {
-            "ball": Manifold.sphere(size, 24),
+            "ball": Manifold.sphere(size, 32),
             "block": block((2 * size, 2 * size, size)),
             "disc": cylinder(size, draws.uniform(0.3, 1.5) * size, segments=28),
         }[draws.pick(("ball", "block", "disc", "disc"))]

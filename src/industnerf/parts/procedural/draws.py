@@ -7,6 +7,8 @@ import numpy as np
 from jaxtyping import Float
 
 T = TypeVar("T")
+Real = float | int
+Numbers = Float[np.ndarray, "*any"] | float
 GRID = 2.0**-20
 """Coordinates are multiples of it: the last bits of a sine differ between mathematical libraries,
 and what a solid looks like must not hang on them."""
@@ -19,9 +21,19 @@ _BOXES = {  # ranges of the three edges
 }
 
 
-def on_grid(values: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
+def on_grid(values: Numbers) -> Numbers:
     """`values` rounded to multiples of `GRID`."""
-    return np.round(np.asarray(values, np.float64) / GRID) * GRID
+    return np.round(values / GRID) * GRID
+
+
+def cosine(turn: Numbers) -> Numbers:
+    """Of an angle in radians, to 40 bits: half of 1 is half of 1 everywhere."""
+    return np.round(np.cos(turn) * 2.0**40) / 2.0**40
+
+
+def sine(turn: Numbers) -> Numbers:
+    """Of an angle in radians, to 40 bits."""
+    return np.round(np.sin(turn) * 2.0**40) / 2.0**40
 
 
 class Draws:
@@ -30,13 +42,13 @@ class Draws:
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
 
-    def uniform(self, low: float, high: float) -> float:
+    def uniform(self, low: Real, high: Real) -> float:
         return float(on_grid(self._rng.uniform(low, high)))
 
-    def uniforms(self, low: float, high: float, *shape: int) -> Float[np.ndarray, "*shape"]:
+    def uniforms(self, low: Real, high: Real, *shape: int) -> Float[np.ndarray, "*shape"]:
         return on_grid(self._rng.uniform(low, high, shape))
 
-    def log_uniform(self, low: float, high: float) -> float:
+    def log_uniform(self, low: Real, high: Real) -> float:
         """As often between 1 and 2 as between 2 and 4."""
         return float(on_grid(low * (high / low) ** self._rng.uniform()))
 
@@ -44,7 +56,7 @@ class Draws:
         """From `low` to `high`, both included."""
         return int(self._rng.integers(low, high + 1))
 
-    def chance(self, probability: float) -> bool:
+    def chance(self, probability: Real) -> bool:
         return bool(self._rng.uniform() < probability)
 
     def pick(self, options: Sequence[T]) -> T:

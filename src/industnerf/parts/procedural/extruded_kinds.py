@@ -3,7 +3,7 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws
+from industnerf.parts.procedural.draws import Draws, Real, cosine, sine
 from industnerf.parts.procedural.features import bore_tool, cut_top, drilled, extents, inset
 from industnerf.parts.procedural.primitives import (
     cylinder,
@@ -127,7 +127,7 @@ def folded_sheet(draws: Draws) -> Manifold:
     heading = np.cumsum(np.r_[0, draws.uniforms(-100, 100, count - 1)])
     step = draws.uniforms(0.25, 0.8, count)[:, None]
     turn = np.deg2rad(heading)
-    path = np.cumsum(np.r_[np.zeros((1, 2)), step * np.c_[np.cos(turn), np.sin(turn)]], axis=0)
+    path = np.cumsum(np.r_[np.zeros((1, 2)), step * np.c_[cosine(turn), sine(turn)]], axis=0)
     section = wall(path, draws.uniform(0.03, 0.12))
     section = fillet(section, 0, draws.uniform(0.01, 0.1))
     return _windowed(draws, section, draws.log_uniform(0.15, 2.0))
@@ -139,7 +139,7 @@ def corrugated_sheet(draws: Draws) -> Manifold:
     along = np.linspace(0, waves, 4 * waves + 1 if draws.chance(0.5) else 12 * waves + 1)
     form = draws.pick(("sine", "vee", "square"))
     if form == "sine":
-        across = np.sin(2 * np.pi * along)
+        across = sine(2 * np.pi * along)
     elif form == "vee":
         across = 1 - 4 * np.abs(along % 1 - 0.5)
     else:
@@ -150,7 +150,7 @@ def corrugated_sheet(draws: Draws) -> Manifold:
     return _windowed(draws, wall(path, draws.uniform(0.03, 0.09)), draws.log_uniform(0.15, 1.6))
 
 
-def _windowed(draws: Draws, section: CrossSection, height: float) -> Manifold:
+def _windowed(draws: Draws, section: CrossSection, height: Real) -> Manifold:
     body = prism(section, 0, height)
     left, bottom, right, top = section.bounds()
     for _ in range(draws.integer(0, 3)):

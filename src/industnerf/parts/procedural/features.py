@@ -7,7 +7,7 @@ any side; the surface is z = 0, and a tool reaches a little above it.
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.primitives import SIDES, cylinder, facing, prism, turned, union
 from industnerf.parts.procedural.profiles import (
     angles,
@@ -22,7 +22,11 @@ ABOVE = 0.02  # how far a tool starts above the surface
 THREAD_CORNERS = {1: 24, 2: 16, 3: 12, 4: 12}  # of a thread's profile, by number of starts
 
 
-def bore_tool(draws: Draws, radius: float, depth: float) -> Manifold:
+class EmptyBody(Exception):
+    """Cuts have left nothing: the draw is refused."""
+
+
+def bore_tool(draws: Draws, radius: Real, depth: Real) -> Manifold:
     """A plain, chamfered, countersunk or counterbored hole, its end flat or a drill's cone."""
     tip = 0.58 * radius if draws.chance(0.5) else 0.0  # of a drill of 120 degrees
     head, mouth = draws.uniform(1.3, 2.0) * radius, draws.uniform(0.15, 0.5) * depth
@@ -35,17 +39,19 @@ def bore_tool(draws: Draws, radius: float, depth: float) -> Manifold:
     return turned(polygon([(0, ABOVE), *outside, (radius, -depth), (0, -depth - tip)]))
 
 
-def pocket_tool(section: CrossSection, depth: float) -> Manifold:
+def pocket_tool(section: CrossSection, depth: Real) -> Manifold:
     return prism(section, -depth, ABOVE)
 
 
 def extents(body: Manifold) -> tuple[np.ndarray, np.ndarray]:
-    """The lower and the upper corner of the bounding box."""
+    """The lower and the upper corner of the bounding box; raises EmptyBody if there is none."""
+    if body.is_empty():
+        raise EmptyBody
     box = np.array(body.bounding_box())
     return box[:3], box[3:]
 
 
-def drilled(draws: Draws, body: Manifold, count: int, largest: float) -> Manifold:
+def drilled(draws: Draws, body: Manifold, count: int, largest: Real) -> Manifold:
     """`body` with `count` bores along the axes, entering wherever its box says."""
     low, high = extents(body)
     tools = []
@@ -63,7 +69,7 @@ def drilled(draws: Draws, body: Manifold, count: int, largest: float) -> Manifol
     return body - union(tools)
 
 
-def cut_top(draws: Draws, section: CrossSection, height: float, count: int) -> list[Manifold]:
+def cut_top(draws: Draws, section: CrossSection, height: Real, count: int) -> list[Manifold]:
     """Tools for bores and pockets of several depths in the top (z = `height`) of a prism."""
     left, bottom, right, top = section.bounds()
     small = min(right - left, top - bottom)
@@ -78,7 +84,7 @@ def cut_top(draws: Draws, section: CrossSection, height: float, count: int) -> l
     return tools
 
 
-def bosses(draws: Draws, section: CrossSection, base: float, count: int) -> Manifold:
+def bosses(draws: Draws, section: CrossSection, base: Real, count: int) -> Manifold:
     """Cylinders and cones on a surface at z = `base`, within `section`, many of them bored."""
     left, bottom, right, top = section.bounds()
     small = min(right - left, top - bottom)
@@ -96,7 +102,7 @@ def bosses(draws: Draws, section: CrossSection, base: float, count: int) -> Mani
     return union(parts)
 
 
-def ribs(draws: Draws, section: CrossSection, base: float, height: float, count: int) -> Manifold:
+def ribs(draws: Draws, section: CrossSection, base: Real, height: Real, count: int) -> Manifold:
     """Thin walls at several angles on a surface at z = `base`, ending with `section`."""
     left, bottom, right, top = section.bounds()
     reach, small = right - left + top - bottom, min(right - left, top - bottom)
@@ -111,7 +117,7 @@ def ribs(draws: Draws, section: CrossSection, base: float, height: float, count:
 
 
 def threaded_rod(
-    radius: float, depth: float, length: float, turns: int, starts: int, is_round: bool
+    radius: Real, depth: Real, length: Real, turns: int, starts: int, is_round: bool
 ) -> Manifold:
     """A right-handed thread between z = 0 and `length`.
 
@@ -121,17 +127,17 @@ def threaded_rod(
     per_start = THREAD_CORNERS[starts]
     corners = per_start * starts
     turn, phase = angles(corners), np.arange(corners) % per_start / per_start
-    wave = (1 - np.cos(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
+    wave = (1 - cosine(2 * np.pi * phase)) / 2 if is_round else 1 - np.abs(2 * phase - 1)
     reach = radius - depth + depth * wave
-    section = polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    section = polygon(reach[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
     return section.extrude(length, corners * turns - 1, 360.0 * turns)
 
 
-def inset(section: CrossSection, distance: float) -> CrossSection:
+def inset(section: CrossSection, distance: Real) -> CrossSection:
     """The section shrunk, or itself where nothing would be left."""
     smaller = offset(section, -distance)
     return section if smaller.is_empty() else smaller
 
 
-def ring(outer: float, inner: float) -> CrossSection:
+def ring(outer: Real, inner: Real) -> CrossSection:
     return circle(outer) - circle(inner)

@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float
 from manifold3d import CrossSection, Manifold, OpType
 
-from industnerf.parts.procedural.draws import on_grid
+from industnerf.parts.procedural.draws import Real, cosine, on_grid, sine
 from industnerf.parts.procedural.profiles import SEGMENTS, Points2, offset, polygon
 
-Vector = Sequence[float]
+Vector = Sequence[Real]
 Path3 = Float[np.ndarray, "n 3"]
 ORIGIN = (0.0, 0.0, 0.0)
 TURNS = {  # degrees about x, y and z that take +z to a side of the box
@@ -28,10 +28,10 @@ def block(size: Vector, center: Vector = ORIGIN) -> Manifold:
 
 
 def cylinder(
-    radius: float,
-    height: float,
+    radius: Real,
+    height: Real,
     center: Vector = ORIGIN,
-    top_radius: float | None = None,
+    top_radius: Real | None = None,
     segments: int = SEGMENTS,
 ) -> Manifold:
     """Along z; a cone where `top_radius` differs."""
@@ -39,17 +39,15 @@ def cylinder(
     return Manifold.cylinder(height, radius, top, segments, True).translate(list(center))
 
 
-def prism(section: CrossSection, bottom: float, top: float) -> Manifold:
+def prism(section: CrossSection, bottom: Real, top: Real) -> Manifold:
     """The section from z = `bottom` to `top`."""
     return section.extrude(top - bottom).translate([0, 0, bottom])
 
 
-def eased_prism(
-    section: CrossSection, bottom: float, top: float, ease: float, steps: int
-) -> Manifold:
+def eased_prism(section: CrossSection, bottom: Real, top: Real, ease: Real, steps: int) -> Manifold:
     """A prism of a convex section whose end edges are chamfered (1 step) or rounded (more)."""
     turn = np.linspace(0, np.pi / 2, steps + 1)
-    insets, depths = ease * (1 - np.sin(turn)), ease * (1 - np.cos(turn))
+    insets, depths = ease * (1 - sine(turn)), ease * (1 - cosine(turn))
     layers = []
     for inset, depth in on_grid(np.stack([insets, depths], axis=1)).tolist():
         layer = offset(section, -inset, is_round=False) if inset > 0 else section
@@ -58,7 +56,7 @@ def eased_prism(
     return Manifold.batch_hull(layers)
 
 
-def rounded_block(size: Vector, radius: float) -> Manifold:
+def rounded_block(size: Vector, radius: Real) -> Manifold:
     """A block with all edges and corners round."""
     half = [max(edge / 2 - radius, 1e-3) for edge in size]
     ball = Manifold.sphere(radius, 16)
@@ -71,7 +69,7 @@ def rounded_block(size: Vector, radius: float) -> Manifold:
     return Manifold.batch_hull(corners)
 
 
-def turned(section: CrossSection, degrees: float = 360.0) -> Manifold:
+def turned(section: CrossSection, degrees: Real = 360.0) -> Manifold:
     """The part of the section at x > 0 revolved about its y axis, which becomes z."""
     return section.revolve(SEGMENTS, degrees)
 
@@ -93,7 +91,7 @@ def union(bodies: Sequence[Manifold]) -> Manifold:
     return Manifold.batch_boolean(list(bodies), OpType.Add)
 
 
-def strut(start: Vector, end: Vector, radius: float, segments: int) -> Manifold:
+def strut(start: Vector, end: Vector, radius: Real, segments: int) -> Manifold:
     """A round or prismatic bar between two points, with balls (or their kin) for ends."""
     ball = Manifold.sphere(radius, segments)
     return Manifold.batch_hull([ball.translate(list(start)), ball.translate(list(end))])
@@ -128,7 +126,7 @@ def _carried_frame(tangents: Path3) -> tuple[Path3, Path3]:
     return np.array(rights), np.cross(tangents, rights)
 
 
-def smooth_path(knots: Path3, steps: int) -> Path3:
+def smooth_path(knots: Float[np.ndarray, "knots 3"], steps: int) -> Float[np.ndarray, "n 3"]:
     """A curve through the knots, `steps` points between two -- Catmull and Rom (1974)."""
     padded = np.concatenate([2 * knots[:1] - knots[1:2], knots, 2 * knots[-1:] - knots[-2:-1]])
     t = np.arange(steps)[:, None] / steps

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from manifold3d import CrossSection, JoinType, OpType
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 
 SEGMENTS = 40  # of a full circle
 FILLET_SEGMENTS = 24  # of a full circle that an offset rounds corners by
@@ -15,7 +15,7 @@ FILLET_SEGMENTS = 24  # of a full circle that an offset rounds corners by
 Points2 = Float[np.ndarray, "n 2"]
 
 
-def polygon(points: Points2 | Sequence[tuple[float, float]]) -> CrossSection:
+def polygon(points: Points2 | Sequence[tuple[Real, Real]]) -> CrossSection:
     """The inside of a closed line, whichever way it runs."""
     corners = on_grid(np.asarray(points, np.float64))
     x, y = corners.T
@@ -23,23 +23,23 @@ def polygon(points: Points2 | Sequence[tuple[float, float]]) -> CrossSection:
     return CrossSection([corners[::-1] if is_clockwise else corners])
 
 
-def rectangle(width: float, height: float, center: tuple[float, float] = (0, 0)) -> CrossSection:
+def rectangle(width: Real, height: Real, center: tuple[Real, Real] = (0, 0)) -> CrossSection:
     return CrossSection.square([width, height], True).translate(center)
 
 
 def circle(
-    radius: float, center: tuple[float, float] = (0, 0), segments: int = SEGMENTS
+    radius: Real, center: tuple[Real, Real] = (0, 0), segments: int = SEGMENTS
 ) -> CrossSection:
     return CrossSection.circle(radius, segments).translate(center)
 
 
-def offset(section: CrossSection, distance: float, is_round: bool = True) -> CrossSection:
+def offset(section: CrossSection, distance: Real, is_round: bool = True) -> CrossSection:
     """The section grown by `distance`, shrunk where it is negative; corners round or sharp."""
     join = JoinType.Round if is_round else JoinType.Miter
     return section.offset(distance, join, 4.0, FILLET_SEGMENTS)
 
 
-def fillet(section: CrossSection, convex: float, concave: float = 0.0) -> CrossSection:
+def fillet(section: CrossSection, convex: Real, concave: Real = 0.0) -> CrossSection:
     """The section with its corners rounded by these radii.
 
     What is thinner than twice `convex` vanishes; gaps narrower than twice `concave` close.
@@ -51,14 +51,14 @@ def fillet(section: CrossSection, convex: float, concave: float = 0.0) -> CrossS
     return section
 
 
-def rounded_rectangle(width: float, height: float, radius: float) -> CrossSection:
+def rounded_rectangle(width: Real, height: Real, radius: Real) -> CrossSection:
     radius = min(radius, 0.49 * width, 0.49 * height)
     if radius <= 0:
         return rectangle(width, height)
     return offset(rectangle(width - 2 * radius, height - 2 * radius), radius)
 
 
-def slot(length: float, width: float) -> CrossSection:
+def slot(length: Real, width: Real) -> CrossSection:
     """A rectangle with half circles at its ends, `length` over all, along x."""
     return rounded_rectangle(length, width, width / 2)
 
@@ -67,38 +67,38 @@ def joined(sections: Sequence[CrossSection]) -> CrossSection:
     return CrossSection.batch_boolean(list(sections), OpType.Add)
 
 
-def angles(n: int, start: float = 0.0) -> Float[np.ndarray, "n"]:
+def angles(n: int, start: Real = 0.0) -> Float[np.ndarray, "n"]:
     """`n` even angles of a full turn, radians."""
     return start + 2 * np.pi * np.arange(n) / n
 
 
-def on_circle(n: int, radius: float, start: float = 0.0) -> list[tuple[float, float]]:
+def on_circle(n: int, radius: Real, start: Real = 0.0) -> list[tuple[float, float]]:
     """`n` even points of a circle."""
     turn = angles(n, start)
-    points = on_grid(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    points = on_grid(radius * np.stack([cosine(turn), sine(turn)], axis=1))
     return [(x, y) for x, y in points.tolist()]
 
 
-def irregular_polygon(draws: Draws, corners: int, width: float, height: float) -> CrossSection:
+def irregular_polygon(draws: Draws, corners: int, width: Real, height: Real) -> CrossSection:
     """Corners at uneven angles and distances, within about `width` by `height`, sharp."""
     turn = angles(corners) + draws.uniforms(-0.35, 0.35, corners) * 2 * np.pi / corners
     radius = draws.uniforms(0.55, 1.0, corners)
     half = np.array([width, height]) / 2
-    return polygon(half * radius[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return polygon(half * radius[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
-def lobed(draws: Draws, radius: float, harmonics: Sequence[int], depth: float) -> CrossSection:
+def lobed(draws: Draws, radius: Real, harmonics: Sequence[int], depth: Real) -> CrossSection:
     """A smooth closed line r(a) = radius (1 + sum of waves), each of at most `depth`."""
     turn = angles(2 * SEGMENTS)
     waves = [
-        draws.uniform(0.3, 1.0) * depth * np.cos(k * turn + draws.uniform(0, 2 * np.pi))
+        draws.uniform(0.3, 1.0) * depth * cosine(k * turn + draws.uniform(0, 2 * np.pi))
         for k in harmonics
     ]
     reach = radius * (1 + np.sum(waves, axis=0))
-    return polygon(reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    return polygon(reach[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
-def notched_rectangle(draws: Draws, width: float, height: float) -> CrossSection:
+def notched_rectangle(draws: Draws, width: Real, height: Real) -> CrossSection:
     """A rectangle with steps, slits and tabs along its sides."""
     section = rectangle(width, height)
     for _ in range(draws.integer(1, 4)):
@@ -110,7 +110,7 @@ def notched_rectangle(draws: Draws, width: float, height: float) -> CrossSection
     return section
 
 
-def outline(draws: Draws, width: float, height: float) -> CrossSection:
+def outline(draws: Draws, width: Real, height: Real) -> CrossSection:
     """A random outline of a plate or prism within about `width` by `height`, often filleted."""
     small = min(width, height)
     form = draws.pick(("irregular", "irregular", "notched", "notched", "rounded", "lobed", "hull"))
@@ -134,7 +134,7 @@ def outline(draws: Draws, width: float, height: float) -> CrossSection:
     return section
 
 
-def cutout(draws: Draws, size: float) -> CrossSection:
+def cutout(draws: Draws, size: Real) -> CrossSection:
     """The outline of a hole or pocket, centered, that fits in a circle of diameter `size`."""
     form = draws.pick(("circle", "circle", "slot", "rounded", "polygon", "irregular"))
     if form == "circle":
@@ -150,7 +150,7 @@ def cutout(draws: Draws, size: float) -> CrossSection:
     return fillet(irregular_polygon(draws, draws.integer(4, 7), size, size), 0.06 * size)
 
 
-def wall(points: Points2, thickness: float) -> CrossSection:
+def wall(points: Points2, thickness: Real) -> CrossSection:
     """A strip of `thickness` along an open line, with round joints."""
     discs = [circle(thickness / 2, (x, y), 16) for x, y in on_grid(points).tolist()]
     return joined([CrossSection.batch_hull(list(pair)) for pair in pairwise(discs)])
@@ -170,7 +170,7 @@ def contains(section: CrossSection, points: Points2) -> Bool[np.ndarray, "n"]:
 
 
 def scatter(
-    draws: Draws, section: CrossSection, count: int, smallest: float, largest: float, gap: float
+    draws: Draws, section: CrossSection, count: int, smallest: Real, largest: Real, gap: Real
 ) -> list[tuple[float, float, float]]:
     """Up to `count` circles (x, y, radius) inside `section`, `gap` apart and from its edge."""
     left, bottom, right, top = section.bounds()
@@ -188,7 +188,7 @@ def scatter(
     return placed
 
 
-def hole_pattern(draws: Draws, width: float, height: float) -> CrossSection:
+def hole_pattern(draws: Draws, width: Real, height: Real) -> CrossSection:
     """Equal small holes on a square, hexagonal or circular grid within `width` by `height`."""
     small = min(width, height)
     pitch = draws.uniform(0.12, 0.35) * small

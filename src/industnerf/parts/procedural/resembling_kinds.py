@@ -3,7 +3,7 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.features import bore_tool, ring, threaded_rod
 from industnerf.parts.procedural.primitives import (
     block,
@@ -50,13 +50,13 @@ def gear(draws: Draws) -> Manifold:
     return body - _holes(1, 0, draws.uniform(0.4, 0.7) * hub)
 
 
-def _toothed(teeth: int, tip: float, root: float) -> CrossSection:
+def _toothed(teeth: int, tip: Real, root: Real) -> CrossSection:
     turn = angles(teeth)[:, None] + np.array([-0.3, -0.13, 0.13, 0.3]) * 2 * np.pi / teeth
     reach = np.broadcast_to([root, tip, tip, root], turn.shape)
-    return polygon((reach[..., None] * np.stack([np.cos(turn), np.sin(turn)], -1)).reshape(-1, 2))
+    return polygon((reach[..., None] * np.stack([cosine(turn), sine(turn)], -1)).reshape(-1, 2))
 
 
-def _holes(n: int, reach: float, radius: float) -> Manifold:
+def _holes(n: int, reach: Real, radius: Real) -> Manifold:
     tools = [cylinder(radius, 2 * TALL, (x, y, 0), segments=24) for x, y in on_circle(n, reach)]
     return union(tools)
 
@@ -98,19 +98,18 @@ def elbow(draws: Draws) -> Manifold:
     radius, bend = draws.uniform(0.15, 0.35), draws.uniform(0.5, 1.1)
     arc, end = np.deg2rad(draws.uniform(40, 180)), draws.uniform(0.1, 0.8)
     turn = np.linspace(0, arc, 20)
-    path = np.stack([bend * np.cos(turn), bend * np.sin(turn), 0 * turn], axis=1)
-    leave = np.array([-np.sin(arc), np.cos(arc), 0.0])
+    path = np.stack([bend * cosine(turn), bend * sine(turn), 0 * turn], axis=1)
+    leave = np.array([-sine(arc), cosine(arc), 0.0])
     starts = path[0] - np.linspace(end, 0.05, 3)[:, None] * [0.0, 1.0, 0.0]
     path = np.concatenate([starts, path, path[-1] + np.linspace(0.05, end, 3)[:, None] * leave])
     bore = draws.uniform(0.6, 0.9) * radius
     parts = [swept(ring(radius, bore), on_grid(path))]
     if draws.chance(0.7):
-        collar, length = (
-            ring(draws.uniform(1.2, 1.9) * radius, bore),
-            draws.uniform(0.2, 0.8) * radius,
-        )
-        parts.append(swept(collar, on_grid(path[0] + np.array([[0, 0, 0], [0, length, 0]]))))
-        parts.append(swept(collar, on_grid(np.stack([path[-1] - length * leave, path[-1]]))))
+        # longer than the pipe and wider inside: no two surfaces coincide
+        collar = ring(draws.uniform(1.2, 1.9) * radius, (radius + bore) / 2)
+        along = np.array([[-draws.uniform(0.2, 0.8) * radius], [0.02]])
+        for end, outward in ((path[0], np.array([0.0, -1.0, 0.0])), (path[-1], leave)):
+            parts.append(swept(collar, on_grid(end + along * outward)))
     return union(parts)
 
 
@@ -140,7 +139,7 @@ def spring(draws: Draws) -> Manifold:
     turn = np.linspace(0, 2 * np.pi * turns, int(turns * 24))
     share = turn / turn[-1]
     reach = 1 - (draws.uniform(0, 0.5) if draws.chance(0.3) else 0.0) * share
-    path = np.stack([reach * np.cos(turn), reach * np.sin(turn), length * share], axis=1)
+    path = np.stack([reach * cosine(turn), reach * sine(turn), length * share], axis=1)
     section = circle(wire, segments=12) if draws.chance(0.8) else rectangle(2 * wire, 2 * wire)
     return swept(section, on_grid(path))
 

@@ -12,14 +12,16 @@ from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, BadPart
 from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.features import EmptyBody, extents
 from industnerf.parts.procedural.finishes import draw_albedo
-from industnerf.parts.procedural.kinds import DEFAULT_KINDS, KINDS
+from industnerf.parts.procedural.kinds import DEFAULT_KINDS, KINDS, RESEMBLING_KINDS
 from industnerf.parts.validation.checks import extents_mm, volume_mm3
 from industnerf.seeds import generator
 
 MIN_THICKNESS = 0.02  # the shortest edge of the bounding box, of the longest
 MIN_VOLUME = 3e-4  # of the cube about it
-FACES = (20, 60_000)  # fewer is a plain block, more costs too much to render
+MIN_FACES, MAX_FACES = 20, 60_000  # fewer is a plain block, more costs too much to render
+STRETCHED_SHARE, MAX_STRETCH = 0.3, 3.0  # along the axis it was drawn on: rods and plates
 SMALLEST_DETAIL = 1e-4  # of the longest edge; what is smaller is smoothed away
 MAX_DRAWS = 100
 
@@ -54,27 +56,31 @@ def procedural_solid(
     kind = Draws(generator(seed, "procedural kind", str(index))).pick(kinds)
     draws = Draws(generator(seed, "procedural solid", str(index), kind))
     for _ in range(MAX_DRAWS):
-        mesh = _unit_mesh(draws, KINDS[kind](draws))
+        try:
+            body = KINDS[kind](draws)
+        except EmptyBody:
+            continue
+        if kind not in RESEMBLING_KINDS and draws.chance(STRETCHED_SHARE):
+            body = body.scale([1, 1, draws.log_uniform(1 / MAX_STRETCH, MAX_STRETCH)])
+        mesh = _unit_mesh(body, _orientation(draws))
         if mesh is not None:
             return ProceduralSolid(kind, *mesh, draw_albedo(draws))
     raise BadPart(f"procedural solid {index} of seed {seed}: {MAX_DRAWS} draws of {kind} failed")
 
 
 def _unit_mesh(
-    draws: Draws, body: Manifold
+    body: Manifold, orientation: Float[np.ndarray, "3 3"]
 ) -> tuple[Float[np.ndarray, "n 3"], Int32[np.ndarray, "m 3"]] | None:
-    """Its largest piece in one of the 24 orientations, in the unit cube; None if it is refused."""
+    """Vertices and faces of its largest piece, turned, in the unit cube; None if it is refused."""
     if body.is_empty():
         return None
-    piece = max(body.decompose(), key=Manifold.volume)
-    mesh = piece.simplify(
-        SMALLEST_DETAIL * max(np.ptp(np.reshape(piece.bounding_box(), (2, 3)), 0))
-    )
-    content = mesh.to_mesh64()
-    faces = np.array(content.tri_verts, np.int32)
-    if not FACES[0] <= len(faces) <= FACES[1]:
+    low, high = extents(body)
+    pieces = body.simplify(SMALLEST_DETAIL * float((high - low).max())).decompose()
+    mesh = max(pieces, key=Manifold.volume).to_mesh64()
+    faces = np.array(mesh.tri_verts, np.int32)
+    if not MIN_FACES <= len(faces) <= MAX_FACES:
         return None
-    vertices = np.array(content.vert_properties)[:, :3] @ _orientation(draws)
+    vertices = np.array(mesh.vert_properties)[:, :3] @ orientation
     vertices = on_grid(BoundingCube.of(vertices).to_unit(vertices))
     if extents_mm(vertices).min() < MIN_THICKNESS or volume_mm3(vertices, faces) < MIN_VOLUME:
         return None

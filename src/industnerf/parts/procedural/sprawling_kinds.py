@@ -3,7 +3,7 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, cosine, on_grid, sine
 from industnerf.parts.procedural.features import bore_tool
 from industnerf.parts.procedural.primitives import (
     SIDES,
@@ -85,7 +85,7 @@ def swept_tube(draws: Draws) -> Manifold:
             size = draws.uniform(2.2, 4.0) * radius, draws.uniform(2.2, 3.0) * radius
             foot = rectangle(*size, (draws.uniform(-0.5, 0.5) * radius, 0))
             length = draws.uniform(0.5, 1.5) * radius
-            body += swept(foot, np.stack([end - length * outward, end]))
+            body += swept(foot, np.stack([end - length * outward, end + 0.02 * outward]))
     return body
 
 
@@ -100,7 +100,7 @@ def swept_bar(draws: Draws) -> Manifold:
     }[draws.pick(("full", "hollow", "channel", "irregular"))]
     heading = np.cumsum(np.repeat(draws.uniforms(-17, 17, draws.integer(2, 4)), 9))
     turn = np.deg2rad(heading)
-    step = np.c_[np.cos(turn), np.sin(turn), np.full(len(turn), draws.uniform(0, 0.25))]
+    step = np.c_[cosine(turn), sine(turn), np.full(len(turn), draws.uniform(0, 0.25))]
     path = np.cumsum(np.r_[np.zeros((1, 3)), 0.12 * step], axis=0)
     return swept(section.rotate(90.0 * draws.integer(0, 3)), on_grid(path))
 

@@ -49,7 +49,7 @@ def _steps(draws: Draws) -> Points2:
 
 
 def turned_curve(draws: Draws) -> Manifold:
-    """A smooth outline between flat ends, with the same cuts."""
+    """A smooth outline revolved between flat ends, bored and flattened."""
     body = turned(turned_outline(_curve(draws)))
     return _cut(draws, body)
 
@@ -133,7 +133,7 @@ def turned_ring(draws: Draws) -> Manifold:
 
 
 def turned_sector(draws: Draws) -> Manifold:
-    """A random section turned through part of a circle, with bores, as cams and guides have."""
+    """A random section turned through part of a circle, with bores."""
     size = draws.uniform(0.3, 1.0), draws.uniform(0.2, 1.2)
     section = fillet(irregular_polygon(draws, draws.integer(4, 8), *size), 0.03, 0.03)
     left, bottom, _, _ = section.bounds()

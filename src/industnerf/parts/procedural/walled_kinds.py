@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, on_grid
+from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.features import (
     bosses,
     cut_top,
@@ -192,7 +192,7 @@ def perforated_panel(draws: Draws) -> Manifold:
     return _bent(sheet, z, draws.uniform(0.35, 1.2))
 
 
-def _bent(section: CrossSection, thickness: float, radius: float) -> Manifold:
+def _bent(section: CrossSection, thickness: Real, radius: Real) -> Manifold:
     """A sheet rolled about the y axis, in strips so that its flats follow the bend."""
     left, _, right, _ = section.bounds()
     bars = np.linspace(left, right, 25)
@@ -203,7 +203,7 @@ def _bent(section: CrossSection, thickness: float, radius: float) -> Manifold:
 
     def bend(points: np.ndarray) -> np.ndarray:
         turn, reach = points[:, 0] / radius, radius + points[:, 2]
-        return on_grid(np.c_[reach * np.sin(turn), points[:, 1], reach * np.cos(turn)])
+        return on_grid(np.c_[reach * sine(turn), points[:, 1], reach * cosine(turn)])
 
     return union(strips).warp_batch(bend)
 
