@@ -1,4 +1,4 @@
-"""Bring pretrained weights under version control, for all who start from `pretrain.weights: shipped`.
+"""Bring pretrained weights under version control, for `pretrain.weights: shipped`.
 
     dvc repro pretrain                    with pretrain.weights: trained in params.yaml
     python -m pipeline.publish_weights
