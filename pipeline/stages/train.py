@@ -61,8 +61,8 @@ def prior_of(
     if Input.PROCEDURAL_SOLIDS not in method.inputs:
         return None, []
     chunks = list(read_index(procedural))
-    state = weights / method.name / WEIGHTS
-    has_weights = WEIGHTS in read_index(weights / method.name)
+    own = weights / method.name  # absent of a method that is no network
+    state, has_weights = own / WEIGHTS, own.is_dir() and WEIGHTS in read_index(own)
     files = [procedural / chunk for chunk in chunks] + has_weights * [state / "state.npz"]
     return (state if has_weights else None, procedural, chunks), files
 

@@ -26,6 +26,7 @@ IMAGE_INPUTS = {Input.RGB, Input.MASK, Input.DEPTH}
 LIMITED_BY = {
     "r2n2": "max_views",
     "retrieval": "views",
+    "retrieval_procedural": "views",
     "atlasnet": "eval_views",
     "occupancy": "eval_views",
 }

@@ -137,7 +137,9 @@ class MethodSettings:
     carve: CarveSettings
     tsdf: TsdfSettings
     retrieval: RetrievalSettings
+    retrieval_procedural: RetrievalSettings
     mean_shape: MeanShapeSettings
+    mean_shape_procedural: SampleSettings
     ball: SampleSettings
     box: SampleSettings
     oracle: SampleSettings

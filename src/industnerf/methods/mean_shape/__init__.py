@@ -1,18 +1,20 @@
 """The mean of all training parts, whatever the images show.
 
 A baseline of networks -- Tatarchenko et al., "What Do Single-view 3D
-Reconstruction Networks Learn?" (2019), section 3.
+Reconstruction Networks Learn?" (2019), section 3.  `mean_shape_procedural` is the mean of all
+training parts and all procedural solids.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.state import ModelState
 from industnerf.geometry.isosurface import isosurface_points
+from industnerf.learning.training_shape import NO_PRIOR, Prior, TrainingShape
 from industnerf.methods.base import (
     Example,
     Input,
@@ -23,25 +25,45 @@ from industnerf.methods.base import (
     Scope,
 )
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
-from industnerf.schema import MeanShapeSettings
+from industnerf.schema import MeanShapeSettings, SampleSettings
 
 NUM_SAMPLES = 1024  # points of each surface that levels are compared by
+MAX_COMPARED = 128  # surfaces at most, drawn at random
+MAX_LEVELS = 64
 
 
 def fit(
     examples: Sequence[Example], settings: MeanShapeSettings, seed: int, scratch: Path
 ) -> ModelState:
     """The share of parts that each voxel of the unit cube belongs to, and where to cut it."""
-    from industnerf.learning.targets import filled_shares, surface_points
+    voxels = (example.filled_shares(settings.grid_res) for example in examples)
+    return _mean_state(examples, voxels, len(examples), seed)
 
+
+def fit_procedural(
+    examples: Sequence[Example],
+    settings: SampleSettings,
+    seed: int,
+    scratch: Path,
+    prior: Prior = NO_PRIOR,
+) -> ModelState:
+    """The same of all parts and procedural solids, in the voxels that solids have."""
+    shapes: list[TrainingShape] = [*examples, *prior.solids]
+    return _mean_state(shapes, (one.filled_shares() for one in shapes), len(examples), seed)
+
+
+def _mean_state(
+    shapes: Sequence[TrainingShape],
+    voxels: Iterable[UInt8[np.ndarray, "n n n"]],
+    num_parts: int,
+    seed: int,
+) -> ModelState:
     rng = np.random.default_rng(seed)
-    meshes = [example.mesh for example in examples]
-    mean = np.mean([filled_shares(*mesh, settings.grid_res) for mesh in meshes], axis=0) / 255
-    surfaces = [surface_points(*mesh, NUM_SAMPLES, rng) for mesh in meshes]
-    return ModelState(
-        {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, surfaces, rng))},
-        num_parts=len(examples),
-    )
+    mean = sum(one.astype(np.float64) for one in voxels) / (255 * len(shapes))
+    compared = rng.choice(len(shapes), min(len(shapes), MAX_COMPARED), replace=False)
+    surfaces = [shapes[i].surface_pool(rng)[:NUM_SAMPLES] for i in compared]
+    arrays = {"mean": mean.astype(np.float32), "level": np.float32(best_level(mean, surfaces, rng))}
+    return ModelState(arrays, num_parts=num_parts)
 
 
 def best_level(
@@ -54,19 +76,26 @@ def best_level(
     Not where solids overlap most: of slender parts that all lie otherwise little but a speck is
     common, and the tables measure surfaces.
     """
-    shares = np.unique(mean)
-    candidate_levels = (shares[1:] + shares[:-1]) / 2 if len(shares) > 1 else shares - 0.5
+    trees = [cKDTree(surface) for surface in surfaces]
 
     def mean_distance(level: float) -> float:
-        points = level_set_points(mean, level, NUM_SAMPLES, rng)
-        return float(np.mean([chamfer(points, surface) for surface in surfaces]))
+        tree = cKDTree(level_set_points(mean, level, NUM_SAMPLES, rng))
+        return float(np.mean([chamfer(tree, surface) for surface in trees]))
 
-    return float(min(candidate_levels, key=mean_distance))
+    return float(min(map(float, candidate_levels(mean)), key=mean_distance))
 
 
-def chamfer(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
+def candidate_levels(mean: Float[np.ndarray, "n n n"]) -> Float[np.ndarray, "levels"]:
+    """Levels between all shares that occur; of too many MAX_LEVELS, as far apart by rank."""
+    shares = np.unique(mean)
+    levels = (shares[1:] + shares[:-1]) / 2 if len(shares) > 1 else shares - 0.5
+    ranks = np.linspace(0, len(levels) - 1, min(len(levels), MAX_LEVELS))
+    return levels[np.rint(ranks).astype(int)]
+
+
+def chamfer(a: cKDTree, b: cKDTree) -> float:
     """Mean distance to the nearest point of the other cloud, the sum of both ways."""
-    return float(cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean())
+    return float(a.query(b.data)[0].mean() + b.query(a.data)[0].mean())
 
 
 def level_set_points(
@@ -78,7 +107,10 @@ def level_set_points(
 
 
 def reconstruct(
-    inputs: MethodInputs, settings: MeanShapeSettings, state: ModelState, seed: int
+    inputs: MethodInputs,
+    settings: MeanShapeSettings | SampleSettings,
+    state: ModelState,
+    seed: int,
 ) -> Reconstruction:
     """Area-uniform points of the mean shape, at the part's place and scale."""
     mean, level = state.arrays["mean"], float(state.arrays["level"])
@@ -86,14 +118,24 @@ def reconstruct(
     return predictions_to_reconstruction([points], inputs.part_frame, state)
 
 
+INPUTS = frozenset({Input.PART_FRAME, Input.OTHER_MESHES})
 METHODS = {
     "mean_shape": Method(
         "mean_shape",
         Scope.DATASET,
-        frozenset({Input.PART_FRAME, Input.OTHER_MESHES}),
+        INPUTS,
         reconstruct,
         fit,
         role=Role.NULL,
         is_stochastic=True,
-    )
+    ),
+    "mean_shape_procedural": Method(
+        "mean_shape_procedural",
+        Scope.DATASET,
+        INPUTS | {Input.PROCEDURAL_SOLIDS},
+        reconstruct,
+        fit_procedural,
+        role=Role.NULL,
+        is_stochastic=True,
+    ),
 }
