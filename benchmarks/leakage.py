@@ -1,0 +1,181 @@
+"""Do the abstract procedural solids give away the families of the study?
+
+OMP_NUM_THREADS=1 python benchmarks/leakage.py DATA
+
+DATA is the folder `data` of a finished run, of which `parts`, `views` and `procedural` are read;
+the latter has solids of abstract kinds.  Of each part the nearest shape is looked for in several
+sets, as `retrieval_procedural` does it, and scored against the part: EMD of 1024 even points in
+diagonals, the nearest shape scaled to the part's longest edge.
+
+What a network may learn from is what shares no family with the part, so chance is the nearest of
+all parts of other families.  Solids give nothing away where as many of them are no nearer.  The
+mean is over DRAWS random sets of that many.  Solids of the kinds that resemble families, and
+parts of the own family, show what the check finds where something is given away.  The nearest
+box proportions show what is found without any picture.
+"""
+
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from statistics import fmean
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from industnerf.artifacts.part import load_parts
+from industnerf.config import load_params
+from industnerf.learning.procedural_shapes import ProceduralShape, load_procedural_shapes
+from industnerf.learning.training_shape import TrainingShape
+from industnerf.methods import load_method
+from industnerf.methods.base import Example
+from industnerf.methods.retrieval import even_points, feature_distances, hog_features
+from industnerf.metrics.emd import emd
+from industnerf.parts.procedural import RESEMBLING_KINDS
+from industnerf.procedural_dataset import chunk_ranges, make_chunk
+from industnerf.report.statistics.significance import paired_change
+from industnerf.report.tables.formats import format_interval, markdown_table
+from industnerf.seeds import generator
+from industnerf.stage import read_index
+
+VIEWS, IMAGE_PX, POINTS = 8, 64, 1024
+DRAWS = 4
+RESEMBLING_SEED, RESEMBLING_DRAWN = 1, 1000  # of which 16 kinds in 57 resemble a family
+CHANCE = "parts of other families"
+
+
+class Shapes:
+    """What is compared of shapes: features of their pictures, proportions, surfaces."""
+
+    def __init__(self, shapes: Sequence[TrainingShape]) -> None:
+        rng = generator(0, "leakage")
+        surface = cache(lambda row: even_points(shapes[row].surface_pool(rng), POINTS))
+        extents = np.array([np.ptp(shape.surface_pool(rng), axis=0) for shape in shapes], float)
+        self.features = np.stack([hog_features(one.rgb(IMAGE_PX, VIEWS)) for one in shapes])
+        self.extents = extents / extents.max(axis=1, keepdims=True)
+        self.surface = lambda row: surface(row).astype(np.float64)
+
+    def nearest(self, rows: Int[np.ndarray, "n"], features: Float[np.ndarray, "views c"]) -> int:
+        """That of `rows` which looks most alike."""
+        return int(rows[feature_distances(self.features[rows], features).argmin()])
+
+    def nearest_box(self, rows: Int[np.ndarray, "n"], extents: Float[np.ndarray, "3"]) -> int:
+        """That of `rows` whose box is most alike."""
+        return int(rows[np.abs(self.extents[rows] - extents).sum(axis=1).argmin()])
+
+
+def resembling_solids(folder: Path) -> list[ProceduralShape]:
+    """Solids of the kinds that resemble families, made into `folder`."""
+    params = load_params()
+    settings = replace(params.procedural, kinds="all", views=VIEWS, image_px=IMAGE_PX)
+    chunks = chunk_ranges(RESEMBLING_DRAWN)
+    for name, indices in chunks.items():
+        (folder / name).mkdir()
+        make_chunk(
+            folder / name,
+            indices=indices,
+            seed=RESEMBLING_SEED,
+            settings=settings,
+            views=params.views,
+        )
+    return [
+        one for one in load_procedural_shapes(folder, list(chunks)) if one.kind in RESEMBLING_KINDS
+    ]
+
+
+def emds_by_set(
+    parts: Shapes, families: Mapping[str, str], solids: Shapes, resembling: Shapes
+) -> dict[str, dict[str, float]]:
+    """EMD of the nearest shape of each set, by part."""
+    rng, results = generator(0, "leakage sets"), defaultdict(dict)
+
+    def score(part: int, shapes: Shapes, row: int) -> float:
+        diagonal = float(np.linalg.norm(parts.extents[part]))
+        return emd(shapes.surface(row), parts.surface(part)) / diagonal
+
+    def mean_over_sets(part: int, shapes: Shapes, count: int, nearest: Callable[..., int]) -> float:
+        total = len(shapes.features)
+        sets = [rng.choice(total, min(count, total), replace=False) for _ in range(DRAWS)]
+        return fmean(score(part, shapes, nearest(rows)) for rows in sets)
+
+    for part, (part_id, family) in enumerate(families.items()):
+        features, extents = parts.features[part], parts.extents[part]
+        is_other = np.array([other != family for other in families.values()])
+        others, count = np.flatnonzero(is_other), int(is_other.sum())
+        relatives = np.flatnonzero(np.arange(len(families)) != part)
+        values = {
+            CHANCE: score(part, parts, parts.nearest(others, features)),
+            "abstract solids, as many": mean_over_sets(
+                part, solids, count, lambda rows: solids.nearest(rows, features)
+            ),
+            "abstract solids, as many, by their boxes alone": mean_over_sets(
+                part, solids, count, lambda rows: solids.nearest_box(rows, extents)
+            ),
+            "abstract solids, all": score(
+                part, solids, solids.nearest(np.arange(len(solids.features)), features)
+            ),
+            "solids that resemble families, as many": mean_over_sets(
+                part, resembling, count, lambda rows: resembling.nearest(rows, features)
+            ),
+            "parts, the own family too": score(part, parts, parts.nearest(relatives, features)),
+        }
+        for name, value in values.items():
+            results[name][part_id] = value
+    return results
+
+
+def main() -> None:
+    data, params = Path(sys.argv[1]), load_params()
+    method = load_method("retrieval_procedural")
+    known = [
+        part for part in load_parts(data / "parts") if (data / "views" / part.part_id).is_dir()
+    ]
+    families = {part.part_id: part.family for part in known}
+    examples = [
+        Example(
+            part.part_id,
+            part.family,
+            data / "parts" / part.part_id,
+            data / "views" / part.part_id,
+            method.inputs,
+        )
+        for part in known
+    ]
+    chunks = list(read_index(data / "procedural"))
+    solids = load_procedural_shapes(data / "procedural", chunks)
+    with TemporaryDirectory() as folder:
+        resembling = resembling_solids(Path(folder))
+        sets = [Shapes(examples), Shapes(solids), Shapes(resembling)]
+        results = emds_by_set(sets[0], families, *sets[1:])
+    print(f"{len(known)} parts, {len(solids)} abstract solids, {len(resembling)} that resemble")
+    rows = []
+    for name, values in results.items():
+        change = paired_change(results[CHANCE], values, families, params.report, params.seed)
+        interval = format_interval(change.low, change.high, "+.4f")
+        rows.append(
+            [
+                name,
+                f"{fmean(values.values()):.4f}",
+                f"{change.mean:+.4f} ({interval})",
+                f"{100 * change.num_lower / change.parts:.0f} %",
+            ]
+        )
+    print(markdown_table(["nearest of", "EMD", "less chance", "nearer on"], rows))
+    by_family = [
+        [
+            family,
+            *(
+                f"{fmean(values[p] for p in families if families[p] == family):.4f}"
+                for values in results.values()
+            ),
+        ]
+        for family in sorted(set(families.values()))
+    ]
+    print(markdown_table(["family", *results], by_family))
+
+
+if __name__ == "__main__":
+    main()
