@@ -12,6 +12,7 @@ from industnerf.geometry.cameras import (
     back_projection,
     common_view_ball,
     look_at,
+    nested_view_order,
     nested_view_subset,
     pinhole,
     pixel_centers,
@@ -175,3 +176,35 @@ def test_few_of_a_sphere_are_spread_over_it(count):
 
 def test_places_that_coincide_are_all_taken_once():
     assert nested_view_subset(np.zeros((3, 3)), 3).tolist() == [0, 1, 2]
+
+
+def test_the_first_of_an_order_of_any_length_are_the_subset_of_their_number():
+    positions = fibonacci_sphere(40)
+    order = nested_view_order(positions, 40)
+    for count in range(1, 41):
+        np.testing.assert_array_equal(order[:count], nested_view_order(positions, count))
+        assert sorted(order[:count]) == nested_view_subset(positions, count).tolist()
+
+
+@pytest.mark.parametrize(("count", "within_deg"), [(5, 65), (8, 62), (12, 47)])
+def test_the_first_few_of_an_order_look_from_all_round(count, within_deg):
+    """Whatever the side, one of them looks from no farther off; of a spiral's first none."""
+    positions, directions = fibonacci_sphere(40), fibonacci_sphere(500)
+    chosen, in_a_row = positions[nested_view_order(positions, count)], positions[:count]
+    farthest = [
+        np.degrees(np.arccos((directions @ p.T).max(axis=1).min())) for p in (chosen, in_a_row)
+    ]
+    assert farthest[0] < within_deg
+    assert farthest[1] > 115
+
+
+def test_a_rig_has_one_order_about_any_part():
+    """Rings are symmetric: to rounding, which depends on the part, many views are alike far."""
+    angles = 2 * np.pi * np.arange(12) / 12
+    rings = np.concatenate([np.c_[np.cos(angles), np.sin(angles), 0 * angles + z] for z in (0, 1)])
+    rng = np.random.default_rng(0)
+    orders = {
+        tuple(nested_view_order(rng.uniform(5, 200) * rings + rng.normal(size=3), 24).tolist())
+        for _ in range(20)
+    }
+    assert len(orders) == 1

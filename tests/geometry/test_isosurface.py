@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
 
-from industnerf.geometry.isosurface import isosurface, isosurface_points
+from industnerf.geometry.isosurface import isosurface, isosurface_points, volume_matched_level
 
 LO, SPACING = np.array([-1.1, -1.2, -1.3]), 0.05
 
@@ -49,3 +52,33 @@ def test_a_full_lattice_is_closed_half_a_step_outside():
 def test_nothing_inside_gives_no_point():
     rng = np.random.default_rng(0)
     assert len(isosurface_points(np.zeros((4, 4, 4)), 0.5, LO, 1.0, 10, rng)) == 0
+
+
+def test_above_the_matched_level_lies_the_expected_volume_of_a_ramp():
+    """A ramp from 0 to 2 m has the mean m, which is above the share 1 - m of all values."""
+    for mean in (0.05, 0.3, 0.5):
+        values = np.linspace(0, 2 * mean, 12**3).reshape(12, 12, 12)
+        assert volume_matched_level(values) == pytest.approx(2 * mean * (1 - mean), rel=1e-3)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.02, 20.0))
+def test_above_the_matched_level_lies_the_expected_volume(seed, power):
+    """To within a cell, however few cells are likely to be full."""
+    values = np.random.default_rng(seed).random((7, 8, 9)) ** power
+    assert abs((values > volume_matched_level(values)).sum() - values.sum()) <= 1
+
+
+PROBABILITIES = arrays.arrays(
+    np.float32,
+    st.tuples(*3 * [st.integers(2, 4)]),
+    elements=st.sampled_from([np.float32(x) for x in (0, 1e-6, 0.1, 0.5, 0.75, 1)]),
+)
+
+
+@given(PROBABILITIES)
+def test_no_field_but_a_constant_one_is_empty_at_the_matched_level(values):
+    """Though many cells may be as likely as the likeliest."""
+    assume(np.ptp(values) > 0)
+    level = volume_matched_level(values)
+    assert values.min() <= level < values.max()
+    assert len(isosurface(values, level, LO, SPACING)[1])

@@ -1,11 +1,13 @@
 """The loop that nets are trained with, on nets whose way is known in closed form.
 
 Adam moves a number whose gradient is constant by the rate at every step -- m / sqrt(v) is the
-gradient's sign -- but for its epsilon: 1e-8 of the rate, less than float32 tells.
+gradient's sign -- but for its epsilon: 1e-8 of the rate, less than float32 tells.  What the rate
+is at a step is tested by itself.
 """
 
 from dataclasses import dataclass, replace
 from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,16 +16,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 from torch import nn
 
+from industnerf.artifacts.state import ModelState
 from industnerf.errors import ReconstructionFailed
 from industnerf.learning import training
-from industnerf.learning.training import has_converged, train, train_val_split
+from industnerf.learning.training import (
+    TrainingSplit,
+    fit_network,
+    has_converged,
+    lr_factor,
+    train,
+    train_val_split,
+)
+from industnerf.learning.training_shape import NO_PRIOR, Prior
+from industnerf.methods.base import Example
 from industnerf.schema import TrainingSettings
 
 SETTINGS = TrainingSettings(
     max_steps=10,
     batch_size=2,
     lr=0.25,
-    lr_milestones=[],
     weight_decay=0.0,
     val_fraction=0.5,
     val_interval=1,
@@ -47,35 +58,43 @@ def rising_loss(net, validation):
     )
 
 
-def train_scalar(validation, scratch, **changes):
+def way(steps, max_steps=10, lr=0.25):
+    """How far so many steps drive it."""
+    return lr * sum(lr_factor(step, max_steps) for step in range(steps))
+
+
+def train_scalar(validation, scratch, start=0.0, starts_trained=False, **changes):
     """The net and how it went; one part is learned from, and one asked."""
     net, settings = ScalarNet(), replace(SETTINGS, **changes)
-    result = train(
-        net, rising_loss(net, validation), ([0], [1]), settings, 0, scratch / "checkpoint"
-    )
+    nn.init.constant_(net.number, start)
+    loss, split = rising_loss(net, validation), TrainingSplit([0], [1])
+    path = scratch / "checkpoint"
+    result = train(net, loss, split, settings, 0, path, starts_trained=starts_trained)
     return net.number.item(), result
 
 
 def test_the_weights_of_the_best_validation_are_kept(tmp_path):
     number, result = train_scalar([3.0, 2.0, 1.0, 2.0, 3.0], tmp_path, val_interval=2)
-    assert number == pytest.approx(6 * 0.25)
+    assert number == pytest.approx(way(6))
     assert result.steps == 10
     assert result.val_history.loss.tolist() == [3.0, 2.0, 1.0, 2.0, 3.0]
     assert result.val_history.steps.tolist() == [1, 3, 5, 7, 9]  # as the training's, from 0
     assert result.train_history.steps.tolist() == list(range(10))
-    np.testing.assert_allclose(result.train_history.loss, -0.25 * np.arange(10), rtol=1e-6)
+    np.testing.assert_allclose(
+        result.train_history.loss, [-way(step) for step in range(10)], rtol=1e-5
+    )
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):
     number, result = train_scalar([2.0, 1.0], tmp_path, max_steps=5, val_interval=3)
     assert result.val_history.steps.tolist() == [2, 4]
-    assert number == pytest.approx(5 * 0.25)
+    assert number == pytest.approx(way(5, 5))
 
 
 def test_it_stops_when_no_validation_was_better_for_so_long(tmp_path):
     number, result = train_scalar([3.0, 2.0, 2.5, 2.0, 9.0, 0.0], tmp_path, patience=3)
     assert result.steps == 5  # the second is the best of five: to equal it is not to be better
-    assert number == pytest.approx(2 * 0.25)
+    assert number == pytest.approx(way(2))
 
 
 def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
@@ -85,10 +104,39 @@ def test_who_stopped_early_is_settled_and_who_still_gained_is_not(tmp_path):
     assert not train_scalar(down, tmp_path / "late", patience=1)[1].has_converged
 
 
-def test_the_rate_falls_to_a_tenth_after_each_share_of_the_steps(tmp_path):
-    down = np.arange(10.0)[::-1].tolist()
-    number, _ = train_scalar(down, tmp_path, lr_milestones=[0.5, 0.8])
-    assert number == pytest.approx(0.25 * (5 + 3 * 0.1 + 2 * 0.01), rel=1e-6)
+def test_the_rate_rises_over_100_steps_and_falls_as_half_a_cosine_to_a_hundredth():
+    rates = np.array([lr_factor(step, 2000) for step in range(2000)])
+    cosine = 0.01 + 0.99 * (1 + np.cos(np.pi * np.arange(2000) / 2000)) / 2
+    np.testing.assert_allclose(rates[100:], cosine[100:], rtol=1e-12)
+    np.testing.assert_allclose(rates[:100], cosine[:100] * np.arange(1, 101) / 100, rtol=1e-12)
+    assert rates[1000] == pytest.approx((1 + 0.01) / 2)
+    assert rates[-1] == pytest.approx(0.01, rel=1e-3)
+    assert lr_factor(0, 1) == pytest.approx(0.01)  # of a training of one step: warm-up
+
+
+class Pair(nn.Module):
+    """Two numbers."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.pair = nn.Parameter(torch.zeros(2))
+
+
+def test_a_long_gradient_is_shortened_and_keeps_its_direction(tmp_path):
+    """Against Adam by hand, on the gradients (0.3, 0.4) and 1000 times that, 500 long."""
+    net, factors = Pair(), iter([1.0, 1000.0])
+
+    def steep(part_indices, rng):
+        return (net.pair * torch.tensor([0.3, 0.4])).sum() * (next(factors) if net.training else 1)
+
+    split = TrainingSplit([0], [0])
+    train(net, steep, split, replace(SETTINGS, max_steps=2), 0, tmp_path / "checkpoint")
+    place, m, v = np.zeros(2), np.zeros(2), np.zeros(2)
+    for step, gradient in enumerate((np.array([0.3, 0.4]), np.array([3.0, 4.0]))):
+        m, v = 0.9 * m + 0.1 * gradient, 0.999 * v + 0.001 * gradient**2
+        unbiased = m / (1 - 0.9 ** (step + 1)), v / (1 - 0.999 ** (step + 1))
+        place -= 0.25 * lr_factor(step, 2) * unbiased[0] / np.sqrt(unbiased[1])
+    np.testing.assert_allclose(net.pair.detach(), place, rtol=1e-4)
 
 
 class Layer(nn.Module):
@@ -107,9 +155,11 @@ def test_matrices_decay_and_what_is_frozen_stays(tmp_path):
     def indifferent(part_indices, rng):
         return 0 * (net.matrix * net.frozen).sum() + 0 * net.vector.sum()
 
-    train(net, indifferent, ([0], [0]), replace(settings, max_steps=1), 0, tmp_path / "checkpoint")
+    split = TrainingSplit([0], [0])
+    train(net, indifferent, split, replace(settings, max_steps=1), 0, tmp_path / "checkpoint")
     # decay is all of the gradient, and Adam makes one step of the rate of it
-    torch.testing.assert_close(net.matrix.data, torch.tensor([[1.75, -2.75]]))
+    step = way(1, 1)
+    torch.testing.assert_close(net.matrix.data, torch.tensor([[2.0 - step, step - 3.0]]))
     assert net.vector.tolist() == [2.0, -3.0]
     assert net.frozen.tolist() == [[2.0, -3.0]]
 
@@ -122,13 +172,54 @@ def test_parts_set_apart_are_asked_alike_and_never_learned_from(tmp_path):
         return net.number.sum() if net.training else torch.tensor(1.0)
 
     settings = replace(SETTINGS, batch_size=3, val_interval=5)
-    train(net, record_loss, ([1, 4, 6], [0, 2, 3, 5]), settings, 0, tmp_path / "checkpoint")
+    split = TrainingSplit([1, 4, 6], [0, 2, 3, 5])
+    train(net, record_loss, split, settings, 0, tmp_path / "checkpoint")
     assert {part for part_indices, _ in train_calls for part in part_indices} == {1, 4, 6}
     first, second = val_calls[: len(val_calls) // 2], val_calls[len(val_calls) // 2 :]
     assert first == second  # with the same draws
     often = np.bincount([part for part_indices, _ in first for part in part_indices], minlength=6)
     assert set(often[[0, 2, 3, 5]]) <= {4, 5}  # 18 places for four parts, four times each
     assert not often[[1, 4]].any()
+
+
+@pytest.mark.parametrize("batch_size", [2, 5, 8])
+def test_half_of_a_batch_are_solids_where_there_are_any(tmp_path, batch_size):
+    """The smaller half, and none of those that are asked."""
+    net, batches, asked = ScalarNet(), [], set()
+
+    def record_loss(part_indices, rng):
+        if net.training:
+            batches.append(part_indices)
+        else:
+            asked.update(part_indices.tolist())
+        return net.number.sum()
+
+    split = TrainingSplit([0, 2], [1], solids=[3, 4, 5])
+    settings = replace(SETTINGS, batch_size=batch_size, max_steps=40, val_interval=20)
+    train(net, record_loss, split, settings, 0, tmp_path / "checkpoint")
+    solids = np.array(batches) >= 3
+    assert (solids.sum(axis=1) == batch_size // 2).all()
+    assert {part for batch in batches for part in batch.tolist()} == {0, 2, 3, 4, 5}
+    assert asked == {1}
+
+
+def test_weights_that_were_trained_are_validated_first_and_kept_where_nothing_is_better(tmp_path):
+    number, result = train_scalar(
+        [1.0, *10 * [2.0]], tmp_path / "worse", start=5.0, starts_trained=True
+    )
+    assert number == 5
+    assert result.val_history.steps.tolist() == [-1, *range(10)]  # before the first step
+    assert result.val_history.loss[0] == 1
+    number, _ = train_scalar(
+        [1.0, 0.5, *9 * [2.0]], tmp_path / "better", start=5.0, starts_trained=True
+    )
+    assert number == pytest.approx(5 + way(1))
+
+
+def test_weights_at_random_are_not_validated(tmp_path):
+    number, result = train_scalar([1.0, *9 * [2.0]], tmp_path, start=5.0)
+    assert number == pytest.approx(5 + way(1))
+    assert result.val_history.steps.tolist() == list(range(10))
 
 
 class NoisyNet(nn.Module):
@@ -143,7 +234,7 @@ class Interrupted(Exception):
     """What ends a training early."""
 
 
-def train_noisy(scratch, stop=None):
+def train_noisy(scratch, stop=None, starts_trained=False):
     """Train a `NoisyNet` with everything drawn anew at every step, or until so many losses."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
@@ -157,22 +248,27 @@ def train_noisy(scratch, stop=None):
         x = torch.from_numpy(rng.normal(size=(len(part_indices), 3))).float()
         return (net.layers(x)[:, 0] - torch.from_numpy(part_indices) / 5).square().mean()
 
-    settings = replace(
-        SETTINGS, max_steps=12, lr=0.05, lr_milestones=[0.5], val_interval=4, patience=2
-    )
-    result = train(net, noisy, ([0, 1, 2], [3, 4]), settings, 7, scratch / "checkpoint")
+    settings = replace(SETTINGS, max_steps=12, lr=0.5, val_interval=4, patience=3)
+    split, path = TrainingSplit([0, 1, 2], [3, 4], solids=[5, 6]), scratch / "checkpoint"
+    result = train(net, noisy, split, settings, 7, path, starts_trained=starts_trained)
     return net, result
 
 
 # Losses 5 to 8, 13 to 16 and 21 to 24 are validations: in front of, between and within them.
-@pytest.mark.parametrize("stop", [1, 2, 5, 7, 9, 12, 18])
-def test_it_goes_on_after_an_interruption_as_if_there_had_been_none(tmp_path, monkeypatch, stop):
+# Of weights that were trained before 1 to 4 are one too, and all others come as much later.
+@pytest.mark.parametrize(
+    ("stop", "starts_trained"),
+    [(1, False), (2, False), (7, False), (9, False), (18, False), (3, True), (6, True), (11, True)],
+)
+def test_it_goes_on_after_an_interruption_as_if_there_had_been_none(
+    tmp_path, monkeypatch, stop, starts_trained
+):
     monkeypatch.setattr(training, "CHECKPOINT_S", 0.0)  # a checkpoint after every step
-    uninterrupted, result = train_noisy(tmp_path / "whole")
+    uninterrupted, result = train_noisy(tmp_path / "whole", starts_trained=starts_trained)
     with pytest.raises(Interrupted):
-        train_noisy(tmp_path / "torn", stop)
-    assert (tmp_path / "torn" / "checkpoint").exists() == (stop > 1)
-    resumed, again = train_noisy(tmp_path / "torn")
+        train_noisy(tmp_path / "torn", stop, starts_trained)
+    assert (tmp_path / "torn" / "checkpoint").exists() == (stop > (5 if starts_trained else 1))
+    resumed, again = train_noisy(tmp_path / "torn", starts_trained=starts_trained)
     for name, tensor in uninterrupted.state_dict().items():
         assert tensor.numpy().tobytes() == resumed.state_dict()[name].numpy().tobytes(), name
     assert (result.steps, result.has_converged) == (again.steps, again.has_converged)
@@ -197,11 +293,11 @@ def test_a_loss_that_is_no_number_ends_it_with_a_reason(tmp_path, wrong, when):
     net = ScalarNet()
 
     def diverging(part_indices, rng):
-        calm = net.training != (when == "training") or net.number.item() < 0.7
+        calm = net.training != (when == "training") or net.number.item() < way(3)
         return net.number.sum() * (-1.0 if calm else wrong)
 
     with pytest.raises(ReconstructionFailed, match=rf"{when} loss .* step \d+.*training\.lr"):
-        train(net, diverging, ([0], [1]), SETTINGS, 0, tmp_path / "checkpoint")
+        train(net, diverging, TrainingSplit([0], [1]), SETTINGS, 0, tmp_path / "checkpoint")
 
 
 @pytest.mark.parametrize(
@@ -283,3 +379,52 @@ def test_a_group_is_validated_on_whole(groups, share):
         assert without_last < max(1, round(share * len(groups)))
     else:
         assert len(val_ids) == min(max(1, round(share * len(groups))), len(groups) - 1)
+
+
+def fit_scalar(scratch, examples, prior):
+    """The net's number, all shapes that were learned from, all that were asked, and the result."""
+    net, learned, asked = ScalarNet(), set(), set()
+
+    def loss(part_indices, rng):
+        (learned if net.training else asked).update(part_indices.tolist())
+        return (net.number - 3).abs().sum()
+
+    settings = replace(SETTINGS, max_steps=20, batch_size=4, val_fraction=0.3)
+    result, num_parts = fit_network(net, loss, examples, prior, settings, 0, scratch / "checkpoint")
+    return net.number.item(), learned, asked, result, num_parts
+
+
+def shapes(*names):
+    """By name alone: nothing is read of them here."""
+    return [Example(name, name, Path("part"), Path("views"), frozenset()) for name in names]
+
+
+PARTS, SOLIDS = shapes(*"abcd"), shapes(*"uvwxyz")
+
+
+def test_parts_are_learned_from_and_asked_and_solids_learned_from_alone(tmp_path):
+    _, learned, asked, _, num_parts = fit_scalar(tmp_path, PARTS, Prior(SOLIDS))
+    assert len(asked) == 1
+    assert learned == set(range(10)) - asked
+    assert asked < set(range(4))
+    assert num_parts == 3
+
+
+def test_without_parts_solids_are_learned_from_and_asked(tmp_path):
+    """That is pretraining."""
+    _, learned, asked, result, num_parts = fit_scalar(tmp_path, [], Prior(SOLIDS))
+    assert (len(learned), len(asked), num_parts) == (4, 2, 4)
+    assert learned | asked == set(range(6))
+    assert result.val_history.steps[0] == 0  # weights at random
+
+
+def test_without_solids_parts_are_learned_from_alone(tmp_path):
+    _, learned, asked, _, num_parts = fit_scalar(tmp_path, PARTS, NO_PRIOR)
+    assert (len(learned), len(asked), num_parts) == (3, 1, 3)
+
+
+def test_a_training_starts_from_the_weights_of_its_prior(tmp_path):
+    weights = ModelState({"number": np.array([3.0], np.float16)}, num_parts=6)
+    number, _, _, result, _ = fit_scalar(tmp_path, PARTS, Prior(SOLIDS, weights))
+    assert number == 3  # nothing is better
+    assert result.val_history.loss[0] == 0

@@ -1,41 +1,12 @@
-"""Which photographs are taken, and what scaling makes of known ones."""
+"""What scaling makes of known photographs, and the axes of a picture against its camera."""
 
 import numpy as np
 import pytest
 
-from industnerf.geometry.cameras import project
-from industnerf.learning.views import (
-    apply_camera_roll,
-    axis_rotations,
-    evenly_spaced_indices,
-    resize_images,
-)
-from tests.methods.solids import cameras_around
-
-
-@pytest.mark.parametrize(
-    ("total", "count", "expected"),
-    [
-        (40, 8, [0, 5, 10, 15, 20, 25, 30, 35]),
-        (10, 3, [0, 3, 6]),
-        (7, 7, [0, 1, 2, 3, 4, 5, 6]),
-        (3, 8, [0, 1, 2]),
-        (5, 1, [0]),
-        (0, 4, []),
-    ],
-)
-def test_evenly_takes_every_so_manieth(total, count, expected):
-    assert evenly_spaced_indices(total, count).tolist() == expected
-
-
-def test_gaps_differ_by_one_at_most():
-    for total in range(1, 50):
-        for count in range(1, total + 1):
-            gaps = np.diff(
-                [*evenly_spaced_indices(total, count), total]
-            )  # the last gap leads back to the first
-            assert gaps.min() >= 1
-            assert np.ptp(gaps) <= 1
+from industnerf.geometry.bounding_cube import BoundingCube
+from industnerf.geometry.cameras import Cameras, project
+from industnerf.learning.views import picture_frames, resize_images
+from tests.methods.solids import DISTANCE, cameras_around
 
 
 def noise(size, n=2):
@@ -72,29 +43,43 @@ def test_white_stays_white_and_sides_stay_apart():
     assert (small[:, 3:] == 255).all()
 
 
-CAMERAS = cameras_around(5, 64, 30.0)
+CUBE = BoundingCube(np.array([5.0, -2.0, 7.0]), 40.0)
+CAMERAS = cameras_around(5, 64, 30.0, tuple(CUBE.center_mm))
 
 
-def test_in_the_axes_of_a_view_points_are_right_down_and_forwards_of_its_camera():
-    points = np.random.default_rng(0).uniform(-20, 20, (50, 3))
-    for K, c2w, rotation in zip(
-        CAMERAS.K, CAMERAS.c2w, axis_rotations(CAMERAS, "view"), strict=True
-    ):
-        x, y, z = ((points - c2w[:3, 3]) @ rotation).T
-        uv, depth = project(points, K, c2w)
-        np.testing.assert_allclose(z, depth, rtol=1e-12)
-        np.testing.assert_allclose(K[0, 0] * x / z + K[0, 2], uv[:, 0], rtol=1e-9)
-        np.testing.assert_allclose(K[1, 1] * y / z + K[1, 2], uv[:, 1], rtol=1e-9)
+def test_in_picture_axes_points_lie_where_the_picture_shows_them():
+    """Its coordinates are widths of the picture from its middle, but for perspective.
+
+    Exactly: a point z behind the middle is 1 + z / (focal length in widths) times as far away.
+    """
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (50, 3))
+    for K, c2w, frame in zip(CAMERAS.K, CAMERAS.c2w, picture_frames(CAMERAS, CUBE), strict=True):
+        x, y, z = (points @ frame).T
+        uv, depth = project(CUBE.to_mm(points), K, c2w)
+        farther = 1 + z * CAMERAS.width / K[0, 0]
+        np.testing.assert_allclose(farther, depth / (DISTANCE * 30.0), rtol=1e-9)
+        np.testing.assert_allclose(x / farther, uv[:, 0] / 64 - 0.5, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(y / farther, uv[:, 1] / 64 - 0.5, rtol=0, atol=1e-9)
 
 
-def test_in_those_of_the_part_they_stay():
-    np.testing.assert_array_equal(axis_rotations(CAMERAS, "part"), np.tile(np.eye(3), (5, 1, 1)))
+def test_a_small_step_of_a_part_beside_the_axis_moves_its_image_as_far():
+    """To first order, and to the angle off the axis: 3 mm at 123 mm, 0.024 of the step."""
+    aside = BoundingCube(CUBE.center_mm + np.array([2.0, 2.0, -1.0]), CUBE.edge_mm)
+    steps = 1e-5 * np.random.default_rng(0).uniform(-1, 1, (50, 3))
+    for K, c2w, frame in zip(CAMERAS.K, CAMERAS.c2w, picture_frames(CAMERAS, aside), strict=True):
+        start, there = (project(aside.to_mm(p), K, c2w)[0] for p in (np.zeros((1, 3)), steps))
+        largest = np.abs(steps @ frame).max()
+        np.testing.assert_allclose(
+            (there - start) / 64, (steps @ frame)[:, :2], rtol=0, atol=0.03 * largest
+        )
 
 
-def test_a_roll_turns_the_axes_of_a_view_and_not_those_of_the_part():
-    quarter = np.tile([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]], (5, 1, 1))
-    rotations = axis_rotations(CAMERAS, "view")
-    right, down, forwards = np.moveaxis(rotations, 2, 0)
-    result = np.moveaxis(apply_camera_roll(rotations, quarter, "view"), 2, 0)
-    np.testing.assert_allclose(result, [down, -right, forwards], atol=1e-15)
-    np.testing.assert_array_equal(apply_camera_roll(rotations, quarter, "part"), rotations)
+def test_what_looks_as_large_is_as_large_whatever_the_scale_of_the_part():
+    frames = picture_frames(CAMERAS, CUBE)
+    c2w = CAMERAS.c2w.copy()
+    c2w[:, :3, 3] *= 1000
+    larger = Cameras(CAMERAS.K, c2w, CAMERAS.width, CAMERAS.height)
+    same = picture_frames(larger, BoundingCube(1000 * CUBE.center_mm, 1000 * CUBE.edge_mm))
+    np.testing.assert_allclose(same, frames, rtol=1e-9, atol=1e-12)
+    half = picture_frames(CAMERAS, BoundingCube(CUBE.center_mm, CUBE.edge_mm / 2))
+    np.testing.assert_allclose(half, frames / 2, rtol=1e-12, atol=1e-15)

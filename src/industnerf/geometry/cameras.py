@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Float32, Int64
 
+ALIKE = 1e-9  # distances that differ by less than this share of them are alike
+
 
 @dataclass(frozen=True)
 class Cameras:
@@ -148,15 +150,15 @@ def nested_view_order(
 ) -> Int64[np.ndarray, "count"]:
     """Indices of `count` of `positions`: the first, and each next the farthest from all before.
 
-    So the first few of them look from all round.  Of positions alike far the one with the lower
-    index is taken.  `count` is at most n.
+    So the first few of them look from all round.  Of positions alike far, to rounding, the one with
+    the lower index is taken: a rig has one order about any part.  `count` is at most n.
     """
     chosen = [0]
     distance = np.full(len(positions), np.inf)
     while len(chosen) < count:
         distance = np.minimum(distance, np.linalg.norm(positions - positions[chosen[-1]], axis=1))
         distance[chosen] = -1.0
-        chosen.append(int(distance.argmax()))
+        chosen.append(int((distance >= (1 - ALIKE) * distance.max()).argmax()))
     return np.array(chosen)
 
 

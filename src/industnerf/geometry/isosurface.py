@@ -31,9 +31,13 @@ def volume_matched_level(probabilities: Float[np.ndarray, "a b c"]) -> float:
     """The level above which lies as large a volume as the probabilities sum up to.
 
     At a fixed level a thin part that a network is unsure of vanishes, however sure it is of its
-    volume.  At this one no part is ever empty: some cell is above the mean, or all are alike.
+    volume.  Above this one there is always a cell, unless all are alike.
     """
-    return float(np.quantile(probabilities, 1 - probabilities.mean()))
+    level = float(np.quantile(probabilities, 1 - probabilities.mean(dtype=np.float64)))
+    highest = float(probabilities.max())
+    lower = probabilities[probabilities < highest]
+    # where many cells are the likeliest, the quantile may be theirs
+    return min(level, (float(lower.max()) + highest) / 2) if len(lower) else level
 
 
 def isosurface_points(

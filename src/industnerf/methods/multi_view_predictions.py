@@ -22,8 +22,8 @@ def predictions_to_reconstruction(
     non_empty = [points for points in clouds if len(points)]
     if not non_empty:
         raise ReconstructionFailed(
-            f"all {len(clouds)} predictions of the network are empty: occupancy is nowhere above "
-            "its `threshold`"
+            f"all {len(clouds)} predictions of the network are empty: "
+            "it has the same occupancy everywhere"
         )
     empty = [points for points in clouds if not len(points)]
     first, *others = [part_frame.to_mm(points) for points in (*non_empty, *empty)]
