@@ -16,7 +16,7 @@ box proportions show what is found without any picture.
 
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -58,13 +58,11 @@ class Shapes:
         self.extents = extents / extents.max(axis=1, keepdims=True)
         self.surface = lambda row: surface(row).astype(np.float64)
 
-    def nearest(self, rows: Int[np.ndarray, "n"], features: Float[np.ndarray, "views c"]) -> int:
-        """That of `rows` which looks most alike."""
-        return int(rows[feature_distances(self.features[rows], features).argmin()])
-
-    def nearest_box(self, rows: Int[np.ndarray, "n"], extents: Float[np.ndarray, "3"]) -> int:
-        """That of `rows` whose box is most alike."""
-        return int(rows[np.abs(self.extents[rows] - extents).sum(axis=1).argmin()])
+    def nearest(self, rows: Int[np.ndarray, "n"], query: Float[np.ndarray, "..."]) -> int:
+        """That of `rows` which is most like `query`, features of pictures or a box."""
+        if query.ndim == 1:
+            return int(rows[np.abs(self.extents[rows] - query).sum(axis=1).argmin()])
+        return int(rows[feature_distances(self.features[rows], query).argmin()])
 
 
 def resembling_solids(folder: Path) -> list[ProceduralShape]:
@@ -96,31 +94,22 @@ def emds_by_set(
         diagonal = float(np.linalg.norm(parts.extents[part]))
         return emd(shapes.surface(row), parts.surface(part)) / diagonal
 
-    def mean_over_sets(part: int, shapes: Shapes, count: int, nearest: Callable[..., int]) -> float:
-        total = len(shapes.features)
+    def score_sets(part: int, shapes: Shapes, count: int, by: str = "features") -> float:
+        total, query = len(shapes.features), getattr(parts, by)[part]
         sets = [rng.choice(total, min(count, total), replace=False) for _ in range(DRAWS)]
-        return fmean(score(part, shapes, nearest(rows)) for rows in sets)
+        return fmean(score(part, shapes, shapes.nearest(rows, query)) for rows in sets)
 
     for part, (part_id, family) in enumerate(families.items()):
-        features, extents = parts.features[part], parts.extents[part]
         is_other = np.array([other != family for other in families.values()])
-        others, count = np.flatnonzero(is_other), int(is_other.sum())
-        relatives = np.flatnonzero(np.arange(len(families)) != part)
+        count, query = int(is_other.sum()), parts.features[part]
+        not_itself = np.flatnonzero(np.arange(len(families)) != part)
         values = {
-            CHANCE: score(part, parts, parts.nearest(others, features)),
-            "abstract solids, as many": mean_over_sets(
-                part, solids, count, lambda rows: solids.nearest(rows, features)
-            ),
-            "abstract solids, as many, by their boxes alone": mean_over_sets(
-                part, solids, count, lambda rows: solids.nearest_box(rows, extents)
-            ),
-            "abstract solids, all": score(
-                part, solids, solids.nearest(np.arange(len(solids.features)), features)
-            ),
-            "solids that resemble families, as many": mean_over_sets(
-                part, resembling, count, lambda rows: resembling.nearest(rows, features)
-            ),
-            "parts, the own family too": score(part, parts, parts.nearest(relatives, features)),
+            CHANCE: score(part, parts, parts.nearest(np.flatnonzero(is_other), query)),
+            "as many abstract solids": score_sets(part, solids, count),
+            "as many, by their boxes alone": score_sets(part, solids, count, "extents"),
+            "as many that resemble families": score_sets(part, resembling, count),
+            "parts of all families": score(part, parts, parts.nearest(not_itself, query)),
+            "all abstract solids": score_sets(part, solids, len(solids.features)),
         }
         for name, value in values.items():
             results[name][part_id] = value
