@@ -10,8 +10,8 @@ diagonals, the nearest shape scaled to the part's longest edge.
 What a network may learn from is what shares no family with the part, so chance is the nearest of
 all parts of other families.  Solids give nothing away where as many of them are no nearer.  The
 mean is over DRAWS random sets of that many.  Solids of the kinds that resemble families, and
-parts of the own family, show what the check finds where something is given away.  The nearest
-box proportions show what is found without any picture.
+parts of all families, show what the check finds where something is given away.  The nearest box
+shows what is found without any picture, larger sets what comes with number.
 """
 
 import sys
@@ -96,7 +96,8 @@ def emds_by_set(
 
     def score_sets(part: int, shapes: Shapes, count: int, by: str = "features") -> float:
         total, query = len(shapes.features), getattr(parts, by)[part]
-        sets = [rng.choice(total, min(count, total), replace=False) for _ in range(DRAWS)]
+        draws = DRAWS if count < total else 1
+        sets = [rng.choice(total, min(count, total), replace=False) for _ in range(draws)]
         return fmean(score(part, shapes, shapes.nearest(rows, query)) for rows in sets)
 
     for part, (part_id, family) in enumerate(families.items()):
@@ -109,6 +110,7 @@ def emds_by_set(
             "as many, by their boxes alone": score_sets(part, solids, count, "extents"),
             "as many that resemble families": score_sets(part, resembling, count),
             "parts of all families": score(part, parts, parts.nearest(not_itself, query)),
+            "1000 abstract solids": score_sets(part, solids, 1000),
             "all abstract solids": score_sets(part, solids, len(solids.features)),
         }
         for name, value in values.items():

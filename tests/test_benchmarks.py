@@ -3,8 +3,10 @@
 import importlib
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import create_autospec
 
+import numpy as np
 import pytest
 
 from industnerf.artifacts.split import SplitAssignment, save_split
@@ -46,3 +48,25 @@ def test_r2n2_learns_once_and_is_asked_with_one_to_five_views(root, tmp_path, mo
     assert emds == {views: {"a": views / 10} for views in (1, 2, 3, 4, 5)}
     assert run.call_count == 1
     assert {call.args[1] for call in emd.call_args_list} == {run.return_value.state}
+
+
+def test_solids_that_copy_parts_come_nearer_than_parts_of_other_families():
+    module, rng = importlib.import_module("leakage"), np.random.default_rng(0)
+
+    def rod(axis):
+        """A rod along an axis, and pictures that tell which."""
+        points = 0.02 * rng.random((2048, 3))
+        points[:, axis] = rng.random(2048)
+        image = np.zeros((64, 64, 3), np.uint8)
+        image[16:48, 16 : 24 + 12 * axis] = 255
+        return SimpleNamespace(
+            surface_pool=lambda rng: points, rgb=lambda px, count: np.stack(count * [image])
+        )
+
+    parts, unlike = [rod(0), rod(1)], [rod(2), rod(2)]
+    shapes, others = module.Shapes(parts), module.Shapes(unlike)
+    emds = module.emds_by_set(shapes, {"a": "A", "b": "B"}, shapes, others)
+    chance = emds[module.CHANCE]
+    assert all(emds["all abstract solids"][part] < chance[part] / 10 for part in chance)
+    resembling = emds["as many that resemble families"]
+    assert all(resembling[part] == pytest.approx(chance[part], rel=0.1) for part in chance)
