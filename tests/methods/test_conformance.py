@@ -58,10 +58,11 @@ def quick_settings(name: str, params: Params) -> Any:
     if not name.startswith("industnerf") and name != "nerf":
         if load_method(name).scope == Scope.DATASET:
             values = getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
-            # so few steps do not teach how a part lies in every view; that answers in a view's axes
-            # come back to the part's is tested with each net
-            if hasattr(values, "output_axes"):
-                values = replace(values, output_axes="part")
+            # so few steps do not teach how a part lies in every view; that answers in a picture's
+            # axes come back to the part's is tested with each network
+            for axes in ("output_axes", "query_axes"):
+                if hasattr(values, axes):
+                    values = replace(values, **{axes: "part"})
             if name == "atlasnet":  # of a third as many steps its sheets still reach past the part
                 values = replace(values, training=replace(values.training, max_steps=500))
             return values
