@@ -11,7 +11,7 @@ import numpy as np
 
 from industnerf.capture.backgrounds import backgrounds
 from industnerf.capture.image_formation import render_image
-from industnerf.capture.render import set_up_scene
+from industnerf.capture.render import Scene, set_up_scene
 from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.geometry.cameras import nested_view_order
 from industnerf.learning import targets
@@ -46,26 +46,31 @@ def make_chunk(
     rows, kinds = [], []
     for index in indices:
         solid = procedural_solid(seed, index, KINDS[settings.kinds])
-        rows.append(_row(solid, small, settings.views, generator(seed, "lessons", str(index))))
+        mesh, finishes = solid.as_mesh()
+        scene = set_up_scene(f"procedural {index}", mesh, finishes, small, seed)
+        lessons = generator(seed, "lessons", str(index))
+        rows.append(_row(solid, _few_views(scene, settings.views), small, lessons))
         kinds.append(solid.kind)
     names = [field.name for field in fields(ProceduralArrays)]
     arrays = (np.stack(column) for column in zip(*rows, strict=True))
     ProceduralArrays(**dict(zip(names, arrays, strict=True))).save(target, kinds)
 
 
+def _few_views(scene: Scene, count: int) -> Scene:
+    """The first `count` in nested order."""
+    order = nested_view_order(scene.cameras.centers, min(count, len(scene.cameras)))
+    return replace(
+        scene,
+        cameras=scene.cameras[order],
+        shadings=[scene.shadings[view] for view in order],
+        streams=[scene.streams[view] for view in order],
+    )
+
+
 def _row(
-    solid: ProceduralSolid, settings: ViewsParams, num_views: int, rng: np.random.Generator
+    solid: ProceduralSolid, scene: Scene, settings: ViewsParams, rng: np.random.Generator
 ) -> Sequence[np.ndarray]:
     """The fields of `ProceduralArrays` of one solid."""
-    mesh, finishes = solid.as_mesh()
-    whole = set_up_scene(solid.kind, mesh, finishes, settings, seed=0)
-    order = nested_view_order(whole.cameras.centers, min(num_views, len(whole.cameras)))
-    scene = replace(
-        whole,
-        cameras=whole.cameras[order],
-        shadings=[whole.shadings[view] for view in order],
-        streams=[whole.streams[view] for view in order],
-    )
     behind = backgrounds(settings, scene.streams, scene.part_colors)
     images = [
         render_image(scene.surface, shade, K, c2w, background, settings, streams).rgb

@@ -75,15 +75,20 @@ def _matmul(a: Tensor, b: Tensor) -> Tensor:
     x, y = a.detach().numpy(), b.detach().numpy()
     rows, terms = x.shape[-2:]
     if x.ndim == 3 or max(rows, terms) <= BLOCK:
-        return torch.from_numpy(np.matmul(x, y))
+        return torch.from_numpy(_multiply(x, y))
     if rows > BLOCK:
         product = np.empty((rows, y.shape[1]), np.result_type(x, y))
-        _map_blocks(lambda block: np.matmul(x[block], y, out=product[block]), rows)
+        _map_blocks(lambda block: _multiply(x[block], y, out=product[block]), rows)
     else:
-        product, *others = _map_blocks(lambda block: np.matmul(x[:, block], y[block]), terms)
+        product, *others = _map_blocks(lambda block: _multiply(x[:, block], y[block]), terms)
         for other in others:
             product += other
     return torch.from_numpy(product)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # silent as torch is: the loss will tell
+def _multiply(x: np.ndarray, y: np.ndarray, out: np.ndarray | None = None) -> np.ndarray:
+    return np.matmul(x, y, out=out)
 
 
 def _require_real(*tensors: Tensor) -> None:

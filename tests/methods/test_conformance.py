@@ -40,6 +40,8 @@ INPUT_ATTRIBUTES = {
 # Depth is float32 mm: its last digit decides how marching cubes cut a cell, and one face more
 # moves all samples by one face.  The surface is the same, its points are others.
 RESAMPLED = {"tsdf"}
+# A part that is alone asks for no caution: with few steps, larger ones.
+QUICK = {"r2n2": {"max_steps": 120, "lr": 1e-2}, "atlasnet": {"max_steps": 200, "lr": 3e-3}}
 IMAGES = {Input.RGB, Input.MASK, Input.DEPTH}
 BY_VIEW = IMAGES | {Input.BACKGROUND}
 TRAINED = {"industnerf", "industnerf_depth", "industnerf_shared", "r2n2", "atlasnet", "occupancy"}
@@ -58,12 +60,13 @@ def quick_settings(name: str, params: Params) -> Any:
     if not name.startswith("industnerf") and name != "nerf":
         if load_method(name).scope == Scope.DATASET:
             values = getattr(merged("params.yaml", "conf/experiment/smoke.yaml").method, name)
-            # so few steps do not teach how a part lies in every view; that answers in a view's axes
-            # come back to the part's is tested with each net
-            if hasattr(values, "output_axes"):
-                values = replace(values, output_axes="part")
-            if name == "atlasnet":  # of a third as many steps its sheets still reach past the part
-                values = replace(values, training=replace(values.training, max_steps=500))
+            # so few steps do not teach how a part lies in every view; that answers in a picture's
+            # axes come back to the part's is tested with each network
+            for axes in ("output_axes", "query_axes"):
+                if hasattr(values, axes):
+                    values = replace(values, **{axes: "part"})
+            if name in QUICK:
+                values = replace(values, training=replace(values.training, **QUICK[name]))
             return values
         return getattr(params.method, name)
     level = {"image_px": 48, "steps": 100, "points": 2000}

@@ -1,9 +1,10 @@
 """Procedural solids as networks learn from them: views and targets, packed by the hundred.
 
-    <chunk>/kinds.json  <chunk>/images.npy  ...   one row a solid in each array
+    <chunk>/kinds.json  <chunk>/solids.npy   one row a solid, one column each array
 
-Arrays are mapped from their files, so that processes side by side share one copy of thousands of
-solids, and a training needs no more memory with them than without.
+Files are mapped, so that processes side by side share one copy of thousands of solids, and a
+training needs no more memory with them than without.  A mapped file stays open, and a system lets
+a process open a thousand or so: hence one a chunk.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from industnerf.learning.targets import OccupancyPool
 from industnerf.learning.views import resize_images
 
 SCHEMA = 1
+FILE = "solids.npy"
 
 
 @dataclass(frozen=True)
@@ -35,8 +37,11 @@ class ProceduralArrays:
 
     def save(self, folder: Path, kinds: Sequence[str]) -> None:
         """Write every array into `folder`, and the kind of every solid."""
-        for field in fields(self):
-            np.save(folder / f"{field.name}.npy", getattr(self, field.name))
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        rows = np.empty(len(kinds), [(k, v.dtype, v.shape[1:]) for k, v in columns.items()])
+        for name, column in columns.items():
+            rows[name] = column
+        np.save(folder / FILE, rows)
         write_json(folder / "kinds.json", {"schema": SCHEMA, "kinds": list(kinds)})
 
 
@@ -82,11 +87,9 @@ def load_procedural_shapes(folder: Path, chunks: Sequence[str]) -> list[Procedur
     shapes: list[ProceduralShape] = []
     for chunk in chunks:
         kinds = read_json(folder / chunk / "kinds.json", SCHEMA, "procedural")["kinds"]
+        rows = np.load(folder / chunk / FILE, mmap_mode="r")
         arrays = ProceduralArrays(
-            **{
-                field.name: np.load(folder / chunk / f"{field.name}.npy", mmap_mode="r")
-                for field in fields(ProceduralArrays)
-            }
+            **{field.name: rows[field.name] for field in fields(ProceduralArrays)}
         )
         for row, kind in enumerate(kinds):
             part_id = f"procedural-{len(shapes):05d}"

@@ -29,7 +29,7 @@ def test_full_is_as_published(full):
         512,
     )
     assert (full.patches, full.patches * full.patch_points) == (25, 2500)
-    assert (full.training.batch_size, full.training.lr) == (32, 1e-3)
+    assert (full.pretraining.batch_size, full.pretraining.lr) == (32, 1e-3)
 
 
 def test_the_decoder_has_the_published_layers(full):
@@ -107,3 +107,16 @@ def test_layers_start_for_rectifiers():
     weights = Decoder(25, 64, 16).hidden[0].weight
     # of 25 600 uniform draws the deviation is known to 0.5 %: 4 of its standard errors are 2 %
     assert weights.std().item() == pytest.approx((2 / 64) ** 0.5, rel=0.02)
+
+
+def test_it_is_told_the_axes_of_the_picture():
+    """The latent is that of the image and that of the axes."""
+    torch.manual_seed(0)
+    small = merged("params.yaml", "conf/experiment/smoke.yaml").method.atlasnet
+    net, contrasts = build_network(small).eval(), torch.rand(2, 3, small.image_px, small.image_px)
+    frames, uv = torch.randn(2, 3, 3), torch.rand(small.patches, 2, 2, 5)
+    with torch.no_grad():
+        latent = net.encoder(2 * contrasts) + net.frame_encoder(frames)
+        torch.testing.assert_close(net(contrasts, frames, uv), net.decoder(latent, uv))
+        other = net(contrasts, frames.flip(0), uv)
+    assert (other - net(contrasts, frames, uv)).abs().amax(dim=(1, 2)).min() > 1e-4

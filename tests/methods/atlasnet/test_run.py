@@ -1,4 +1,4 @@
-"""The training, what it learns by heart, and its answers."""
+"""The training, and its answers."""
 
 from dataclasses import replace
 
@@ -7,16 +7,13 @@ import pytest
 import torch
 from scipy.spatial.transform import Rotation
 
-from industnerf.config import load_params
 from industnerf.errors import ReconstructionFailed
-from industnerf.geometry.sampling import box_surface
 from industnerf.methods import load_method
 from industnerf.methods.atlasnet import run
+from industnerf.methods.atlasnet.dataset import AtlasNetDataset
+from industnerf.methods.atlasnet.network import build_network
 from industnerf.methods.atlasnet.run import sample_patches, square_mesh
 from industnerf.methods.base import Example, load_inputs
-from industnerf.metrics.emd import emd
-from industnerf.metrics.subsample import farthest_points
-from industnerf.torch_kernels import use_reproducible_kernels
 from tests.methods.test_conformance import merged
 
 METHOD = load_method("atlasnet")
@@ -38,7 +35,7 @@ def examples(rendered_part):
 
 def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_path, monkeypatch):
     uninterrupted = METHOD.fit(examples, settings, 0, tmp_path / "whole")
-    loss, calls = run.image_loss, []
+    loss, calls = AtlasNetDataset.loss, []
 
     def interrupt(*arguments):
         calls.append(arguments)
@@ -46,7 +43,7 @@ def test_an_interrupted_training_ends_in_the_same_bytes(examples, settings, tmp_
             raise KeyboardInterrupt
         return loss(*arguments)
 
-    monkeypatch.setattr(run, "image_loss", interrupt)
+    monkeypatch.setattr(AtlasNetDataset, "loss", interrupt)
     monkeypatch.setattr("industnerf.learning.training.CHECKPOINT_S", 0.0)
     with pytest.raises(KeyboardInterrupt):
         METHOD.fit(examples, settings, 0, tmp_path / "cut")
@@ -68,20 +65,20 @@ def test_the_state_tells_how_the_training_went(examples, settings, tmp_path):
     assert state.num_parameters == sum(array.size for array in trained) - batches
 
 
-def test_a_training_starts_from_the_weights_it_is_given(examples, settings, tmp_path):
-    """At a rate of nearly 0 they stay; without them it is the seed's that do."""
-    weights = METHOD.fit(examples, settings, 1, tmp_path / "given").arrays
-    still = replace(settings, training=replace(settings.training, lr=1e-12))
-    dataset = run.AtlasNetDataset(examples, still, np.random.default_rng(0))
-    nets = [
-        run.train_network(dataset, ([0], [1]), still, 0, tmp_path / f"{i}.pt", initial)[0]
-        for i, initial in enumerate((weights, None))
-    ]
-    is_kept = [
-        all(np.allclose(weights[name], w.detach(), atol=1e-9) for name, w in net.named_parameters())
-        for net in nets
-    ]
-    assert is_kept == [True, False]
+@pytest.mark.parametrize("axes", ["part", "picture"])
+def test_it_learns_points_in_the_axes_that_it_answers_in(axes, examples, settings):
+    dataset = AtlasNetDataset(examples, replace(settings, output_axes=axes), rng_of(0))
+    frames = np.stack([2.0 * np.eye(3)[[1, 2, 0]], np.eye(3)])
+    targets = dataset._targets(np.array([0, 0]), frames, rng_of(1))
+    assert targets.shape == (2, settings.target_points, 3)
+    extents = np.ptp(targets, axis=1)
+    whole = np.ptp(dataset.surfaces[0], axis=0)
+    expected = [2 * whole[[2, 0, 1]], whole] if axes == "picture" else [whole, whole]
+    np.testing.assert_allclose(extents, expected, atol=0.02)  # of 2400 random points
+
+
+def rng_of(seed):
+    return np.random.default_rng(seed)
 
 
 def test_there_is_an_answer_to_each_view_asked(rendered_part, examples, settings, tmp_path):
@@ -99,99 +96,28 @@ def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
         METHOD.fit(examples, settings_diverging, 0, tmp_path)
 
 
-class Views:
-    """Views and surfaces of solids, which need no files: silhouettes with their depth as color."""
+@pytest.mark.parametrize("axes", ["part", "picture"])
+def test_what_is_said_in_any_axes_comes_back_to_the_parts(axes, settings):
+    """Every patch is the same square in the plane z = 1 of the axes that it answers in."""
+    frame = 0.6 * Rotation.from_euler("xyz", [0.4, -0.7, 1.1]).as_matrix()
+    told = []
 
-    def __init__(self, clouds, views=4, target_points=1200):
-        self.clouds, self.target_points = clouds, target_points
-        self.rotations = Rotation.random(views, random_state=3).as_matrix()
-        self.images = torch.stack(
-            [torch.stack([depth_image(c @ r) for r in self.rotations]) for c in clouds]
-        )
+    def square(contrasts, frames, uv):
+        told.append(frames)
+        flat = uv.permute(2, 0, 3, 1)
+        return torch.cat([flat, torch.ones_like(flat[..., :1])], dim=-1).flatten(1, 2)
 
-    def sample(self, net, part_indices, rng):
-        views = rng.integers(len(self.rotations), size=len(part_indices))
-        draws = rng.integers(len(self.clouds[0]), size=(len(part_indices), self.target_points))
-        points = np.stack([self.clouds[p][d] for p, d in zip(part_indices, draws, strict=True)])
-        target = torch.tensor(points @ self.rotations[views], dtype=torch.float32)
-        return self.images[part_indices, views], target
-
-
-def depth_image(points, px=32):
-    """Gray by the nearest point of each pixel, 0 where there is none."""
-    image = np.zeros((px, px))
-    column, row = (((points[:, :2] / 1.8) + 0.5) * px).astype(int).clip(0, px - 1).T
-    np.maximum.at(image, (row, column), points[:, 2] + 1)
-    return torch.tensor(image, dtype=torch.float32).expand(3, -1, -1)
-
-
-def box_cloud(*extents, seed=0):
-    return box_surface(np.array(extents), np.zeros(3), 16384, np.random.default_rng(seed))
-
-
-BOXES = [(0.9, 0.5, 0.3), (0.9, 0.15, 0.15), (0.7, 0.7, 0.1), (0.5, 0.5, 0.5)]
-
-
-def learn_by_heart(settings, count, steps, seed, tmp_path):
-    """The EMD of each answer, and of a second sample of its truth, to the truth: solids x views."""
-    training = replace(
-        settings.training, max_steps=steps, batch_size=8, lr=2e-3, val_interval=steps // 5
-    )
-    settings = replace(settings, patch_points=48, image_px=32, training=training)
-    source = Views([box_cloud(*extents) for extents in BOXES[:count]])
-    parts = list(range(count))
-    use_reproducible_kernels()
-    net, _ = run.train_network(source, (parts, parts), settings, seed, tmp_path / "net.pt")
-    uv, faces = square_mesh(settings.grid_res)
-    squares, rng = torch.tensor(uv.T, dtype=torch.float32), np.random.default_rng(0)
-    values, answers = [], []
-    for part, extents in enumerate(BOXES[:count]):
-        truth = farthest_points(source.clouds[part], 512)
-        floor = emd(farthest_points(box_cloud(*extents, seed=1), 512), truth)
-        for image, rotation in zip(source.images[part], source.rotations, strict=True):
-            vertices = run._vertices(net.eval(), image, squares, settings.patches)
-            points = sample_patches(vertices @ rotation.T, faces, 16384, rng)
-            answers.append(farthest_points(points, 512))
-            values.append((emd(answers[-1], truth), floor))
-    return np.array(values).reshape(count, -1, 2), answers
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_one_part_is_learned_by_heart(root, tmp_path, seed):
-    """To the floor of two samples and 0.01 for 25 patches, from every view, and 0.01 to spare."""
-    settings = load_params(root / "params.yaml").method.atlasnet
-    values, _ = learn_by_heart(settings, 1, 1200, seed, tmp_path)
-    assert values[..., 0].mean() < values[..., 1].mean() + 0.02, values
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_four_parts_are_learned_and_told_apart(root, tmp_path, seed):
-    settings = load_params(root / "params.yaml").method.atlasnet
-    values, answers = learn_by_heart(settings, 4, 2000, seed, tmp_path)
-    assert (values[..., 0].mean(axis=1) < values[..., 1].mean(axis=1) + 0.02).all(), values
-    first_views = answers[::4]
-    for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)):
-        assert emd(first_views[i], first_views[j]) > 2 * values[..., 0].max()
-    # the mean shape: all four truths in one cloud
-    mean_cloud = np.concatenate([box_cloud(*extents) for extents in BOXES])
-    for part, extents in enumerate(BOXES):
-        mean_shape = farthest_points(mean_cloud, 512)
-        truth = farthest_points(box_cloud(*extents), 512)
-        assert values[part, :, 0].mean() < emd(mean_shape, truth) / 2
-
-
-def test_what_is_said_in_the_axes_of_a_view_comes_back_to_the_parts(examples, settings, tmp_path):
-    state = METHOD.fit(examples, settings, 0, tmp_path)
-    images = np.random.default_rng(0).integers(0, 256, (2, *2 * [settings.image_px], 3), np.uint8)
-    rotations = Rotation.from_euler("xyz", [[0.4, -0.7, 1.1], [0, 0, 0]]).as_matrix()
-    straight = run.predict_clouds(images, np.tile(np.eye(3), (2, 1, 1)), settings, state, 0)
-    turned = run.predict_clouds(images, rotations, settings, state, 0)
-    # the same triangles are drawn from: rounding may tip a draw at the border of two, seldom
-    near = np.isclose(turned[0] @ rotations[0], straight[0], rtol=0, atol=1e-6)
-    assert near.all(axis=1).mean() > 0.99
-    np.testing.assert_array_equal(turned[1], straight[1])
+    answering = replace(settings, output_axes=axes)
+    contrast = torch.zeros(3, settings.image_px, settings.image_px)
+    net = build_network(settings)
+    net.forward = square
+    points = run.predict(net, contrast, frame, answering, rng_of(0))
+    assert len(points) == settings.points
+    torch.testing.assert_close(told[0], torch.tensor(frame[None], dtype=torch.float32))
+    in_axes = points @ frame if axes == "picture" else points
+    np.testing.assert_allclose(in_axes[:, 2], 1, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(in_axes[:, :2].min(axis=0), 0, atol=0.02)
+    np.testing.assert_allclose(in_axes[:, :2].max(axis=0), 1, atol=0.02)
 
 
 @pytest.mark.parametrize("side", [2, 5])

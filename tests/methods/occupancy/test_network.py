@@ -1,5 +1,7 @@
 """The net against the published sizes, and its norm against its formula."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -87,7 +89,7 @@ def test_a_new_decoder_does_not_know_the_code_and_a_trained_one_does():
 def test_each_image_and_each_point_is_answered_for_itself():
     torch.manual_seed(0)
     small = merged("params.yaml", "conf/experiment/smoke.yaml").method.occupancy
-    net, images, points = OccupancyNet(small), torch.rand(4, 3, 32, 32), torch.rand(4, 20, 3)
+    net, images, points = OccupancyNet(small), torch.rand(4, 3, 32, 32), torch.rand(4, 20, 6)
     for _ in range(3):
         net(images, points)
     for linear in (net.decoder.norm.scale, net.decoder.norm.shift):
@@ -102,15 +104,17 @@ def test_each_image_and_each_point_is_answered_for_itself():
     assert (other - alone).abs().max() > 1e-3
 
 
-def test_images_are_taken_relative_to_imagenet(full):
-    mean = torch.tensor([0.485, 0.456, 0.406]).view(1, 3, 1, 1)
-    deviation = torch.tensor([0.229, 0.224, 0.225]).view(1, 3, 1, 1)
-    normalized = []
-    hook = full.encoder.register_forward_pre_hook(lambda net, inputs: normalized.append(inputs[0]))
+def test_a_gray_part_before_white_looks_as_bright_as_imagenet_does(full):
+    seen = []
+    hook = full.encoder.register_forward_pre_hook(lambda net, inputs: seen.append(inputs[0]))
     with torch.no_grad():
-        full.encode(
-            (mean + torch.tensor([0.0, 1.0]).view(2, 1, 1, 1) * deviation).expand(2, 3, 32, 32)
-        )
+        full.encode(torch.tensor([0.0, 0.5]).view(2, 1, 1, 1).expand(2, 3, 32, 32))
     hook.remove()
-    torch.testing.assert_close(normalized[0][0], torch.zeros(3, 32, 32), rtol=0, atol=1e-6)
-    torch.testing.assert_close(normalized[0][1], torch.ones(3, 32, 32), rtol=0, atol=1e-6)
+    assert not seen[0][0].any()  # the background
+    torch.testing.assert_close(seen[0][1], torch.ones(3, 32, 32))
+
+
+@pytest.mark.parametrize(("axes", "dims"), [("part", 3), ("picture", 3), ("both", 6)])
+def test_its_first_layer_takes_a_point_in_the_axes_that_it_knows(axes, dims):
+    small = merged("params.yaml", "conf/experiment/smoke.yaml").method.occupancy
+    assert OccupancyNet(replace(small, query_axes=axes)).decoder.first.in_features == dims

@@ -20,7 +20,6 @@ def settings() -> R2n2Settings:
         max_steps=6,
         batch_size=2,
         lr=1e-3,
-        lr_milestones=[0.5],
         weight_decay=0.0,
         val_fraction=0.3,
         val_interval=2,
@@ -30,10 +29,9 @@ def settings() -> R2n2Settings:
         size="tiny",
         image_px=16,
         channel_divisor=32,
-        train_views=4,
         max_views=3,
-        threshold=0.4,
         points=500,
+        pretraining=training,
         training=training,
         augment=replace(NO_AUGMENTATION, color_jitter=0.1),
     )
@@ -54,9 +52,17 @@ class Box(Example):
         return np.asarray(bar.vertices), np.asarray(bar.faces, np.int32)
 
     def rgb(self, px: int, count: int) -> np.ndarray:
-        """View i is brighter by i."""
-        level = round(200 * self.size) + np.arange(count, dtype=np.uint8)
-        return np.broadcast_to(level[:, None, None, None], (count, px, px, 3)).astype(np.uint8)
+        """View i is brighter by i; of four views."""
+        level = round(200 * self.size) + np.arange(min(count, 4), dtype=np.uint8)
+        return np.broadcast_to(level[:, None, None, None], (len(level), px, px, 3)).astype(np.uint8)
+
+    def background(self, count: int) -> np.ndarray:
+        """White."""
+        return np.ones((min(count, 4), 3))
+
+    def picture_frames(self, count: int) -> np.ndarray:
+        """Those of the part."""
+        return np.tile(np.eye(3), (min(count, 4), 1, 1))
 
 
 @pytest.fixture

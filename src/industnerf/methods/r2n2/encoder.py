@@ -41,7 +41,7 @@ class ConvBlock(nn.Module):
 
 
 class Encoder(nn.Sequential):
-    """Images (b, 3, px, px) in [0, 1] to vectors (b, 1024 / divisor)."""
+    """Images (b, 3, px, px) to vectors (b, 1024 / divisor)."""
 
     def __init__(self, px: int, divisor: int) -> None:
         a, b, c, d, e, f = (channels // divisor for channels in CHANNELS)
