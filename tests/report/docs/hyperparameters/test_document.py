@@ -24,12 +24,12 @@ def stages(root: Path) -> dict:
 @pytest.mark.parametrize(
     ("key", "expected"),
     [
-        ("views.light.ambient", ["views"]),
-        ("views.count", ["views", "report"]),
-        ("method.hull.points", ["train", "reconstruct"]),
+        ("views.light.ambient", ["views", "procedural"]),
+        ("views.count", ["views", "procedural", "report"]),
+        ("method.hull.points", ["pretrain", "train", "reconstruct"]),
         ("parts.units", ["solids"]),
         ("parts.path", ["solids", "parts"]),  # it stands in their commands
-        ("methods", ["train", "reconstruct", "evaluate", "report"]),  # in their matrix
+        ("methods", ["pretrain", "train", "reconstruct", "evaluate", "report"]),  # in their matrix
         ("preset", ["report"]),
     ],
 )
