@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Float32, Int64
 
-ALIKE = 1e-9  # distances that differ by less than this share of them are alike
+TIE_TOLERANCE = 1e-9  # distances that differ by less than this share of them are equal
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ def nested_view_order(
     while len(chosen) < count:
         distance = np.minimum(distance, np.linalg.norm(positions - positions[chosen[-1]], axis=1))
         distance[chosen] = -1.0
-        chosen.append(int((distance >= (1 - ALIKE) * distance.max()).argmax()))
+        chosen.append(int((distance >= (1 - TIE_TOLERANCE) * distance.max()).argmax()))
     return np.array(chosen)
 
 
