@@ -29,6 +29,13 @@ def changed(values, path, value):
     return values
 
 
+def test_pretraining_needs_solids(values):
+    without = changed(values, "procedural.solids", 0)
+    assert config.build(Params, without).procedural.solids == 0
+    with pytest.raises(BadParams, match=r"procedural\.solids is 0, must be at least 1: pretrain"):
+        config.build(Params, changed(without, "pretrain.weights", "trained"))
+
+
 def test_params_yaml_is_a_whole_set_of_values(values):
     assert config.build(Params, values).views.count == values["views"]["count"]
 
@@ -76,6 +83,11 @@ def test_params_yaml_is_a_whole_set_of_values(values):
             "method.nerf.density_bias is 1000000000.0, must be below max_raw_density",
         ),
         ("method.hull.cell_px", 0, "method.hull.cell_px is 0.0, must be in (0, 8] px"),
+        (
+            "method.occupancy.points_subsample",
+            3,
+            "method.occupancy.points_subsample is 3, must be at least 4: some of them inside",
+        ),
         ("method.mlp", {}, "method.mlp is unknown"),
     ],
 )

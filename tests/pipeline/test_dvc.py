@@ -13,9 +13,9 @@ import yaml
 
 from industnerf import code_hash, config
 from industnerf.methods import MODULES, load_method
-from industnerf.methods.base import Scope
+from industnerf.methods.base import Input, Scope
 from industnerf.report.study import failures_of
-from industnerf.schema import MethodSettings
+from industnerf.schema import MethodSettings, TrainingSettings
 from pipeline.preset import DVC_CONFIG
 
 # Corridors that move results about and log them: they are no dependency of any result.
@@ -41,6 +41,7 @@ CORE_MODULES = {
     )
 }
 STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
+PRETRAIN_STAGES = {f"pretrain@{name}" for name in STAGES["pretrain"]["matrix"]["method"]}
 TRAIN_STAGES = {f"train@{name}" for name in STAGES["train"]["matrix"]["method"]}
 RESULT_FILES = (
     "index",
@@ -54,11 +55,10 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
     dep_paths = [root / dep for dep in deps]
     needed = code_hash.import_closure(f"pipeline.stages.{name}") - CORE_MODULES
     needed = {module for module in needed if not module.startswith("industnerf.runner.")}
-    if name in ("train", "reconstruct"):
-        needed |= (
-            set().union(*(code_hash.import_closure(module) for module in MODULES.values()))
-            - CORE_MODULES
-        )
+    if name in ("pretrain", "train", "reconstruct"):
+        methods = STAGES[name]["matrix"]["method"] if name == "pretrain" else MODULES
+        closures = (code_hash.import_closure(MODULES[method]) for method in methods)
+        needed |= set().union(*closures) - CORE_MODULES
     for module in sorted(needed):
         source = code_hash.source_path(module)
         assert any(source == dep or dep in source.parents for dep in dep_paths), (
@@ -88,6 +88,17 @@ def test_train_runs_over_the_methods_that_learn_from_other_parts():
     assert set(STAGES["train"]["matrix"]["method"]) == learning
 
 
+def test_pretrain_runs_over_the_networks_that_are_trained_twice():
+    settings = config.load_params(Path(__file__).parents[2] / "params.yaml").method
+    pretrained = {
+        name
+        for name in MODULES
+        if isinstance(getattr(getattr(settings, name), "pretraining", None), TrainingSettings)
+    }
+    assert set(STAGES["pretrain"]["matrix"]["method"]) == pretrained
+    assert all(Input.PROCEDURAL_SOLIDS in load_method(name).inputs for name in pretrained)
+
+
 def test_every_method_has_settings_and_a_module():
     assert list(MethodSettings.__dataclass_fields__) == list(MODULES)
 
@@ -111,6 +122,7 @@ def project(tmp_path_factory):
         shutil.copy(root / name, project_dir)
     for folder in ("data/embedded", "results/grid", "results/seeds"):
         shutil.copytree(root / folder, project_dir / folder)
+    (project_dir / "data/pretrained").mkdir()
     set_param(project_dir, "methods", ["hull", "oracle"])
     for command in (["init", "--no-scm", "-q"], ["repro", "-q"]):
         subprocess.run(["dvc", *command], cwd=project_dir, check=True)
@@ -139,15 +151,18 @@ def outdated_stages(here):
 @pytest.mark.parametrize(
     ("key", "value", "stages"),
     [
-        ("views.count", 8, {"views", "report"}),
-        ("views.light.ambient", 0.5, {"views"}),
+        ("views.count", 8, {"views", "procedural", "report"}),
+        ("views.light.ambient", 0.5, {"views", "procedural"}),
         ("parts.repair.fix_winding", False, {"parts"}),
         ("parts.split_bodies", True, {"parts"}),
         ("parts.units", "cm", {"solids"}),
         ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
         ("split.hold_out", "part", {"split", "report", *TRAIN_STAGES}),
-        ("methods", ["oracle", "hull"], {*TRAIN_STAGES, "report"}),
+        ("procedural.solids", 7, {"procedural"}),
+        ("pretrain.weights", "none", PRETRAIN_STAGES),
+        ("method.r2n2.max_views", 2, {"pretrain@r2n2", "train@r2n2", "report"}),
+        ("methods", ["oracle", "hull"], {*PRETRAIN_STAGES, *TRAIN_STAGES, "report"}),
         ("train.time_limit_s", 5.0, TRAIN_STAGES),
         ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
         ("method.retrieval.points", 5, {"train@retrieval"}),
@@ -173,7 +188,8 @@ def test_another_library_outdates_what_is_keyed_by_its_version(project):
     constraints.write_text(before.replace("torch==", "torch==99."))
     try:
         assert {name.partition("@")[0] for name in outdated_stages(project)} == {
-            *("solids", "parts", "views", "truth", "train", "reconstruct", "evaluate")
+            *("solids", "parts", "views", "truth", "procedural", "pretrain", "train"),
+            *("reconstruct", "evaluate"),
         }
     finally:
         constraints.write_text(before)

@@ -23,6 +23,7 @@ from industnerf.schema.validators import (
 )
 
 Size = Literal["full", "cpu", "tiny"]
+FROM_STRATA = at_least(4, ": some of them inside, near and far")
 DIVISOR = Rule(lambda divisor: divisor > 0 and 32 % divisor == 0, "1, 2, 4, 8, 16 or 32")
 
 
@@ -68,8 +69,8 @@ class OccupancySettings:
     latent_dim: PositiveInt
     decoder_width: PositiveInt
     decoder_blocks: PositiveInt
-    points_per_part: PositiveInt
-    points_subsample: PositiveInt
+    points_per_part: Annotated[int, FROM_STRATA]
+    points_subsample: Annotated[int, FROM_STRATA]
     pretraining: TrainingSettings
     training: TrainingSettings
     augment: AugmentSettings

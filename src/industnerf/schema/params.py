@@ -107,3 +107,6 @@ class Params:
             method_views,
             f"at most the {view_count} of views.count",
         )
+        solids, weights = self.procedural.solids, self.pretrain.weights
+        rule = "at least 1: pretrain.weights is trained, and they are what it learns from"
+        require(solids > 0 or weights != "trained", "procedural.solids", solids, rule)
