@@ -48,8 +48,8 @@ def make_chunk(
         solid = procedural_solid(seed, index, KINDS[settings.kinds])
         mesh, finishes = solid.as_mesh()
         scene = set_up_scene(f"procedural {index}", mesh, finishes, small, seed)
-        lessons = generator(seed, "lessons", str(index))
-        rows.append(_row(solid, _few_views(scene, settings.views), small, lessons))
+        rng = generator(seed, "lessons", str(index))
+        rows.append(_row(solid, _few_views(scene, settings.views), small, rng))
         kinds.append(solid.kind)
     names = [field.name for field in fields(ProceduralArrays)]
     arrays = (np.stack(column) for column in zip(*rows, strict=True))

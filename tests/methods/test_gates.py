@@ -93,31 +93,31 @@ def test_two_parts_are_learned_by_heart_and_told_apart(name, seed, two_parts, pa
     ]
     state = method.fit(examples, settings, seed, tmp_path)
     assert state.val_history.loss.min() < 0.75 * mean_shape_loss(name, examples[:2])
-    truths, first_answers = [], []
+    truths, first_predictions = [], []
     for example, folder in zip(examples, two_parts, strict=False):
         inputs = load_inputs(method, folder / "part", folder / "views")
         result = method.reconstruct(inputs, settings, state, seed)
-        answers = [
+        predictions = [
             farthest_points(inputs.part_frame.to_unit(cloud), POINTS)
             for cloud in (result.points_mm, *result.extra_clouds_mm)
         ]
         truth, other_sample = (
             farthest_points(random_surface(example, sample_seed), POINTS) for sample_seed in (0, 1)
         )
-        best = best_answer(name, example)
+        best = best_prediction(name, example)
         floor = emd(other_sample if best is None else farthest_points(best, POINTS), truth)
-        values = [emd(answer, truth) for answer in answers]
+        values = [emd(prediction, truth) for prediction in predictions]
         assert np.mean(values) < floor + 0.01, (values, floor)
         truths.append(truth)
-        first_answers.append(answers[0])
-    assert emd(*first_answers) > 0.8 * emd(*truths)
+        first_predictions.append(predictions[0])
+    assert emd(*first_predictions) > 0.8 * emd(*truths)
 
 
 def random_surface(example: Example, seed: int) -> np.ndarray:
     return surface_points(*example.mesh, DENSE, np.random.default_rng(seed)).astype(float)
 
 
-def best_answer(name: str, example: Example) -> np.ndarray | None:
+def best_prediction(name: str, example: Example) -> np.ndarray | None:
     """What it would say if it knew all of its lattice; None: it says points, not a lattice."""
     if name == "atlasnet":
         return None
