@@ -14,6 +14,9 @@ from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.state import ModelState
 from industnerf.artifacts.views import load_views
 from industnerf.errors import ReconstructionFailed, UndeclaredInput
+from industnerf.geometry.bounding_cube import BoundingCube
+from industnerf.geometry.cameras import nested_view_order
+from industnerf.learning.views import picture_frames
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, Input, Method, Reconstruction, Scope, load_inputs
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
@@ -150,6 +153,19 @@ def test_an_example_is_the_training_views_and_the_part_in_the_unit_cube(rendered
     vertices, _ = example.mesh
     assert np.ptp(vertices, axis=0).max() == pytest.approx(1)
     np.testing.assert_allclose(vertices.max(axis=0), -vertices.min(axis=0))
+
+
+def test_an_examples_pictures_backgrounds_and_axes_are_of_the_same_views(rendered_part):
+    """Of the first in nested order, which look from all round."""
+    part, views = rendered_part / "part", rendered_part / "views"
+    inputs = frozenset({Input.RGB, Input.BACKGROUND, Input.OTHER_MESHES})
+    example, loaded = Example("p", "p", part, views, inputs), load_views(views)
+    order = loaded.train_indices[nested_view_order(loaded.cameras[loaded.train_indices].centers, 5)]
+    np.testing.assert_array_equal(example.rgb(64, 5), loaded.rgb(order))
+    np.testing.assert_array_equal(example.background(5), loaded.background[order])
+    frames = picture_frames(loaded.cameras[order], BoundingCube.of(load_mesh(part).vertices))
+    np.testing.assert_array_equal(example.picture_frames(5), frames)
+    assert sorted(order) != order.tolist()
 
 
 def test_a_net_depends_on_what_is_declared_of_its_parts(rendered_part):

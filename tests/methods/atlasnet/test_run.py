@@ -100,10 +100,10 @@ def test_a_training_that_diverges_says_so(examples, settings, tmp_path):
 def test_what_is_said_in_any_axes_comes_back_to_the_parts(axes, settings):
     """Every patch is the same square in the plane z = 1 of the axes that it answers in."""
     frame = 0.6 * Rotation.from_euler("xyz", [0.4, -0.7, 1.1]).as_matrix()
-    told = []
+    seen = []
 
     def square(contrasts, frames, uv):
-        told.append(frames)
+        seen.append(frames)
         flat = uv.permute(2, 0, 3, 1)
         return torch.cat([flat, torch.ones_like(flat[..., :1])], dim=-1).flatten(1, 2)
 
@@ -113,7 +113,7 @@ def test_what_is_said_in_any_axes_comes_back_to_the_parts(axes, settings):
     net.forward = square
     points = run.predict(net, contrast, frame, answering, rng_of(0))
     assert len(points) == settings.points
-    torch.testing.assert_close(told[0], torch.tensor(frame[None], dtype=torch.float32))
+    torch.testing.assert_close(seen[0], torch.tensor(frame[None], dtype=torch.float32))
     in_axes = points @ frame if axes == "picture" else points
     np.testing.assert_allclose(in_axes[:, 2], 1, rtol=0, atol=1e-6)
     np.testing.assert_allclose(in_axes[:, :2].min(axis=0), 0, atol=0.02)

@@ -133,15 +133,15 @@ def test_the_level_is_chosen_on_the_coarse_lattice_and_holds_for_the_fine_one():
     np.testing.assert_array_equal(values > level, dense(field) > level)
 
 
-@pytest.mark.parametrize("sure", [0.9, 0.05])
+@pytest.mark.parametrize("highest", [0.9, 0.05])
 @pytest.mark.parametrize("thickness", [0.2, 1.0])
-def test_a_thin_plate_is_never_empty_at_the_matched_level(sure, thickness):
+def test_a_thin_plate_is_never_empty_at_the_matched_level(highest, thickness):
     """Thinner than a cell, on one lattice plane or between two, and however unsure it is."""
     for height in (16.0, 17.3):
 
         def plate(at, height=height):
             off = np.maximum(np.abs(at[:, 2] - height) - thickness / 2, 0)
-            return sure * np.exp(-off)
+            return highest * np.exp(-off)
 
         values, level, _ = mise(plate, volume_matched_level, CELLS, SUBDIVISIONS)
         vertices, faces = isosurface(values, level, np.zeros(3), 1.0)

@@ -53,11 +53,11 @@ def test_no_answer_is_better_than_how_full_voxels_are(dataset):
     losses = []
     for shift in (0.0, 0.1, -0.1):
 
-        def answer(contrasts, shift=shift):
+        def predict(contrasts, shift=shift):
             logits = torch.from_numpy(np.log(share / (1 - share)) + shift).float()
             return torch.stack([-logits / 2, logits / 2]).expand(len(contrasts), -1, -1, -1, -1)
 
-        dataset.net.forward = answer
+        dataset.net.forward = predict
         losses.append(dataset.loss(np.array([1, 1]), np.random.default_rng(0)).item())
     assert losses[0] == pytest.approx(entropy, rel=1e-4)
     assert min(losses[1:]) > losses[0]
