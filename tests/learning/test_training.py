@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from torch import nn
 
 from industnerf.artifacts.state import ModelState
-from industnerf.errors import ReconstructionFailed
+from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.learning import training
 from industnerf.learning.training import (
     TrainingSplit,
@@ -428,3 +428,17 @@ def test_a_training_starts_from_the_weights_of_its_prior(tmp_path):
     number, _, _, result, _ = fit_scalar(tmp_path, PARTS, Prior(SOLIDS, weights))
     assert number == 3  # nothing is better
     assert result.val_history.loss[0] == 0
+
+
+def test_weights_of_another_size_are_refused_with_the_knob(tmp_path):
+    other = ModelState({"weight": np.zeros((3, 5), np.float32)}, num_parts=1, size="cpu")
+    with pytest.raises(BadParams, match=r"size 'cpu' and do not fit .*pretrain.weights"):
+        fit_network(
+            torch.nn.Linear(2, 1, bias=False),
+            lambda indices, rng: torch.zeros(()),
+            [],
+            Prior(weights=other),
+            SETTINGS,
+            0,
+            tmp_path / "checkpoint.pt",
+        )

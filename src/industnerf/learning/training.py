@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
 from industnerf.artifacts.state import ModelState
-from industnerf.errors import ReconstructionFailed
+from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.learning import checkpoint
 from industnerf.learning.training_shape import Prior, TrainingShape
 from industnerf.learning.weights import load_arrays, state_arrays
@@ -110,9 +110,11 @@ def fit_network(
     `loss` knows the shapes by their place in [*examples, *prior.solids].  Without any example this
     is pretraining: solids are learned from and validated on.  Also returns how many shapes were
     learned from, not counting solids beside examples.
+
+    Raises BadParams if the weights are of a network of other sizes, and what `train` raises.
     """
     if prior.weights is not None:
-        load_arrays(net, prior.weights.arrays)
+        _load_prior_weights(net, prior.weights)
     train_ids, val_ids = train_val_split(examples or prior.solids, settings.val_fraction)
     solid_ids = list(range(len(examples), len(examples) + len(prior.solids))) if examples else []
     split = TrainingSplit(train_ids, val_ids, solid_ids)
@@ -120,6 +122,18 @@ def fit_network(
         net, loss, split, settings, seed, checkpoint_path, starts_trained=prior.weights is not None
     )
     return result, len(train_ids)
+
+
+def _load_prior_weights(net: nn.Module, weights: ModelState) -> None:
+    try:
+        load_arrays(net, weights.arrays)
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1].strip()
+        raise BadParams(
+            f"the pretrained weights are of a network of size {weights.size!r} and do not fit this "
+            f"one ({reason}): the method's sizes were changed; set pretrain.weights to trained, "
+            "or to none"
+        ) from None
 
 
 @dataclass(frozen=True)
