@@ -104,12 +104,10 @@ KEYS = {
     "method.*.training.steps": "method.*.training.max_steps",
     "method.*.training.batch": "method.*.training.batch_size",
     "method.*.training.rate": "method.*.training.lr",
-    "method.*.training.drops": "method.*.training.lr_milestones",
     "method.*.training.validation": "method.*.training.val_fraction",
     "method.*.training.validate_every": "method.*.training.val_interval",
     "method.*.augment.colour": "method.*.augment.color_jitter",
     "method.r2n2.divisor": "method.r2n2.channel_divisor",
-    "method.r2n2.pictures": "method.r2n2.train_views",
     "method.r2n2.views": "method.r2n2.max_views",
     "method.atlasnet.frame": "method.atlasnet.output_axes",
     "method.atlasnet.views": "method.atlasnet.train_views",
@@ -118,7 +116,8 @@ KEYS = {
     "method.atlasnet.hidden": "method.atlasnet.hidden_dim",
     "method.atlasnet.grid": "method.atlasnet.grid_res",
     "method.atlasnet.answers": "method.atlasnet.eval_views",
-    "method.occupancy.frame": "method.occupancy.output_axes",
+    "method.occupancy.frame": "method.occupancy.query_axes",
+    "method.occupancy.output_axes": "method.occupancy.query_axes",
     "method.occupancy.views": "method.occupancy.train_views",
     "method.occupancy.code": "method.occupancy.latent_dim",
     "method.occupancy.blocks": "method.occupancy.decoder_blocks",
@@ -146,6 +145,8 @@ KEYS = {
 }
 # New key -> old value -> new value.
 VALUES = {
+    "method.atlasnet.output_axes": {"view": "picture"},
+    "method.occupancy.query_axes": {"view": "picture"},
     "method.*nerf*.readings.encoding_frame": {"pose": "camera_center"},
     "method.*nerf*.readings.view_pooling": {
         "confident": "confidence_weighted",
