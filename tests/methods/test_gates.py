@@ -1,6 +1,7 @@
-"""What a network must do before its row means anything: learn two parts by heart, by their images.
+"""What a network must do before its row means anything: learn two parts by heart, apart.
 
-Far more would be asked of it by other parts; a network that fails here has a fault.
+Far more would be asked of it by other parts; a network that fails here has a fault.  Networks that
+are given the axes of the picture could tell these two parts by the scale of those alone.
 """
 
 from dataclasses import replace
