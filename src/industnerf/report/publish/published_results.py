@@ -16,6 +16,7 @@ from industnerf.artifacts.split import SplitAssignment
 from industnerf.config import build, read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.methods import load_method
+from industnerf.methods.base import Input, Method
 from industnerf.report.results import Results
 from industnerf.report.statistics.seed_variance import add_seed_variance
 from industnerf.report.study import InputViews, Study, StudyFolders, TrainingSummary, input_views_of
@@ -49,7 +50,7 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         preset=params["preset"],
         seed=params["seed"],
         num_train_views=params["reconstruct"]["views"] or params["views"]["count"],
-        methods={name: load_method(name) for name in params["methods"]},
+        methods={name: _method_as_run(name, rows[name]["inputs"]) for name in params["methods"]},
         parts=_select_parts(parts, {row["part_id"] for row in scores}),
         assignments={row["part_id"]: SplitAssignment(row["split"], None) for row in scores},
         scores=[_score(row) for row in scores],
@@ -70,6 +71,12 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         seeds_sd={},
         empty_predictions=_empty_predictions(folder),
     )
+
+
+def _method_as_run(name: str, label: str) -> Method:
+    """The method with the inputs that it had then, as `inputs_label` wrote them."""
+    names = label.partition(" (")[0].split(" + ")
+    return replace(load_method(name), inputs=frozenset(map(Input, names)))
 
 
 def _empty_predictions(folder: Path) -> dict[tuple[str, str], int]:
