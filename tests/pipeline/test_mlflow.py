@@ -52,8 +52,9 @@ def logged(tmp_path_factory, finished_run) -> tuple[Path, dict]:
     sweep = ("python", "-m", "pipeline.sweep", "--multirun")
     code, output = project.run(*sweep, *SMALL, methods, *OVERRIDES)
     assert code == 0, output
+    sweep_output = output
     code, output = project.run("python", "-c", READ, mlflow)
-    assert code == 0, output
+    assert code == 0, sweep_output + output
     (data,) = project.folder.glob("runs/sweeps/*/*/data")
     return data, json.loads(output.splitlines()[-1])
 

@@ -47,7 +47,9 @@ def project(root, tmp_path):
 
 def copy_run(run, project):
     """What `run` wrote, and DVC's record and copies of it."""
-    catalogue = shutil.ignore_patterns("embedded", "organic")  # links, which are there already
+    catalogue = shutil.ignore_patterns(
+        "embedded", "organic", "pretrained"
+    )  # links, which are there already
     for name in ("data", "reports", ".dvc/cache"):
         folders = run.folder / name, project.folder / name
         shutil.copytree(*folders, ignore=catalogue, dirs_exist_ok=True)
