@@ -208,7 +208,7 @@ def test_weights_that_were_trained_are_validated_first_and_kept_where_nothing_is
         [1.0, *10 * [2.0]], tmp_path / "worse", start=5.0, starts_trained=True
     )
     assert number == 5
-    assert result.val_history.steps.tolist() == [-1, *range(10)]  # before the first step
+    assert result.val_history.steps.tolist() == [0, *range(10)]  # before the first step
     assert result.val_history.loss[0] == 1
     number, _ = train_scalar(
         [1.0, 0.5, *9 * [2.0]], tmp_path / "better", start=5.0, starts_trained=True

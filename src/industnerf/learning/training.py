@@ -281,7 +281,10 @@ class _Trainer:
             progress.step,
             has_converged(progress.val_steps, progress.val_losses),
             History(np.arange(progress.step), np.array(progress.train_losses), {}),
-            History(np.array(progress.val_steps) - 1, np.array(progress.val_losses), {}),
+            # weights that were trained before are validated before the first step
+            History(
+                np.maximum(np.array(progress.val_steps) - 1, 0), np.array(progress.val_losses), {}
+            ),
         )
 
 
