@@ -18,14 +18,13 @@ def main(cfg: StageParams, name: str, shipped: str, procedural: str, out: str) -
         files = tuple(sorted(path for path in source.rglob("*") if path.is_file()))
         tasks = [Task(WEIGHTS, partial(copy_weights, source), name, files)]
     elif name in cfg.methods and cfg.pretrain.weights == "trained":
-        chunks = list(read_index(Path(procedural)))
+        chunks = read_index(Path(procedural))
         settings = replace(settings, training=settings.pretraining)
         make = partial(
-            pretrain_method, method, Path(procedural), chunks, settings=settings, seed=cfg.seed
+            pretrain_method, method, Path(procedural), [*chunks], settings=settings, seed=cfg.seed
         )
-        inputs = tuple(Path(procedural) / chunk for chunk in chunks)
-        key = [name, settings, cfg.seed]
-        tasks = [Task(WEIGHTS, make, key, inputs, (method.module,), resumable=True)]
+        key = [name, settings, cfg.seed, [*chunks.values()]]  # which stand for all files of theirs
+        tasks = [Task(WEIGHTS, make, key, (), (method.module,), resumable=True)]
     run_stage(
         "pretrain", tasks, Path(out), "strict", limit_s=cfg.pretrain.time_limit_s, needs_one=False
     )

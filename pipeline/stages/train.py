@@ -24,7 +24,7 @@ def main(
     out: str,
 ) -> None:
     method, settings = load_method(name), getattr(cfg.method, name)
-    prior, prior_files = prior_of(method, Path(procedural), Path(weights))
+    prior, prior_keys = prior_of(method, Path(procedural), Path(weights))
     assignments, views_index = load_split(Path(split)), read_index(Path(views))
     holds_out_families = cfg.split.hold_out == "family"  # of tests, so of validation too
     groups = {
@@ -46,9 +46,8 @@ def main(
             if part_id in views_index
         ]
         make = partial(fit_method, method, examples, settings=settings, seed=cfg.seed, prior=prior)
-        files = [path for example in examples for path in training_files(example)]
-        inputs = (*files, *prior_files)
-        key = [name, settings, cfg.seed, [example.group for example in examples]]
+        inputs = tuple(path for example in examples for path in training_files(example))
+        key = [name, settings, cfg.seed, [example.group for example in examples], prior_keys]
         tasks.append(Task(fold, make, key, inputs, (method.module,), resumable=True))
     limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
     run_stage("train", tasks, Path(out), cfg.on_failure, **limits)
@@ -56,15 +55,15 @@ def main(
 
 def prior_of(
     method: Method, procedural: Path, weights: Path
-) -> tuple[tuple[Path | None, Path, list[str]] | None, list[Path]]:
-    """`fit_method`'s prior, and the files that it is read from."""
+) -> tuple[tuple[Path | None, Path, list[str]] | None, list[str]]:
+    """`fit_method`'s prior, and the keys in the store of all that it is read from."""
     if Input.PROCEDURAL_SOLIDS not in method.inputs:
         return None, []
-    chunks = list(read_index(procedural))
-    own = weights / method.name  # absent of a method that is no network
-    state, has_weights = own / WEIGHTS, own.is_dir() and WEIGHTS in read_index(own)
-    files = [procedural / chunk for chunk in chunks] + has_weights * [state / "state.npz"]
-    return (state if has_weights else None, procedural, chunks), files
+    chunks, own = read_index(procedural), weights / method.name
+    # a method that is no network has no folder of its own
+    trained = read_index(own) if own.is_dir() else {}
+    state = own / WEIGHTS if trained else None
+    return (state, procedural, list(chunks)), [*chunks.values(), *trained.values()]
 
 
 if __name__ == "__main__":

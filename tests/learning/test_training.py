@@ -19,9 +19,9 @@ from torch import nn
 from industnerf.artifacts.state import ModelState
 from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.learning import training
+from industnerf.learning.fit import fit_network
 from industnerf.learning.training import (
     TrainingSplit,
-    fit_network,
     has_converged,
     lr_factor,
     train,
@@ -382,7 +382,7 @@ def test_a_group_is_validated_on_whole(groups, share):
 
 
 def fit_scalar(scratch, examples, prior):
-    """The net's number, all shapes that were learned from, all that were asked, and the result."""
+    """The net's number, all shapes that were learned from, all that were asked, and the state."""
     net, learned, asked = ScalarNet(), set(), set()
 
     def loss(part_indices, rng):
@@ -390,8 +390,8 @@ def fit_scalar(scratch, examples, prior):
         return (net.number - 3).abs().sum()
 
     settings = replace(SETTINGS, max_steps=20, batch_size=4, val_fraction=0.3)
-    result, num_parts = fit_network(net, loss, examples, prior, settings, 0, scratch / "checkpoint")
-    return net.number.item(), learned, asked, result, num_parts
+    state = fit_network(net, loss, examples, prior, settings, 0, scratch / "checkpoint", "tiny")
+    return net.number.item(), learned, asked, state
 
 
 def shapes(*names):
@@ -403,31 +403,31 @@ PARTS, SOLIDS = shapes(*"abcd"), shapes(*"uvwxyz")
 
 
 def test_parts_are_learned_from_and_asked_and_solids_learned_from_alone(tmp_path):
-    _, learned, asked, _, num_parts = fit_scalar(tmp_path, PARTS, Prior(SOLIDS))
+    _, learned, asked, state = fit_scalar(tmp_path, PARTS, Prior(SOLIDS))
     assert len(asked) == 1
     assert learned == set(range(10)) - asked
     assert asked < set(range(4))
-    assert num_parts == 3
+    assert state.num_parts == 3
 
 
 def test_without_parts_solids_are_learned_from_and_asked(tmp_path):
     """That is pretraining."""
-    _, learned, asked, result, num_parts = fit_scalar(tmp_path, [], Prior(SOLIDS))
-    assert (len(learned), len(asked), num_parts) == (4, 2, 4)
+    _, learned, asked, state = fit_scalar(tmp_path, [], Prior(SOLIDS))
+    assert (len(learned), len(asked), state.num_parts) == (4, 2, 4)
     assert learned | asked == set(range(6))
-    assert result.val_history.steps[0] == 0  # weights at random
+    assert state.val_history.steps[0] == 0  # weights at random
 
 
 def test_without_solids_parts_are_learned_from_alone(tmp_path):
-    _, learned, asked, _, num_parts = fit_scalar(tmp_path, PARTS, NO_PRIOR)
-    assert (len(learned), len(asked), num_parts) == (3, 1, 3)
+    _, learned, asked, state = fit_scalar(tmp_path, PARTS, NO_PRIOR)
+    assert (len(learned), len(asked), state.num_parts) == (3, 1, 3)
 
 
 def test_a_training_starts_from_the_weights_of_its_prior(tmp_path):
     weights = ModelState({"number": np.array([3.0], np.float16)}, num_parts=6)
-    number, _, _, result, _ = fit_scalar(tmp_path, PARTS, Prior(SOLIDS, weights))
+    number, _, _, state = fit_scalar(tmp_path, PARTS, Prior(SOLIDS, weights))
     assert number == 3  # nothing is better
-    assert result.val_history.loss[0] == 0
+    assert state.val_history.loss[0] == 0
 
 
 def test_weights_of_another_size_are_refused_with_the_knob(tmp_path):
@@ -441,4 +441,5 @@ def test_weights_of_another_size_are_refused_with_the_knob(tmp_path):
             SETTINGS,
             0,
             tmp_path / "checkpoint.pt",
+            "cpu",
         )

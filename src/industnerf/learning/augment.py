@@ -11,6 +11,9 @@ from torch.nn import functional as F
 
 from industnerf.schema import AugmentSettings
 
+# by which networks multiply contrasts: a gray part before white is then about 1
+INPUT_GAIN = 2.0
+
 
 def contrast_to_background(
     images: UInt8[np.ndarray, "n h w 3"],

@@ -14,11 +14,8 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from industnerf.artifacts.history import History
-from industnerf.artifacts.state import ModelState
-from industnerf.errors import BadParams, ReconstructionFailed
+from industnerf.errors import ReconstructionFailed
 from industnerf.learning import checkpoint
-from industnerf.learning.training_shape import Prior, TrainingShape
-from industnerf.learning.weights import load_arrays, state_arrays
 from industnerf.schema import TrainingSettings
 from industnerf.seeds import generator
 
@@ -94,46 +91,6 @@ def train_val_split(
 
 def _hash(name: str) -> str:
     return hashlib.sha256(f"validation/{name}".encode()).hexdigest()
-
-
-def fit_network(
-    net: nn.Module,
-    loss: Loss,
-    examples: Sequence[TrainingShape],
-    prior: Prior,
-    settings: TrainingSettings,
-    seed: int,
-    checkpoint_path: Path,
-) -> tuple[TrainResult, int]:
-    """`train` `net` on `examples`, and on the solids of `prior` from its weights.
-
-    `loss` knows the shapes by their place in [*examples, *prior.solids].  Without any example this
-    is pretraining: solids are learned from and validated on.  Also returns how many shapes were
-    learned from, not counting solids beside examples.
-
-    Raises BadParams if the weights are of a network of other sizes, and what `train` raises.
-    """
-    if prior.weights is not None:
-        _load_prior_weights(net, prior.weights)
-    train_ids, val_ids = train_val_split(examples or prior.solids, settings.val_fraction)
-    solid_ids = list(range(len(examples), len(examples) + len(prior.solids))) if examples else []
-    split = TrainingSplit(train_ids, val_ids, solid_ids)
-    result = train(
-        net, loss, split, settings, seed, checkpoint_path, starts_trained=prior.weights is not None
-    )
-    return result, len(train_ids)
-
-
-def _load_prior_weights(net: nn.Module, weights: ModelState) -> None:
-    try:
-        load_arrays(net, weights.arrays)
-    except RuntimeError as error:
-        reason = str(error).strip().splitlines()[-1].strip()
-        raise BadParams(
-            f"the pretrained weights are of a network of size {weights.size!r} and do not fit this "
-            f"one ({reason}): the method's sizes were changed; set pretrain.weights to trained, "
-            "or to none"
-        ) from None
 
 
 @dataclass(frozen=True)
@@ -286,20 +243,6 @@ class _Trainer:
                 np.maximum(np.array(progress.val_steps) - 1, 0), np.array(progress.val_losses), {}
             ),
         )
-
-
-def model_state(net: nn.Module, result: TrainResult, num_parts: int, size: str) -> ModelState:
-    """The state of `net`, which was trained on `num_parts` parts."""
-    return ModelState(
-        state_arrays(net),
-        num_parts,
-        size,
-        num_parameters=sum(weights.numel() for weights in net.parameters()),
-        steps=result.steps,
-        converged=result.has_converged,
-        train_history=result.train_history,
-        val_history=result.val_history,
-    )
 
 
 def lr_factor(step: int, max_steps: int) -> float:

@@ -19,17 +19,17 @@ FAMILIES = {"a": "gears", "b": "gears", "c": "nuts"}
 def test_solids_are_learned_from_with_weights_or_without(name, weights, tmp_path):
     """A method that is no network has no folder of weights; of one without them it is empty."""
     for folder, keys in (
-        ("solids", {"0000": "", "0001": ""}),
-        ("weights/r2n2", {"weights": ""}),
+        ("solids", {"0000": "a", "0001": "b"}),
+        ("weights/r2n2", {"weights": "c"}),
         ("weights/occupancy", {}),
     ):
         (tmp_path / folder).mkdir(parents=True)
         record = {"schema": 1, "step": "made", "keys": keys}
         write_json(tmp_path / folder / "index.json", record)
     solids, own = tmp_path / "solids", tmp_path / "weights" / name / "weights"
-    prior, files = train.prior_of(load_method(name), solids, tmp_path / "weights")
+    prior, keys = train.prior_of(load_method(name), solids, tmp_path / "weights")
     assert prior == (own if weights else None, solids, ["0000", "0001"])
-    assert files == [solids / "0000", solids / "0001", *weights * [own / "state.npz"]]
+    assert keys == ["a", "b", *weights * ["c"]]  # in the store, which stand for all their files
     assert train.prior_of(load_method("retrieval"), solids, tmp_path) == (None, [])
 
 

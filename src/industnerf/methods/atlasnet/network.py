@@ -14,11 +14,11 @@ from torch import Tensor, nn
 from torch.nn import functional as F
 
 from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.learning.augment import INPUT_GAIN
 from industnerf.learning.resnet import ResNet18
 from industnerf.schema import AtlasNetSettings
 
 START_RADIUS = 0.3  # of the sphere on which patches start; the axes' unit is the size of the part
-INPUT_GAIN = 2.0  # a gray part before white is then about 1
 START_SCALE = 0.1  # of the last layer's weights, so that most patches start at their places
 
 

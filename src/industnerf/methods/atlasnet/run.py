@@ -11,16 +11,14 @@ from torch import Tensor
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.geometry.cameras import nested_view_order
 from industnerf.geometry.sampling import sample_surface
-from industnerf.learning.augment import contrast_to_background
-from industnerf.learning.training import fit_network, model_state
+from industnerf.learning.fit import fit_network
 from industnerf.learning.training_shape import Prior, TrainingShape
-from industnerf.learning.views import picture_frames, resize_images
 from industnerf.learning.weights import load_arrays, torch_seed
 from industnerf.methods.atlasnet.dataset import AtlasNetDataset
 from industnerf.methods.atlasnet.network import AtlasNet, build_network
 from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.first_views import first_views
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.schema import AtlasNetSettings
 from industnerf.seeds import generator
@@ -39,7 +37,7 @@ def fit(
     dataset = AtlasNetDataset([*examples, *prior.solids], settings, generator(seed, "lessons"))
     with torch_seed(seed):
         net = build_network(settings).to(device())
-    result, num_parts = fit_network(
+    return fit_network(
         net,
         partial(dataset.loss, net),
         examples,
@@ -47,8 +45,8 @@ def fit(
         settings.training,
         seed,
         scratch / "atlasnet.pt",
+        settings.size,
     )
-    return model_state(net, result, num_parts, settings.size)
 
 
 @torch.no_grad()
@@ -59,12 +57,7 @@ def reconstruct(
     use_reproducible_kernels()  # parts are what runs side by side
     net = build_network(settings).to(device()).eval()
     load_arrays(net, state.arrays)
-    view_indices = nested_view_order(
-        inputs.cameras.centers, min(settings.eval_views, len(inputs.rgb))
-    )
-    images = resize_images(inputs.rgb[view_indices], settings.image_px)
-    contrasts = contrast_to_background(images, inputs.background[view_indices], device())
-    frames = picture_frames(inputs.cameras[view_indices], inputs.part_frame)
+    contrasts, frames = first_views(inputs, settings.eval_views, settings.image_px, device())
     rng = np.random.default_rng(seed)
     clouds = [predict(net, *view, settings, rng) for view in zip(contrasts, frames, strict=True)]
     return predictions_to_reconstruction(clouds, inputs.part_frame, state)

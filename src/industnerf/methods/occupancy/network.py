@@ -8,11 +8,11 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from industnerf.learning.augment import INPUT_GAIN
 from industnerf.learning.resnet import ResNet18
 from industnerf.schema import OccupancySettings
 
 POINT_DIMS = {"part": 3, "picture": 3, "both": 6}  # numbers of a point, by `query_axes`
-INPUT_GAIN = 2.0  # images start about as bright as after ImageNet's normalization
 
 
 class ConditionalNorm(nn.Module):

@@ -11,15 +11,13 @@ from torch import Tensor
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.geometry.cameras import nested_view_order
 from industnerf.geometry.isosurface import isosurface_points, volume_matched_level
-from industnerf.learning.augment import contrast_to_background
+from industnerf.learning.fit import fit_network
 from industnerf.learning.targets import PADDING
-from industnerf.learning.training import fit_network, model_state
 from industnerf.learning.training_shape import Prior, TrainingShape
-from industnerf.learning.views import picture_frames, resize_images
 from industnerf.learning.weights import load_arrays, torch_seed
 from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.first_views import first_views
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.methods.occupancy.dataset import OccupancyDataset, decoder_points
 from industnerf.methods.occupancy.mise import mise
@@ -44,7 +42,7 @@ def fit(
     dataset = OccupancyDataset.of(shapes, settings, generator(seed, "lessons"))
     with torch_seed(seed):
         net = OccupancyNet(settings).to(device())
-    result, num_parts = fit_network(
+    return fit_network(
         net,
         partial(dataset.loss, net),
         examples,
@@ -52,8 +50,8 @@ def fit(
         settings.training,
         seed,
         scratch / "occupancy.pt",
+        settings.size,
     )
-    return model_state(net, result, num_parts, settings.size)
 
 
 @torch.inference_mode()
@@ -64,12 +62,8 @@ def reconstruct(
     use_reproducible_kernels()  # parts are what runs side by side
     net = OccupancyNet(settings).to(device()).eval()
     load_arrays(net, state.arrays)
-    view_indices = nested_view_order(
-        inputs.cameras.centers, min(settings.eval_views, len(inputs.rgb))
-    )
-    images = resize_images(inputs.rgb[view_indices], settings.image_px)
-    codes = net.encode(contrast_to_background(images, inputs.background[view_indices], device()))
-    frames = picture_frames(inputs.cameras[view_indices], inputs.part_frame)
+    contrasts, frames = first_views(inputs, settings.eval_views, settings.image_px, device())
+    codes = net.encode(contrasts)
     rng = np.random.default_rng(seed)
     clouds = [surface(net, *view, settings, rng) for view in zip(codes, frames, strict=True)]
     return predictions_to_reconstruction(clouds, inputs.part_frame, state)

@@ -6,13 +6,13 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from industnerf.learning.augment import INPUT_GAIN
 from industnerf.learning.weights import torch_seed
 from industnerf.methods.r2n2.decoder import Decoder
 from industnerf.methods.r2n2.encoder import FEATURES, Encoder
 from industnerf.methods.r2n2.gru import GridGRU
 
 INITIAL_BIAS = 0.1
-INPUT_GAIN = 2.0  # a gray part before white is then about 1: what the initial weights are made for
 
 
 class R2N2(nn.Module):

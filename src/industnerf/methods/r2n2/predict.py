@@ -5,13 +5,11 @@ from jaxtyping import Float32
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.geometry.cameras import nested_view_order
 from industnerf.geometry.isosurface import isosurface_points, volume_matched_level
-from industnerf.learning.augment import contrast_to_background
 from industnerf.learning.targets import VOXELS
-from industnerf.learning.views import resize_images
 from industnerf.learning.weights import load_arrays
 from industnerf.methods.base import MethodInputs, Reconstruction
+from industnerf.methods.first_views import first_views
 from industnerf.methods.multi_view_predictions import predictions_to_reconstruction
 from industnerf.methods.r2n2.network import R2N2, new_net
 from industnerf.schema import R2n2Settings
@@ -47,13 +45,5 @@ def occupancy_probabilities(
     inputs: MethodInputs, settings: R2n2Settings, net: R2N2
 ) -> Float32[np.ndarray, "n n n"]:
     """The probability of each voxel of the unit cube to be full, from at most `max_views` views."""
-    # farthest apart in space, and in the order of the training
-    view_indices = nested_view_order(
-        inputs.cameras.centers, min(settings.max_views, len(inputs.rgb))
-    )
-    contrasts = contrast_to_background(
-        resize_images(inputs.rgb[view_indices], settings.image_px),
-        inputs.background[view_indices],
-        device(),
-    )
+    contrasts, _ = first_views(inputs, settings.max_views, settings.image_px, device())
     return net.occupancy_probability(contrasts[None])[0].cpu().numpy()

@@ -12,7 +12,7 @@ from torch.nn import functional as F
 
 from industnerf.artifacts.state import ModelState
 from industnerf.device import device
-from industnerf.learning.training import fit_network, model_state
+from industnerf.learning.fit import fit_network
 from industnerf.learning.training_shape import Prior, TrainingShape
 from industnerf.learning.view_sampler import ViewSampler
 from industnerf.methods.r2n2.network import R2N2, new_net
@@ -33,10 +33,16 @@ def fit_net(
     use_reproducible_kernels()  # folds are what runs side by side
     net = new_net(settings.image_px, settings.channel_divisor, seed).to(device())
     dataset = R2N2Dataset.of([*examples, *prior.solids], settings, net)
-    result, num_parts = fit_network(
-        net, dataset.loss, examples, prior, settings.training, seed, scratch / "checkpoint.pt"
+    return fit_network(
+        net,
+        dataset.loss,
+        examples,
+        prior,
+        settings.training,
+        seed,
+        scratch / "checkpoint.pt",
+        settings.size,
     )
-    return model_state(net, result, num_parts, settings.size)
 
 
 @dataclass(frozen=True)

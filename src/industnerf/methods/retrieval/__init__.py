@@ -101,7 +101,7 @@ def reconstruct(
 ) -> Reconstruction:
     """The surface of the part whose views are nearest, summed over the views that both have.
 
-    Both have the first: `nested_view_subset` and `evenly_spaced_indices` begin with it.
+    Both have the first: every nested order begins with it.
     """
     given, stored = inputs.view_indices, state.arrays["views"]
     given = np.arange(len(inputs.rgb)) if given is None else given
