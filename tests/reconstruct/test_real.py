@@ -23,7 +23,7 @@ SETTINGS = {
         'levels=[{"steps": 100, "image_px": 48, "points": 2000}]',
         "rays_per_step=512",
         "surface_spacing=0.05",
-        "color_refinement.steps=20",
+        "polish.steps=10",
     ),
     "industnerf": (
         "grid_res=12",
@@ -82,7 +82,7 @@ def test_cloud_and_mesh_lie_near_the_ball(ball_images, tmp_path, monkeypatch, ca
     error = np.linalg.norm(surface.vertices - CENTER, axis=1) - RADIUS
     assert np.abs(error).mean() < 2
     assert b"comment lengths in the cameras' unit\n" in out.read_bytes()
-    assert "120 steps" in capsys.readouterr().out
+    assert "110 steps" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("method", SETTINGS)

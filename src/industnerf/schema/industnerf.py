@@ -191,11 +191,34 @@ class SdfSettings:
 
 
 @dataclass(frozen=True)
-class ColorRefinementSettings:
-    """Training of the colors alone, after that of the surface."""
+class DecaySettings:
+    """A value that falls over all steps, in equal ratios."""
 
+    start: PositiveFloat
+    end: PositiveFloat
+
+    def __post_init__(self) -> None:
+        require(self.end <= self.start, "end", self.end, f"at most start, {self.start:g}")
+
+
+@dataclass(frozen=True)
+class PolishSettings:
+    """The surface on a grid of signed distances, under fitted light."""
+
+    enabled: bool
+    max_nodes: Annotated[int, at_least(10_000)]
     steps: NonNegativeInt
-    lr: PositiveFloat
+    rays_per_step: PositiveInt
+    opaque_fraction: Annotated[float, in_interval("[0, 1)")]
+    step_size: Annotated[float, in_interval("(0, 2]", " cells")]
+    beta: DecaySettings
+    lr: DecaySettings
+    curvature_rate: NonNegativeFloat
+    relax_rate: Fraction
+    light_pixels: Annotated[int, at_least(1000)]
+    light_interval: NonNegativeInt
+    max_light_outliers: Fraction
+    points: PositiveInt
 
 
 @dataclass(frozen=True)
@@ -206,7 +229,7 @@ class IndustnerfPlusSettings(IndustnerfSettings):
     background_tolerance: Fraction
     max_grid_points: NonNegativeInt
     sdf: SdfSettings
-    color_refinement: ColorRefinementSettings
+    polish: PolishSettings
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -214,14 +237,14 @@ class IndustnerfPlusSettings(IndustnerfSettings):
         rule = "0 where silhouette_carving is false"
         require(points == 0 or is_carved, "max_grid_points", points, rule)
         has_free_points = self.residual.enabled and not self.network.enabled
-        has_fixed_grid = self.refine == "subdivide" or len(self.levels) == 1
         is_sdf = self.readings.density_activation == "sdf"
-        has_sdf_grid = is_sdf and is_carved and has_free_points and has_fixed_grid
+        has_sdf_grid = is_sdf and is_carved and has_free_points
         rule = (
             "false without readings.density_activation sdf, silhouette_carving and "
-            "residual.enabled true, network.enabled false, refine subdivide"
+            "residual.enabled true, network.enabled false"
         )
         require(not self.sdf.enabled or has_sdf_grid, "sdf.enabled", True, rule)
-        steps = self.color_refinement.steps
-        rule = "0 without residual.enabled true and network.enabled false"
-        require(not steps or has_free_points, "color_refinement.steps", steps, rule)
+        rule = "1 where sdf.enabled is true"
+        require(not self.sdf.enabled or len(self.levels) == 1, "levels", len(self.levels), rule)
+        rule = "false where sdf.enabled is false"
+        require(self.sdf.enabled or not self.polish.enabled, "polish.enabled", True, rule)

@@ -151,8 +151,8 @@ def settings(
     """
     defaults = default_settings(name)
     if name == "industnerf_plus":
-        steps = {"steps": 0} | others.pop("color_refinement", {})
-        others |= {"color_refinement": replace(defaults.color_refinement, **steps)}
+        polish = {"enabled": False} | others.pop("polish", {})
+        others |= {"polish": replace(defaults.polish, **polish)}
     if name.startswith("industnerf") and name != "industnerf_plus":
         readings = {"density_activation": "truncated_exp"} | (readings or {})
         has_raw_density = readings["density_activation"] != "sdf"

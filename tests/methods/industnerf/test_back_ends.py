@@ -32,8 +32,7 @@ def reconstruct(method: str, renderer: RendererName, num_levels: int = 2) -> Rec
         renderer=renderer,
     )
     if method == "industnerf_plus":
-        refinement = replace(settings.color_refinement, steps=0)
-        settings = replace(settings, color_refinement=refinement)
+        settings = replace(settings, polish=replace(settings.polish, enabled=False))
     return run(make_posed_images(ball(18.0)), settings, 1)
 
 

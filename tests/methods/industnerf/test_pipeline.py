@@ -33,14 +33,14 @@ from tests.methods.industnerf.synthetic_scenes import (
 SMALL = {"grid_res": 12, "rays_per_step": 256, "surface_spacing": 0.08, "min_confidence": 0.01}
 LEVELS = [{"steps": 6, "image_px": 32}, {"steps": 4, "image_px": 32}]
 PLUS = "industnerf_plus"
+# signed distances have one level
+LEVELS_OF = {"industnerf": LEVELS, PLUS: [{"steps": 10, "image_px": 32}], "nerf": LEVELS}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("finer", [0, 1])
 @pytest.mark.parametrize("name", SOLIDS)
-def test_free_points_find_the_surface_and_its_colors(name, finer):
-    trained, untrained = {"steps": 120, "image_px": 64}, {"steps": 0}
-    levels = [trained, *[untrained] * finer]
+def test_free_points_find_the_surface_and_its_colors(name):
+    levels = [{"steps": 120, "image_px": 64}]
     config = settings(PLUS, grid_res=32, rays_per_step=1024, levels=levels, surface_spacing=0.03)
     distance, coverage, color_error = errors(
         SOLIDS[name], run(make_posed_images(SOLIDS[name], 40, 64), config, 1)
@@ -130,7 +130,7 @@ METHODS = pytest.mark.parametrize("name", ["industnerf", PLUS])
 @pytest.mark.parametrize("name", ["industnerf_plus", "nerf"])
 def test_points_of_a_grid_are_looked_up_not_searched(name):
     """On every level: else looking takes half as long again."""
-    levels = [{"steps": 40, "image_px": 32}] * 2
+    levels = [{"steps": 40, "image_px": 32}] * len(LEVELS_OF[name])
     images, config = (
         make_posed_images(SOLIDS["ball"], 8, 32),
         settings(name, grid_res=20, levels=levels),
@@ -145,7 +145,7 @@ def test_points_of_a_grid_are_looked_up_not_searched(name):
 @METHODS
 def test_same_seed_same_bytes_other_seed_other_bytes(name):
     images = make_posed_images(SOLIDS["ball"], 6, 32)
-    config = settings(name, **SMALL, levels=LEVELS)
+    config = settings(name, **SMALL, levels=LEVELS_OF[name])
     first = result_bytes(run(images, config, 1))
     assert first == result_bytes(run(images, config, 1))
     assert first != result_bytes(run(images, config, 2))
@@ -210,11 +210,12 @@ def test_pictures_are_as_soft_as_learned_and_their_depth_is_of_the_hard_surface(
 @METHODS
 def test_a_watch_is_told_how_it_goes_and_changes_nothing(name):
     images = make_posed_images(SOLIDS["ball"], 6, 32)
-    config = settings(name, **SMALL, levels=LEVELS)
+    config = settings(name, **SMALL, levels=LEVELS_OF[name])
     callback = RecordingCallback()
     result = run(images, config, 1, callback)
-    assert callback.started_levels == [("level 0", 6), ("level 1", 4)]
-    assert result.level_starts == {"level 0": 0, "level 1": 6}
+    steps = [level["steps"] for level in LEVELS_OF[name]]
+    assert callback.started_levels == [(f"level {i}", count) for i, count in enumerate(steps)]
+    assert result.level_starts == {f"level {i}": sum(steps[:i]) for i in range(len(steps))}
     assert callback.losses == result.losses
     assert result.steps == len(callback.previews) == 10
     # while E learns a run goes on only from where all views are told by it as it is
@@ -226,7 +227,7 @@ def test_a_watch_is_told_how_it_goes_and_changes_nothing(name):
 
 
 METHOD_SETTINGS = {
-    "free": (PLUS, {}),
+    "free": ("nerf", {}),
     "blind": ("industnerf", {"readings": {"encoder": "none"}}),
     "frozen": ("industnerf", {"readings": {"encoder": "frozen"}}),
 }
@@ -236,7 +237,7 @@ METHOD_SETTINGS = {
 def test_a_run_goes_on_from_any_state_to_the_same_bytes(kind):
     name, changes = METHOD_SETTINGS[kind]
     images = make_posed_images(SOLIDS["ball"], 4, 32)
-    config = settings(name, **SMALL, levels=LEVELS, **changes)
+    config = settings(name, **SMALL, levels=LEVELS_OF[name], **changes)
     callback = RecordingCallback()
     complete = result_bytes(run(images, config, 1, callback))
     for step in (0, 5, 6, 9):  # the first, both sides of a change of level, the last

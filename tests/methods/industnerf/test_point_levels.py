@@ -131,6 +131,6 @@ def test_near_any_is_what_distances_say(seed, reach):
 
 
 def test_only_levels_after_the_first_may_have_no_steps():
-    settings("industnerf_plus", levels=[{"steps": 5}, {"steps": 0}])
+    settings("nerf", levels=[{"steps": 5}, {"steps": 0}])
     with pytest.raises(BadParams, match=r"levels\[0\]\.steps is 0"):
-        settings("industnerf_plus", levels=[{"steps": 0}, {"steps": 5}])
+        settings("nerf", levels=[{"steps": 0}, {"steps": 5}])

@@ -119,16 +119,16 @@ class Reconstructor:
     ) -> None:
         self._posed, self._callback, self._seed = posed, callback, seed
         self.scene = make_scene(posed, device())
-        self._variant = make_variant(self.scene, posed, settings)
-        self._settings = settings = self._variant.settings
-        for message in self._variant.warnings:
+        self.variant = make_variant(self.scene, posed, settings)
+        self._settings = settings = self.variant.settings
+        for message in self.variant.warnings:
             callback.on_warning(message)
         self._generator = torch.Generator().manual_seed(seed)
         with torch_seed(seed):
-            self._field = Field(self.scene, settings).to(self.scene.images.device)
+            self.field = Field(self.scene, settings).to(self.scene.images.device)
         if pretrained:
-            load_arrays(SharedModules(self._field), pretrained)
-        self._losses, self._level_starts = [], {}
+            load_arrays(SharedModules(self.field), pretrained)
+        self._losses, self.level_starts = [], {}
         self.view_confidence: ViewConfidence | None = None
         self._level = self._first_level = WARM_UP if settings.warm_up.steps else 0
         self.is_finished = False
@@ -139,7 +139,7 @@ class Reconstructor:
 
     def _make_trainer(self, points: PointLevel) -> Trainer:
         """The trainer of this level."""
-        points = self._variant.initial_points(points)
+        points = self.variant.initial_points(points)
         if not len(points.points):
             raise ReconstructionFailed(
                 f"no point is left of {level_name(self._level)}: is the part inside the region of "
@@ -147,25 +147,30 @@ class Reconstructor:
             )
         return Trainer(
             self.scene,
-            self._field,
+            self.field,
             points,
             self._level,
             self._settings,
             self._generator,
-            self._variant.constraints,
+            self.variant.constraints,
         )
+
+    @property
+    def is_last_level(self) -> bool:
+        """Whether no level comes after this one."""
+        return self._level == len(self._settings.levels) - 1
 
     def train(self) -> None:
         """Take the remaining steps of this level."""
         name = level_name(self._level)
-        self._level_starts.setdefault(name, len(self._losses))
+        self.level_starts.setdefault(name, len(self._losses))
         self._callback.on_level_start(name, self.trainer.num_steps - self.trainer.steps_done)
         while self.trainer.steps_done < self.trainer.num_steps:
-            self._record_step(self.trainer.step())
+            self.record_step(self.trainer.step())
             if self.trainer.is_checkpointable and self._callback.wants_checkpoint():
                 self._callback.on_checkpoint(self.state())
 
-    def _record_step(self, loss: Float32[Tensor, ""]) -> None:
+    def record_step(self, loss: Float32[Tensor, ""]) -> None:
         """Keep the loss of a step, and call back."""
         self._losses.append(loss)
         self._callback.on_step_end(loss)
@@ -174,29 +179,18 @@ class Reconstructor:
 
     def advance_level(self) -> None:
         """Compute the confidence of the level's points, and refine them or finish."""
-        self.is_finished = self._level == len(self._settings.levels) - 1
-        if self.is_finished or self._variant.refines_by_confidence:
-            self.view_confidence = self.trainer.view_confidence()
+        self.is_finished = self.is_last_level
+        self.view_confidence = self.trainer.view_confidence()
         if self.is_finished:
-            self._finish()
             return
-        points = self._variant.refine(self.trainer, self.view_confidence, self._generator)
+        points = self.variant.refine(self.trainer, self.view_confidence, self._generator)
         self._prune()
         self._level += 1
         self.trainer = self._make_trainer(points)
 
-    def _finish(self) -> None:
-        """Take the variant's last steps; a run that resumes takes all of them anew."""
-        num_steps, losses = self._variant.after_training(self.trainer)
-        if num_steps:
-            self._level_starts["colors"] = len(self._losses)
-            self._callback.on_level_start("colors", num_steps)
-        for loss in losses:
-            self._record_step(loss)
-
     def _prune(self) -> None:
         """Prune N once, after the first level."""
-        fraction, network = self._settings.network.prune_fraction, self._field.network
+        fraction, network = self._settings.network.prune_fraction, self.field.network
         if fraction and network is not None and not network.num_pruned:
             network.prune(fraction)
 
@@ -215,21 +209,20 @@ class Reconstructor:
             cloud.confidence.cpu().numpy(),
             cloud.view.to(torch.int16).cpu().numpy(),
             len(self._losses),
-            self._field.num_parameters(),
+            self.field.num_parameters(),
             self._to_world(points[has_density]),
             self.view_confidence.confidence[has_density].cpu().numpy(),
-            self._loss_values(),
-            self._level_starts,
+            self.losses(),
+            self.level_starts,
             self.scene.background.cpu().numpy().astype(float),
             partial(render_views, self.trainer, self._posed),
-            self._variant.warnings,
+            self.variant.warnings,
         )
 
     def _to_world(self, points: Float32[Tensor, "n 3"]) -> Float32[np.ndarray, "n 3"]:
-        world = points.double().cpu().numpy() * self._posed.radius + self._posed.center
-        return world.astype(np.float32)
+        return self._posed.to_world(points.double().cpu().numpy())
 
-    def _loss_values(self) -> list[float]:
+    def losses(self) -> list[float]:
         """Losses of the steps so far."""
         return [loss.item() for loss in self._losses]
 
@@ -243,8 +236,8 @@ class Reconstructor:
         """All that the rest of the run depends on, for `restore`."""
         return {
             "level": self._level,
-            "losses": self._loss_values(),
-            "level_starts": self._level_starts,
+            "losses": self.losses(),
+            "level_starts": self.level_starts,
             "generator": self._generator.get_state(),
             "trainer": self.trainer.state(),
         }
@@ -253,7 +246,7 @@ class Reconstructor:
         """Continue from `state`, whose tensors may be on the CPU."""
         self._level = state["level"]
         self._losses = [torch.tensor(loss) for loss in state["losses"]]
-        self._level_starts = state["level_starts"]
+        self.level_starts = state["level_starts"]
         if self._level > self._first_level:
             self._prune()  # its state has the masks
         trainer_state, torch_device = state["trainer"], self.scene.images.device

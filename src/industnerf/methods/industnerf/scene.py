@@ -29,6 +29,10 @@ class PosedImages:
     radius: float
     depth: Float32[np.ndarray, "n h w"] | None = None  # along the axis; 0: no reading
 
+    def to_world(self, points: Float[np.ndarray, "m 3"]) -> Float32[np.ndarray, "m 3"]:
+        """Points of the unit frame in that of the cameras."""
+        return (points * self.radius + self.center).astype(np.float32)
+
 
 @dataclass(frozen=True)
 class TorchCameras:

@@ -4,11 +4,7 @@
 to: `industnerf_depth`, `industnerf_shared` and `nerf`.
 """
 
-from collections.abc import Iterator
-
 import torch
-from jaxtyping import Float32
-from torch import Tensor
 
 from industnerf.methods.industnerf.confidence import ViewConfidence
 from industnerf.methods.industnerf.optimizer import Constraints
@@ -22,8 +18,6 @@ from industnerf.schema import IndustnerfSettings
 
 class Variant:
     """The paper's method, asked once for every run and level."""
-
-    refines_by_confidence = True  # whether `refine` needs the confidence of the views
 
     def __init__(self, scene: NerfScene, posed: PosedImages, settings: IndustnerfSettings) -> None:
         self.settings = settings  # of the run; a variant may fit them to the images
@@ -42,7 +36,3 @@ class Variant:
     ) -> PointLevel:
         """Section 3.2: the points of the next level."""
         return refine_points(trainer, confidence, generator)
-
-    def after_training(self, trainer: Trainer) -> tuple[int, Iterator[Float32[Tensor, ""]]]:
-        """Number of the steps after the last level, and their losses as they are taken."""
-        return 0, iter(())

@@ -1,27 +1,38 @@
 """The additions of `industnerf_plus`, put together as a variant of the paper's method."""
 
-from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
+import numpy as np
 import torch
-from jaxtyping import Float32
-from torch import Tensor
 
 from industnerf.methods.industnerf import pipeline
-from industnerf.methods.industnerf.confidence import ViewConfidence
 from industnerf.methods.industnerf.optimizer import Constraints
+from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult, Reconstructor
 from industnerf.methods.industnerf.point_levels import PointLevel, grid_spacing
 from industnerf.methods.industnerf.scene import NerfScene, PosedImages
-from industnerf.methods.industnerf.trainer import Trainer
 from industnerf.methods.industnerf.variant import Variant
 from industnerf.methods.industnerf_plus.adaptive_resolution import adapt_resolution, hull_margin
-from industnerf.methods.industnerf_plus.color_refinement import refine_colors
-from industnerf.methods.industnerf_plus.narrow_band import subdivide_narrow_band
+from industnerf.methods.industnerf_plus.appearance import Appearance
+from industnerf.methods.industnerf_plus.distance_grid import from_points, hull_grid
 from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
+from industnerf.methods.industnerf_plus.pictures import Pictures
+from industnerf.methods.industnerf_plus.polish import Polisher
+from industnerf.methods.industnerf_plus.rerender import render_views
 from industnerf.methods.industnerf_plus.sdf_constraints import SdfConstraints, grid_neighbors
+from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
 from industnerf.methods.industnerf_plus.silhouette_carving import Silhouettes
+from industnerf.methods.industnerf_plus.surface_cloud import sample_visible_surface
+from industnerf.photohull.voxel_grid import unit_frame_cameras_about
 from industnerf.rendering.points import PointGrid
 from industnerf.schema import IndustnerfPlusSettings
+from industnerf.torch_kernels import use_reproducible_kernels
+
+LIGHT_WARNING = (
+    "no few distant lights explain the brightness of the photographs (polish.max_light_outliers), "
+    "so the surface is found by colors alone; does the part shine or have a texture, or did a "
+    "light move?"
+)
 
 
 class PlusVariant(Variant):
@@ -33,30 +44,29 @@ class PlusVariant(Variant):
         self, scene: NerfScene, posed: PosedImages, settings: IndustnerfPlusSettings
     ) -> None:
         super().__init__(scene, posed, settings)
-        self._silhouettes: Silhouettes | None = None
+        self.silhouettes: Silhouettes | None = None
         self._photo_hull: PhotoHull | None = None
         if settings.silhouette_carving:
-            self._silhouettes = Silhouettes(scene, settings.background_tolerance)
-            self.settings = adapt_resolution(settings, self._silhouettes)
+            self.silhouettes = Silhouettes(scene, settings.background_tolerance)
+            self.settings = adapt_resolution(settings, self.silhouettes)
         if settings.sdf.init.enabled:
-            outlines = self._silhouettes.outlines()
+            outlines = self.silhouettes.outlines()
             self._photo_hull = PhotoHull(posed, outlines, settings.sdf.init)
             self.warnings = self._photo_hull.warnings
-        self.refines_by_confidence = not settings.sdf.enabled
 
     def initial_points(self, points: PointLevel) -> PointLevel:
         """The points in the visual hull, and somewhat beyond it."""
-        if self._silhouettes is None:
+        if self.silhouettes is None:
             return points
         margin = hull_margin(self.settings) * points.spacing
-        return points.select(self._silhouettes.inside_hull(points.points, margin))
+        return points.select(self.silhouettes.inside_hull(points.points, margin))
 
     def constraints(self, points: PointLevel, grid: PointGrid) -> Constraints:
         """Distances stay inside the visual hull, and start at the photo hull."""
         if not self.settings.sdf.enabled:
             return Constraints()
         length_unit = grid_spacing(self.settings.grid_res, 0)
-        hull_distance = self._silhouettes.distance(points.points) / length_unit
+        hull_distance = self.silhouettes.distance(points.points) / length_unit
         neighbors = grid_neighbors(grid.positions, points.spacing)
         make = partial(SdfConstraints, hull_distance[grid.order], neighbors, self.settings.sdf)
         if self._photo_hull is None:
@@ -64,19 +74,102 @@ class PlusVariant(Variant):
         initial_distance = self._photo_hull.distance(grid.positions) / length_unit
         return make(initial_distance, self._photo_hull.is_reliable)
 
-    def refine(
-        self, trainer: Trainer, confidence: ViewConfidence | None, generator: torch.Generator
-    ) -> PointLevel:
-        """Distances are refined beside the surface alone, whatever the views see."""
-        if not self.settings.sdf.enabled:
-            return super().refine(trainer, confidence, generator)
-        raw, rgb = (parameter.detach() for parameter in trainer.field.point_parameters())
-        return subdivide_narrow_band(trainer.points.positions, raw, rgb, trainer.spacing)
 
-    def after_training(self, trainer: Trainer) -> tuple[int, Iterator[Float32[Tensor, ""]]]:
-        """Colors alone."""
-        refinement = self.settings.color_refinement
-        return refinement.steps, refine_colors(trainer, refinement)
+def run(
+    posed: PosedImages,
+    settings: IndustnerfPlusSettings,
+    seed: int,
+    callback: Callback | None = None,
+    resume: dict[str, Any] | None = None,
+) -> ReconstructionResult:
+    """As `industnerf.pipeline.run`; with `polish` the trained field is where the polish starts.
+
+    A run that resumes takes all steps of the polish anew.
+    """
+    if not settings.polish.enabled:
+        return pipeline.run(posed, settings, seed, callback, resume, make_variant=PlusVariant)
+    use_reproducible_kernels()
+    callback = callback or Callback()
+    soft = Reconstructor(posed, settings, seed, callback, make_variant=PlusVariant)
+    if resume:
+        soft.restore(resume)
+    while not soft.is_last_level:
+        soft.train()
+        soft.advance_level()
+    soft.train()
+    return PolishedSurface(soft, posed, seed, callback).result()
 
 
-run = partial(pipeline.run, make_variant=PlusVariant)
+class PolishedSurface:
+    """The surface of a trained field on a grid of its own, polished if the light is understood."""
+
+    def __init__(
+        self, soft: Reconstructor, posed: PosedImages, seed: int, callback: Callback
+    ) -> None:
+        self._soft, self._posed, self._seed = soft, posed, seed
+        self._settings = soft.variant.settings.polish
+        self._warnings = soft.variant.warnings
+        background = soft.scene.background.cpu().numpy().astype(float)
+        outlines = soft.variant.silhouettes.outlines()
+        rig = unit_frame_cameras_about(posed.cameras, posed.center, posed.radius)
+        hull = hull_grid(outlines, rig, self._settings.max_nodes)
+        trainer = soft.trainer
+        grid = from_points(
+            hull,
+            trainer.points.positions.cpu().numpy(),
+            trainer.values()[0].cpu().numpy().ravel(),
+            trainer.spacing,
+        )
+        self._surface = ShadedSurface(grid)
+        self._rays = PinholeRays(posed.cameras, posed.center, posed.radius, grid)
+        self._pictures = Pictures(posed.rgb, background, outlines)
+        cell_px = grid.spacing / 2 * rig.min_diameter_px
+        self._polisher = Polisher(
+            self._surface, self._rays, self._pictures, cell_px, self._settings, seed
+        )
+        if self._fits_light():
+            self._polish(callback)
+        else:
+            self._surface.without_light()
+            callback.on_warning(LIGHT_WARNING)
+            self._warnings = (*self._warnings, LIGHT_WARNING)
+
+    def _fits_light(self) -> bool:
+        """Whether fitted light explains the pictures."""
+        if not self._settings.steps or not self._polisher.fit_light():
+            return False
+        return self._surface.finishes.outlier_share <= self._settings.max_light_outliers
+
+    def _polish(self, callback: Callback) -> None:
+        self._soft.level_starts["polish"] = len(self._soft.losses())
+        callback.on_level_start("polish", self._settings.steps)
+        for loss in self._polisher.steps():
+            self._soft.record_step(torch.tensor(loss))
+
+    def result(self) -> ReconstructionResult:
+        """The cloud, and what renders the surface."""
+        surface, posed, soft = self._surface, self._posed, self._soft
+        appearance = Appearance(surface, self._rays, self._pictures)
+        samples = sample_visible_surface(
+            surface, self._rays, self._pictures, self._settings.points, self._seed
+        )
+        surface.set_node_albedo(appearance.albedo)
+        candidates = posed.to_world(surface.grid.from_grid(samples.points))
+        confidence = appearance.confidence(samples.points)
+        is_seen = samples.view >= 0
+        losses = soft.losses()
+        return ReconstructionResult(
+            candidates[is_seen],
+            samples.colors[is_seen],
+            confidence[is_seen],
+            samples.view[is_seen].astype(np.int16),
+            len(losses),
+            soft.field.num_parameters(),
+            candidates,
+            np.where(is_seen, confidence, 0).astype(np.float32),
+            losses,
+            soft.level_starts,
+            self._pictures.background,
+            partial(render_views, surface, posed.center, posed.radius),
+            self._warnings,
+        )

@@ -1,0 +1,219 @@
+"""The inner loops over the nodes of a distance grid (NVIDIA Warp): distances, smoothing, steps."""
+
+from typing import no_type_check  # compiled, not called: there is nothing to check
+
+import warp as wp
+
+from industnerf.geometry.warp_runtime import init_warp
+
+init_warp()
+wp.set_module_options({"enable_backward": False})
+
+FAR = wp.constant(1.0e6)
+MAX_CURVATURE = wp.constant(1.0)
+
+
+@wp.func
+@no_type_check
+def crossing(inside: float, neighbor: float, nearest: float):
+    """Distance of the zero between a node and its neighbor, if it is nearer."""
+    if (inside <= 0.0) != (neighbor <= 0.0):
+        return wp.min(nearest, inside / (inside - neighbor))
+    return nearest
+
+
+@wp.kernel
+@no_type_check
+def start_at_crossings(
+    values: wp.array3d(dtype=wp.float32),
+    distance: wp.array3d(dtype=wp.float32),
+    is_fixed: wp.array3d(dtype=wp.uint8),
+):
+    """Distance of the nodes beside a zero: that of the plane through its zeros on the axes."""
+    i, j, k = wp.tid()
+    s = values[i, j, k]
+    x = wp.float32(FAR)
+    y = wp.float32(FAR)
+    z = wp.float32(FAR)
+    if i > 0:
+        x = crossing(s, values[i - 1, j, k], x)
+    if i < values.shape[0] - 1:
+        x = crossing(s, values[i + 1, j, k], x)
+    if j > 0:
+        y = crossing(s, values[i, j - 1, k], y)
+    if j < values.shape[1] - 1:
+        y = crossing(s, values[i, j + 1, k], y)
+    if k > 0:
+        z = crossing(s, values[i, j, k - 1], z)
+    if k < values.shape[2] - 1:
+        z = crossing(s, values[i, j, k + 1], z)
+    inverse = wp.float32(0.0)
+    if x < FAR:
+        inverse += 1.0 / wp.max(x * x, 1.0e-8)
+    if y < FAR:
+        inverse += 1.0 / wp.max(y * y, 1.0e-8)
+    if z < FAR:
+        inverse += 1.0 / wp.max(z * z, 1.0e-8)
+    distance[i, j, k] = FAR
+    is_fixed[i, j, k] = wp.uint8(0)
+    if inverse > 0.0:
+        distance[i, j, k] = 1.0 / wp.sqrt(inverse)
+        is_fixed[i, j, k] = wp.uint8(1)
+
+
+@wp.kernel
+@no_type_check
+def sweep(
+    distance: wp.array3d(dtype=wp.float32),
+    is_fixed: wp.array3d(dtype=wp.uint8),
+    reverse: wp.vec3i,
+    width: float,
+    num_changed: wp.array(dtype=wp.int32),
+):
+    """One sweep of |grad d| = 1 -- Zhao, "A fast sweeping method for Eikonal equations" (2005).
+
+    A CPU takes the nodes one after the other, so each sees the new values before it; a GPU needs
+    more sweeps to the same values.
+    """
+    i, j, k = wp.tid()
+    n0 = distance.shape[0]
+    n1 = distance.shape[1]
+    n2 = distance.shape[2]
+    if reverse[0] != 0:
+        i = n0 - 1 - i
+    if reverse[1] != 0:
+        j = n1 - 1 - j
+    if reverse[2] != 0:
+        k = n2 - 1 - k
+    if is_fixed[i, j, k] == wp.uint8(0):
+        a = wp.float32(FAR)
+        b = wp.float32(FAR)
+        c = wp.float32(FAR)
+        if i > 0:
+            a = distance[i - 1, j, k]
+        if i < n0 - 1:
+            a = wp.min(a, distance[i + 1, j, k])
+        if j > 0:
+            b = distance[i, j - 1, k]
+        if j < n1 - 1:
+            b = wp.min(b, distance[i, j + 1, k])
+        if k > 0:
+            c = distance[i, j, k - 1]
+        if k < n2 - 1:
+            c = wp.min(c, distance[i, j, k + 1])
+        low = wp.min(a, wp.min(b, c))
+        current = distance[i, j, k]
+        if low < current and low <= width:
+            high = wp.max(a, wp.max(b, c))
+            middle = wp.max(wp.min(a, b), wp.min(wp.max(a, b), c))
+            x = low + 1.0
+            if x > middle:
+                gap = low - middle
+                x = 0.5 * (low + middle + wp.sqrt(wp.max(2.0 - gap * gap, 0.0)))
+                if x > high:
+                    total = low + middle + high
+                    square = low * low + middle * middle + high * high
+                    root = total * total - 3.0 * (square - 1.0)
+                    if root > 0.0:
+                        x = (total + wp.sqrt(root)) / 3.0
+            if x < current:
+                distance[i, j, k] = x
+                if current - x > 1.0e-4:
+                    wp.atomic_add(num_changed, 0, 1)
+
+
+@wp.kernel
+@no_type_check
+def gather(
+    nodes: wp.array(dtype=wp.vec3i),
+    values: wp.array3d(dtype=wp.float32),
+    column: wp.array(dtype=wp.float32),
+):
+    """`values` at the nodes."""
+    i = wp.tid()
+    column[i] = values[nodes[i][0], nodes[i][1], nodes[i][2]]
+
+
+@wp.kernel
+@no_type_check
+def smooth(
+    neighbors: wp.array2d(dtype=wp.int32),
+    column: wp.array(dtype=wp.float32),
+    smoothed: wp.array(dtype=wp.float32),
+):
+    """Mean of each node and those of its six neighbors that are in the band."""
+    i = wp.tid()
+    total = column[i]
+    count = wp.float32(1.0)
+    for n in range(6):
+        neighbor = neighbors[i, n]
+        if neighbor >= 0:
+            total += column[neighbor]
+            count += 1.0
+    smoothed[i] = total / count
+
+
+@wp.struct
+@no_type_check
+class StepParams:
+    lr: wp.float32  # cells
+    epsilon: wp.float32
+    momentum: wp.float32
+    momentum_correction: wp.float32
+    decay: wp.float32
+    decay_correction: wp.float32
+    max_step: wp.float32  # cells
+    curvature: wp.float32
+    anchor: wp.float32  # share of the way back to the start
+
+
+@wp.kernel
+@no_type_check
+def step_distances(
+    nodes: wp.array(dtype=wp.vec3i),
+    distance: wp.array3d(dtype=wp.float32),
+    hull: wp.array3d(dtype=wp.float32),
+    start: wp.array3d(dtype=wp.float32),
+    grad: wp.array(dtype=wp.float32),
+    first_moment: wp.array3d(dtype=wp.float32),
+    second_moment: wp.array3d(dtype=wp.float32),
+    params: StepParams,
+    stepped: wp.array(dtype=wp.float32),
+):
+    """A step of Adam, of curvature flow, and back to the start; never out of the hull."""
+    n = wp.tid()
+    i = nodes[n][0]
+    j = nodes[n][1]
+    k = nodes[n][2]
+    m = params.momentum * first_moment[i, j, k] + (1.0 - params.momentum) * grad[n]
+    v = params.decay * second_moment[i, j, k] + (1.0 - params.decay) * grad[n] * grad[n]
+    first_moment[i, j, k] = m
+    second_moment[i, j, k] = v
+    s = distance[i, j, k]
+    laplacian = (
+        distance[i + 1, j, k]
+        + distance[i - 1, j, k]
+        + distance[i, j + 1, k]
+        + distance[i, j - 1, k]
+        + distance[i, j, k + 1]
+        + distance[i, j, k - 1]
+        - 6.0 * s
+    )
+    change = -params.lr * (m / params.momentum_correction)
+    change /= wp.sqrt(v / params.decay_correction) + params.epsilon
+    change += params.curvature * wp.clamp(laplacian, -MAX_CURVATURE, MAX_CURVATURE)
+    change += params.anchor * (start[i, j, k] - s)
+    s += wp.clamp(change, -params.max_step, params.max_step)
+    stepped[n] = wp.max(s, hull[i, j, k])
+
+
+@wp.kernel
+@no_type_check
+def scatter(
+    nodes: wp.array(dtype=wp.vec3i),
+    column: wp.array(dtype=wp.float32),
+    values: wp.array3d(dtype=wp.float32),
+):
+    """Set `values` at the nodes."""
+    i = wp.tid()
+    values[nodes[i][0], nodes[i][1], nodes[i][2]] = column[i]
