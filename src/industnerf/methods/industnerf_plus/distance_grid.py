@@ -24,6 +24,7 @@ GRID_RES_MULTIPLE = 8  # `depth_in_hull` doubles a grid three times
 COARSE_RES = 64  # cells a side of the grid that the box is first measured on
 MIN_GRID_RES, MAX_GRID_RES = 32, 256
 MIN_CELL_PX = 2.0  # a pixel averages what is within it
+HULL_SLACK_PX = 0.25  # a grid rounds edges off, and nothing could grow them again
 EXACT_DEPTH = 1.2  # cells; the hull's own distances are exact up to here
 FILL_LEVEL = 0.7  # cells; air shallower than this does not connect
 FILL_VALUE = -1.5  # cells
@@ -60,6 +61,7 @@ def hull_grid(
 
     Raises ReconstructionFailed if the hull is empty.
     """
+    outlines = outlines + np.float32(HULL_SLACK_PX)
     grid_res = choose_grid_res(depth_in_hull(outlines, rig, COARSE_RES), rig, max_nodes)
     depth = depth_in_hull(outlines, rig, grid_res)
     box = hull_box(depth)
@@ -155,7 +157,7 @@ def redistance(
     distance = wp.empty(values.shape, wp.float32, device=device)
     is_fixed = wp.empty(values.shape, wp.uint8, device=device)
     wp.launch(
-        grid_kernels.start_at_crossings,
+        grid_kernels.start_near_zero,
         values.shape,
         [source],
         [distance, is_fixed],

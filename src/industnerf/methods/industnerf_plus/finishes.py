@@ -21,11 +21,12 @@ from industnerf.methods.industnerf_plus.lighting import (
     refine_lighting,
 )
 
-NEIGHBORS = 24
-CHROMA_WEIGHT = 4.0
-MODE_RADIUS = 0.2
-MIN_SHARE = 0.02
+NEIGHBORS = 24  # whose median tells a point's finish
+CHROMA_WEIGHT = 4.0  # of log chromaticity, beside log brightness
+MODE_RADIUS = 0.12  # of a finish, in weighted logarithms
+MIN_SHARE = 0.02  # of the points that have a finish
 MAX_FINISHES = 5
+MAX_SPREAD = 0.1  # median deviation of log brightness within a finish
 ROUNDS = 3
 MAX_COST_RATIO = 0.8  # of the robust cost with several finishes to that with one
 MIN_BRIGHTNESS = 0.02
@@ -100,6 +101,19 @@ def evaluate(
     residual = np.abs(albedo[label] * lighting.brightness(normals) - gray)
     cost = float(np.log1p((residual / OUTLIER_SCALE) ** 2).mean())
     return FinishFit(lighting, albedo, label, cost, float((residual > MAX_RESIDUAL).mean()))
+
+
+def drop_uneven(
+    label: Int64[np.ndarray, "n"], deviation: Float[np.ndarray, "n"]
+) -> Int64[np.ndarray, "n"]:
+    """Give the most frequent label to those whose brightness is no multiple of that of the light.
+
+    So looks the filled mouth of a pocket, which has one normal and the colors of many.
+    """
+    count = np.bincount(label)
+    spread = [np.median(deviation[label == k]) if n else 0.0 for k, n in enumerate(count)]
+    is_uneven = np.array(spread) > MAX_SPREAD
+    return np.where(is_uneven[label], count.argmax(), label)
 
 
 def cluster(features: Float[np.ndarray, "n d"]) -> Int64[np.ndarray, "n"]:

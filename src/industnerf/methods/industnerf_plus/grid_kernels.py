@@ -15,49 +15,46 @@ MAX_CURVATURE = wp.constant(1.0)
 
 @wp.func
 @no_type_check
-def crossing(inside: float, neighbor: float, nearest: float):
-    """Distance of the zero between a node and its neighbor, if it is nearer."""
-    if (inside <= 0.0) != (neighbor <= 0.0):
-        return wp.min(nearest, inside / (inside - neighbor))
-    return nearest
+def upwind_slope(inside: float, before: float, after: float):
+    """Of the steeper way to the other side."""
+    if inside > 0.0:
+        return wp.max(0.0, inside - wp.min(before, after))
+    return wp.max(0.0, wp.max(before, after) - inside)
 
 
 @wp.kernel
 @no_type_check
-def start_at_crossings(
+def start_near_zero(
     values: wp.array3d(dtype=wp.float32),
     distance: wp.array3d(dtype=wp.float32),
     is_fixed: wp.array3d(dtype=wp.uint8),
 ):
-    """Distance of the nodes beside a zero: that of the plane through its zeros on the axes."""
+    """Distances of the nodes within a cell of the zero set, by their slope.
+
+    At a right-angled crease central differences have half of the slope there is on either side,
+    upwind ones twice as much; their geometric mean is exact, there and on planes.
+    """
     i, j, k = wp.tid()
     s = values[i, j, k]
-    x = wp.float32(FAR)
-    y = wp.float32(FAR)
-    z = wp.float32(FAR)
-    if i > 0:
-        x = crossing(s, values[i - 1, j, k], x)
-    if i < values.shape[0] - 1:
-        x = crossing(s, values[i + 1, j, k], x)
-    if j > 0:
-        y = crossing(s, values[i, j - 1, k], y)
-    if j < values.shape[1] - 1:
-        y = crossing(s, values[i, j + 1, k], y)
-    if k > 0:
-        z = crossing(s, values[i, j, k - 1], z)
-    if k < values.shape[2] - 1:
-        z = crossing(s, values[i, j, k + 1], z)
-    inverse = wp.float32(0.0)
-    if x < FAR:
-        inverse += 1.0 / wp.max(x * x, 1.0e-8)
-    if y < FAR:
-        inverse += 1.0 / wp.max(y * y, 1.0e-8)
-    if z < FAR:
-        inverse += 1.0 / wp.max(z * z, 1.0e-8)
     distance[i, j, k] = FAR
     is_fixed[i, j, k] = wp.uint8(0)
-    if inverse > 0.0:
-        distance[i, j, k] = 1.0 / wp.sqrt(inverse)
+    left = values[wp.max(i - 1, 0), j, k]
+    right = values[wp.min(i + 1, values.shape[0] - 1), j, k]
+    front = values[i, wp.max(j - 1, 0), k]
+    back = values[i, wp.min(j + 1, values.shape[1] - 1), k]
+    below = values[i, j, wp.max(k - 1, 0)]
+    above = values[i, j, wp.min(k + 1, values.shape[2] - 1)]
+    central = 0.5 * wp.length(wp.vec3(right - left, back - front, above - below))
+    upwind = wp.length(
+        wp.vec3(
+            upwind_slope(s, left, right),
+            upwind_slope(s, front, back),
+            upwind_slope(s, below, above),
+        )
+    )
+    slope = wp.sqrt(central * upwind)
+    if wp.abs(s) < slope:
+        distance[i, j, k] = wp.abs(s) / slope
         is_fixed[i, j, k] = wp.uint8(1)
 
 

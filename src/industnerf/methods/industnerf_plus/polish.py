@@ -38,6 +38,8 @@ NODES_INTERVAL = 5  # steps between updates of these nodes ...
 REDISTANCE_INTERVAL = 20  # ... and of exact distances
 GRADIENT_SMOOTHINGS = 2
 MIN_LIGHT_PIXELS = 500
+MAX_TESTED_PIXELS = 40_000  # for whether the surface covers them
+MIN_COVERED_OPACITY = 0.8
 
 
 class Polisher:
@@ -63,7 +65,7 @@ class Polisher:
         self._moments = [wp.zeros(shape, wp.float32, device=device) for _ in range(2)]
         margin = SILHOUETTE_MARGIN * cell_px
         self._shaded = pictures.shaded_pixels(margin, EDGE_SHARE, self._rng)
-        self._opaque = pictures.opaque_pixels(margin)
+        self._uncovered = self._opaque = pictures.opaque_pixels(margin)
         self._light_pixels = pictures.shaded_pixels(LIGHT_MARGIN * cell_px, 0.0, self._rng)
 
     def fit_light(self) -> bool:
@@ -93,6 +95,8 @@ class Polisher:
                 self._redistance()
             if step and settings.light_interval and step % settings.light_interval == 0:
                 self.fit_light()
+            if step % REDISTANCE_INTERVAL == 0:
+                self._find_uncovered(beta)
             if step % NODES_INTERVAL == 0:
                 band = Band(self._surface.distance.numpy(), BAND[0] * beta + BAND[1])
             self._surface.update_gradient(band.nodes)
@@ -110,6 +114,17 @@ class Polisher:
             yield error
         self._redistance()
 
+    def _find_uncovered(self, beta: float) -> None:
+        """Of the pixels that show the part, those that the surface does not cover."""
+        if not len(self._opaque):
+            return
+        pixels = self._rng.choice(self._opaque, MAX_TESTED_PIXELS)
+        self._surface.update_band(beta)
+        background = self._pictures.gray_background
+        opacity = self._surface.render(self._rays, pixels, background, beta).opacity.numpy()
+        uncovered = pixels[opacity < MIN_COVERED_OPACITY]
+        self._uncovered = uncovered if len(uncovered) else self._opaque
+
     def _backpropagate(self, beta: float) -> float:
         """Add the gradient of some random pixels; returns their mean squared error."""
         settings, pictures, surface = self._settings, self._pictures, self._surface
@@ -118,7 +133,7 @@ class Polisher:
         )
         num_shaded = settings.rays_per_step - num_opaque
         shaded = self._shaded[self._rng.integers(0, len(self._shaded), num_shaded)]
-        opaque = self._opaque[self._rng.integers(0, max(1, len(self._opaque)), num_opaque)]
+        opaque = self._uncovered[self._rng.integers(0, max(1, len(self._uncovered)), num_opaque)]
         pixels = np.concatenate([shaded, opaque])
         target = np.concatenate([pictures.gray[shaded], np.ones(num_opaque, np.float32)])
         step = settings.step_size * max(1.0, beta)

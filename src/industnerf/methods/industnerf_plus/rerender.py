@@ -9,6 +9,7 @@ from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, Shade
 
 RENDER_BETA = 0.1  # cells
 RENDER_STEP = 0.25  # cells
+RENDER_GROWTH = 0.1  # cells; a pixel that an outline crosses mostly shows the part
 
 
 def render_views(
@@ -23,6 +24,8 @@ def render_views(
     pixels_of_view = np.arange(rays.height * rays.width, dtype=np.int32)
     shape = (rays.height, rays.width)
     colors, depths, opacities = [], [], []
+    distance = surface.distance.numpy()
+    surface.set_distance(distance - np.float32(RENDER_GROWTH))
     surface.update_band(RENDER_BETA)
     for view, axis in enumerate(rays.axes):
         pixels = pixels_of_view + view * len(pixels_of_view)
@@ -32,6 +35,7 @@ def render_views(
         colors.append(to_uint8(rendered.color.numpy()).reshape(*shape, 3))
         depths.append(np.where(hit > 0, depth, 0).astype(np.float32).reshape(shape))
         opacities.append(to_uint8(rendered.opacity.numpy()).reshape(shape))
+    surface.set_distance(distance)
     return Renderings(np.stack(colors), np.stack(depths), np.stack(opacities))
 
 
