@@ -1,4 +1,4 @@
-"""The compiled renderer of a shaded surface: closed forms, and its adjoint by finite differences."""
+"""The compiled renderer of a shaded surface: closed forms, and its adjoint by differences."""
 
 import numpy as np
 import pytest

@@ -1,9 +1,11 @@
 """`industnerf_plus`: the paper's method with additions of ours, told the background's color.
 
-`pipeline` puts the additions together: silhouettes carve empty space (`silhouette_carving`) and
-set the resolution (`adaptive_resolution`), points hold signed distances inside the visual hull
-(`sdf_constraints`), which start at the photo hull (`photo_hull`), levels refine the cells beside
-the surface (`narrow_band`), and colors are trained alone at the end (`color_refinement`).
+`pipeline` puts the additions together.  The field is trained as the paper's, on points inside the
+visual hull (`silhouette_carving`, `adaptive_resolution`) that hold signed distances
+(`sdf_constraints`) and start at the photo hull (`photo_hull`).  Its surface goes to a grid of its
+own (`distance_grid`), where light and finishes are fitted (`lighting`, `finishes`) and shading
+polishes it (`polish`, with `shaded_surface` and its kernels).  `surface_cloud`, `appearance` and
+`rerender` give the cloud, its confidence and pictures.
 """
 
 from industnerf.methods.base import Input, Method, MethodInputs, Reconstruction, Scope

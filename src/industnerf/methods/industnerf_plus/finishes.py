@@ -63,14 +63,11 @@ def fit_finishes(
         ratio = np.log(np.maximum(gray, MIN_BRIGHTNESS) / expected)
         # at first the light is that of a wrong mixture of finishes, and colors alone tell
         features = np.column_stack([chroma, ratio if number else 0 * ratio])
-        label = cluster(np.median(features[neighbors], axis=1))
+        label = drop_uneven(cluster(np.median(features[neighbors], axis=1)), ratio)
         if number and np.array_equal(label, fit.label):
             break
-        count = np.bincount(label)
-        albedo = np.exp(
-            [np.median(ratio[label == k]) if count[k] else 0 for k in range(len(count))]
-        )
-        albedo /= albedo[count.argmax()]
+        levels = median_by_label(label, ratio)
+        albedo = np.exp(levels - levels[np.bincount(label).argmax()])
         lighting = fit_lighting(normals, gray / albedo[label], albedo[label] ** 2)
         fit = evaluate(lighting, albedo, label, normals, gray)
         if fit.cost < best.cost:
@@ -104,16 +101,24 @@ def evaluate(
 
 
 def drop_uneven(
-    label: Int64[np.ndarray, "n"], deviation: Float[np.ndarray, "n"]
+    label: Int64[np.ndarray, "n"], ratio: Float[np.ndarray, "n"]
 ) -> Int64[np.ndarray, "n"]:
-    """Give the most frequent label to those whose brightness is no multiple of that of the light.
+    """Labels without those whose brightness is no multiple of that of the light.
 
-    So looks the filled mouth of a pocket, which has one normal and the colors of many.
+    So looks the filled mouth of a pocket, which has one normal and the colors of many.  Its points
+    get the most frequent label.
     """
-    count = np.bincount(label)
-    spread = [np.median(deviation[label == k]) if n else 0.0 for k, n in enumerate(count)]
-    is_uneven = np.array(spread) > MAX_SPREAD
-    return np.where(is_uneven[label], count.argmax(), label)
+    spread = median_by_label(label, np.abs(ratio - median_by_label(label, ratio)[label]))
+    kept = np.where((spread > MAX_SPREAD)[label], np.bincount(label).argmax(), label)
+    return np.unique(kept, return_inverse=True)[1]
+
+
+def median_by_label(
+    label: Int64[np.ndarray, "n"], values: Float[np.ndarray, "n"]
+) -> Float[np.ndarray, "k"]:
+    """The median of each label, 0 of one that has no point."""
+    own = [values[label == k] for k in range(label.max() + 1)]
+    return np.array([np.median(each) if len(each) else 0.0 for each in own])
 
 
 def cluster(features: Float[np.ndarray, "n d"]) -> Int64[np.ndarray, "n"]:
