@@ -227,9 +227,8 @@ def with_steps_scaled(job: Job, factor: float) -> Job:
     warm_up = replace(settings.warm_up, steps=round(factor * settings.warm_up.steps))
     settings = replace(settings, warm_up=warm_up, levels=levels)
     if job.method == "industnerf_plus":
-        refinement = settings.color_refinement
-        refinement = replace(refinement, steps=round(factor * refinement.steps))
-        settings = replace(settings, color_refinement=refinement)
+        polish = replace(settings.polish, steps=round(factor * settings.polish.steps))
+        settings = replace(settings, polish=polish)
     return replace(job, settings=settings)
 
 

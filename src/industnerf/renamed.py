@@ -85,8 +85,6 @@ KEYS = {
     "method.*nerf*.relief.slack": "method.industnerf_plus.sdf.max_depth_factor",
     "method.*nerf*.relief.fill_every": "method.industnerf_plus.sdf.median_filter_interval",
     "method.*nerf*.relief.fill_from": "method.industnerf_plus.sdf.median_filter_start",
-    "method.*nerf*.recolour": "method.industnerf_plus.color_refinement",
-    "method.*nerf*.recolour.rate": "method.industnerf_plus.color_refinement.lr",
     "method.*nerf*.initial": "method.*nerf*.density_bias",
     "method.*nerf*.ceiling": "method.*nerf*.max_raw_density",
     "method.*nerf*.rays": "method.*nerf*.rays_per_step",
@@ -172,7 +170,6 @@ GROUPS = {"without": "ablation"}  # folders of conf/
 ABLATIONS = {
     "falling_back": "relaxation",
     "filling": "median_filter",
-    "recolour": "color_refinement",
     "relief": "sdf",
     "shallow": "relax_max_depth",
     "softness": "beta_schedule",
