@@ -16,6 +16,7 @@ from industnerf.methods.industnerf_plus.distance_grid import (
     fill_enclosed_air,
     from_points,
     hull_box,
+    hull_grid,
     node_neighbors,
     redistance,
     snap_to_hull,
@@ -113,6 +114,24 @@ def test_a_slender_part_gets_smaller_cells_than_a_cube_and_none_below_two_pixels
     assert choose_grid_res(cube, fine, 500_000) < choose_grid_res(rod, fine, 500_000)
     assert choose_grid_res(rod, fine, 10**9) == MAX_GRID_RES
     assert choose_grid_res(rod, cameras(100), 10**9) <= 100 / MIN_CELL_PX
+
+
+def test_a_part_that_fills_the_frame_does_not_touch_the_border_of_the_grid():
+    """Distances of masks that show the part everywhere: the hull is all of the cube."""
+    rig = UnitFrameCameras(
+        np.array([[[64, 0, 32, 128], [0, 64, 32, 128], [0, 0, 1, 4]]], np.float32),
+        np.array([[0.0, 0.0, -4.0]], np.float32),
+        np.array([64.0], np.float32),
+        np.zeros(3),
+        1.0,
+    )
+    grid = hull_grid(np.full((1, 64, 64), 11.0, np.float32), rig, 100_000)
+    border = np.ones(grid.hull.shape, bool)
+    border[3:-3, 3:-3, 3:-3] = False
+    assert (grid.hull[border] > 0).all()
+    inside = np.argwhere(grid.hull < 0)
+    corners = grid.from_grid(np.stack([inside.min(axis=0), inside.max(axis=0)]).astype(float))
+    np.testing.assert_allclose(corners, [[-1] * 3, [1] * 3], atol=1.01 * grid.spacing)
 
 
 def test_an_empty_hull_is_refused():

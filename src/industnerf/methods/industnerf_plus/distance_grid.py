@@ -20,6 +20,7 @@ from industnerf.photohull.voxel_grid import UnitFrameCameras, depth_in_hull
 
 WIDTH = 12.0  # cells; distances are exact up to here
 PADDING = 7  # cells about the hull
+OUTSIDE = np.float32(3.0)  # cells; how far outside does not matter beyond it
 GRID_RES_MULTIPLE = 8  # `depth_in_hull` doubles a grid three times
 COARSE_RES = 64  # cells a side of the grid that the box is first measured on
 MIN_GRID_RES, MAX_GRID_RES = 32, 256
@@ -63,11 +64,12 @@ def hull_grid(
     """
     outlines = outlines + np.float32(HULL_SLACK_PX)
     grid_res = choose_grid_res(depth_in_hull(outlines, rig, COARSE_RES), rig, max_nodes)
-    depth = depth_in_hull(outlines, rig, grid_res)
+    # the part may touch the cube around the unit ball, the surface must not touch the grid's border
+    depth = np.pad(depth_in_hull(outlines, rig, grid_res), PADDING, constant_values=-OUTSIDE)
     box = hull_box(depth)
     spacing = 2 / grid_res
     raw = -depth[tuple(slice(start, stop) for start, stop in box)]
-    lo = np.array([(start + 0.5) * spacing - 1 for start, _ in box])
+    lo = np.array([(start - PADDING + 0.5) * spacing - 1 for start, _ in box])
     exact = redistance(raw)
     hull = np.where(np.abs(raw) < EXACT_DEPTH, raw, exact).astype(np.float32)
     return DistanceGrid(hull.copy(), hull, lo, spacing)
