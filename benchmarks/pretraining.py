@@ -40,7 +40,9 @@ def run(data: Path, views: int | None, name: str, num_solids: int, steps: int) -
         settings = replace(settings, eval_views=views)
     training = replace(settings.pretraining, max_steps=steps, val_interval=max(1, steps // 8))
     settings = replace(settings, training=training)
-    shapes = load_procedural_shapes(data / "procedural", list(read_index(data / "procedural")))
+    folder = data / "procedural"
+    solids = load_procedural_shapes(folder, list(read_index(folder)))
+    shapes = [solid for solid in solids if solid.resembles is None]  # as the stage pretrain does
     start = process_time()
     with TemporaryDirectory() as scratch:
         prior = Prior(shapes[:num_solids])
