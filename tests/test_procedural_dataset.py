@@ -9,10 +9,10 @@ import pytest
 from industnerf.artifacts.part import save_part
 from industnerf.capture.render import render_part
 from industnerf.config import load_params
-from industnerf.learning.procedural_shapes import load_procedural_shapes
+from industnerf.learning.procedural_shapes import load_procedural_shapes, resembled_families
 from industnerf.learning.targets import contains_points, filled_shares
 from industnerf.methods.base import NETWORK_INPUTS, Example
-from industnerf.parts.procedural import DEFAULT_KINDS, procedural_solid
+from industnerf.parts.procedural import DEFAULT_KINDS, RESEMBLING_KINDS, procedural_solid
 from industnerf.procedural_dataset import CHUNK, EDGE_SAMPLES, KINDS, chunk_ranges, make_chunk
 from industnerf.schema import ProceduralParams
 from tests.samples import unit_part
@@ -134,3 +134,7 @@ def test_all_kinds_are_made_where_they_are_asked_for(tmp_path, views):
         made.append([shape.kind for shape in load_procedural_shapes(tmp_path, [kinds])])
     assert set(made[0]) <= set(DEFAULT_KINDS)
     assert made[0] != made[1]
+    assert resembled_families(tmp_path, ["abstract"]) == set()
+    assert resembled_families(tmp_path, ["all"]) == {
+        RESEMBLING_KINDS[kind] for kind in made[1] if kind in RESEMBLING_KINDS
+    }

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
+from industnerf.errors import BadParams
 from industnerf.methods import load_method
 from industnerf.methods.run_method import WEIGHTS, copy_weights, pretrain_method
 from industnerf.stage import Task, read_index, run_stage
@@ -14,7 +15,12 @@ from industnerf.stage import Task, read_index, run_stage
 def main(cfg: StageParams, name: str, shipped: str, procedural: str, out: str) -> None:
     method, settings, source = load_method(name), getattr(cfg.method, name), Path(shipped) / name
     tasks = []
-    if name in cfg.methods and cfg.pretrain.weights == "shipped" and source.exists():
+    if name in cfg.methods and cfg.pretrain.weights == "shipped":
+        if not source.is_dir():
+            raise BadParams(
+                f"no weights of {name} ship in {source}: set pretrain.weights to trained, "
+                "or to none"
+            )
         files = tuple(sorted(path for path in source.rglob("*") if path.is_file()))
         tasks = [Task(WEIGHTS, partial(copy_weights, source), name, files)]
     elif name in cfg.methods and cfg.pretrain.weights == "trained":

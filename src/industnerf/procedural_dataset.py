@@ -20,6 +20,7 @@ from industnerf.learning.views import picture_frames
 from industnerf.parts.procedural import (
     ALL_KINDS,
     DEFAULT_KINDS,
+    RESEMBLING_KINDS,
     ProceduralSolid,
     procedural_solid,
 )
@@ -52,8 +53,9 @@ def make_chunk(
         rows.append(_row(solid, _few_views(scene, settings.views), small, rng))
         kinds.append(solid.kind)
     names = [field.name for field in fields(ProceduralArrays)]
+    resembles = [RESEMBLING_KINDS.get(kind) for kind in kinds]
     arrays = (np.stack(column) for column in zip(*rows, strict=True))
-    ProceduralArrays(**dict(zip(names, arrays, strict=True))).save(target, kinds)
+    ProceduralArrays(**dict(zip(names, arrays, strict=True))).save(target, kinds, resembles)
 
 
 def _few_views(scene: Scene, count: int) -> Scene:

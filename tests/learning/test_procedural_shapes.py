@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadParams
-from industnerf.learning.procedural_shapes import ProceduralArrays, load_procedural_shapes
+from industnerf.learning.procedural_shapes import (
+    ProceduralArrays,
+    load_procedural_shapes,
+    resembled_families,
+)
 from industnerf.learning.training_shape import TrainingShape
 from industnerf.learning.views import resize_images
 from industnerf.methods.base import Example
@@ -28,10 +32,10 @@ def arrays(solids, seed=0):
     )
 
 
-def save_chunk(folder, name, kinds, seed=0):
+def save_chunk(folder, name, kinds, seed=0, resembles=None):
     (folder / name).mkdir()
     saved = arrays(len(kinds), seed)
-    saved.save(folder / name, kinds)
+    saved.save(folder / name, kinds, resembles or [None] * len(kinds))
     return saved
 
 
@@ -59,6 +63,15 @@ def test_what_is_saved_is_loaded_row_by_row(chunks, tmp_path):
         pool = shape.occupancy_pool(99, rng)
         np.testing.assert_array_equal(pool.points, saved.points[row])
         np.testing.assert_array_equal(pool.shares, saved.shares[row])
+
+
+def test_every_solid_knows_the_family_that_it_resembles(tmp_path):
+    save_chunk(tmp_path, "0000", ["nut", "a"], resembles=["nuts", None])
+    save_chunk(tmp_path, "0001", ["gear", "a"], resembles=["gears", None])
+    shapes = load_procedural_shapes(tmp_path, ["0000", "0001"])
+    assert [shape.resembles for shape in shapes] == ["nuts", None, "gears", None]
+    assert resembled_families(tmp_path, ["0000", "0001"]) == {"nuts", "gears"}
+    assert resembled_families(tmp_path, []) == set()
 
 
 def test_arrays_stay_on_disk(chunks, tmp_path):
@@ -101,7 +114,7 @@ def test_equal_arrays_are_equal_bytes(tmp_path):
     saved = arrays(2)
     for name in ("one", "other"):
         (tmp_path / name).mkdir()
-        replace(saved).save(tmp_path / name, ["a", "b"])
+        replace(saved).save(tmp_path / name, ["a", "b"], [None, "gears"])
     files = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert files
     for name in files:

@@ -10,6 +10,7 @@ a process open a thousand or so: hence one a chunk.
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float16, Float32, UInt8
@@ -19,8 +20,8 @@ from industnerf.errors import BadParams
 from industnerf.learning.targets import OccupancyPool
 from industnerf.learning.views import resize_images
 
-SCHEMA = 1
-FILE = "solids.npy"
+SCHEMA = 2
+FILE, KINDS_FILE = "solids.npy", "kinds.json"
 
 
 @dataclass(frozen=True)
@@ -35,14 +36,15 @@ class ProceduralArrays:
     shares: Float32[np.ndarray, "solids 3"]
     surface: Float16[np.ndarray, "solids dense 3"]
 
-    def save(self, folder: Path, kinds: Sequence[str]) -> None:
-        """Write every array into `folder`, and the kind of every solid."""
+    def save(self, folder: Path, kinds: Sequence[str], resembles: Sequence[str | None]) -> None:
+        """Write every array into `folder`, with every solid's kind and the family it resembles."""
         columns = {field.name: getattr(self, field.name) for field in fields(self)}
         rows = np.empty(len(kinds), [(k, v.dtype, v.shape[1:]) for k, v in columns.items()])
         for name, column in columns.items():
             rows[name] = column
         np.save(folder / FILE, rows)
-        write_json(folder / "kinds.json", {"schema": SCHEMA, "kinds": list(kinds)})
+        record = {"schema": SCHEMA, "kinds": list(kinds), "resembles": list(resembles)}
+        write_json(folder / KINDS_FILE, record)
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class ProceduralShape:
     part_id: str
     group: str
     kind: str
+    resembles: str | None  # a family of the study
     arrays: ProceduralArrays
     row: int
 
@@ -83,15 +86,29 @@ class ProceduralShape:
 
 
 def load_procedural_shapes(folder: Path, chunks: Sequence[str]) -> list[ProceduralShape]:
-    """The solids of all `chunks` in `folder`, in their order; each is a group of its own."""
+    """The solids of all `chunks` in `folder`, in their order; each is a group of its own.
+
+    Raises BadArtifact if a chunk was written by another version.
+    """
     shapes: list[ProceduralShape] = []
     for chunk in chunks:
-        kinds = read_json(folder / chunk / "kinds.json", SCHEMA, "procedural")["kinds"]
+        record = _read_kinds(folder / chunk)
         rows = np.load(folder / chunk / FILE, mmap_mode="r")
         arrays = ProceduralArrays(
             **{field.name: rows[field.name] for field in fields(ProceduralArrays)}
         )
-        for row, kind in enumerate(kinds):
+        pairs = zip(record["kinds"], record["resembles"], strict=True)
+        for row, (kind, family) in enumerate(pairs):
             part_id = f"procedural-{len(shapes):05d}"
-            shapes.append(ProceduralShape(part_id, part_id, kind, arrays, row))
+            shapes.append(ProceduralShape(part_id, part_id, kind, family, arrays, row))
     return shapes
+
+
+def resembled_families(folder: Path, chunks: Sequence[str]) -> set[str]:
+    """The families of the study that some solid of `chunks` resembles."""
+    families = {family for chunk in chunks for family in _read_kinds(folder / chunk)["resembles"]}
+    return families - {None}
+
+
+def _read_kinds(chunk: Path) -> dict[str, Any]:
+    return read_json(chunk / KINDS_FILE, SCHEMA, "procedural")

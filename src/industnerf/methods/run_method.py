@@ -1,6 +1,7 @@
 """Run a method: give it what it declares, check and save what it returns."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from industnerf.artifacts.cloud import Cloud, save_extra_clouds, save_warnings
 from industnerf.artifacts.state import ModelState
-from industnerf.errors import ReconstructionFailed
+from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.learning.procedural_shapes import load_procedural_shapes
 from industnerf.learning.training_shape import Prior
 from industnerf.methods.base import (
@@ -41,6 +42,24 @@ def training_files(example: Example) -> tuple[Path, ...]:
     return (*(images if Input.RGB in example.inputs else []), *mesh)
 
 
+@dataclass(frozen=True)
+class PriorSource:
+    """Where it is read from what a network brings along."""
+
+    weights: Path | None  # the folder of pretrained weights
+    procedural: Path  # the folder of the procedural solids ...
+    chunks: Sequence[str]  # ... and which of its chunks
+    held_out: Sequence[str] = ()  # families that no solid may resemble
+
+    def load(self) -> Prior:
+        """Read the weights, if there are any, and the solids."""
+        solids = load_procedural_shapes(self.procedural, self.chunks)
+        return Prior(
+            [solid for solid in solids if solid.resembles not in self.held_out],
+            None if self.weights is None else ModelState.load(self.weights),
+        )
+
+
 def fit_method(
     method: Method,
     examples: Sequence[Example],
@@ -49,12 +68,11 @@ def fit_method(
     settings: Any,
     seed: int,
     scratch: Path,
-    prior: tuple[Path | None, Path, Sequence[str]] | None = None,
+    prior: PriorSource | None = None,
 ) -> None:
     """Write into `target` what `method` learns from `examples`; `scratch` is to resume from.
 
-    `prior` has the folder of its pretrained weights, that of the procedural solids, and which of
-    their chunks; of a method that declares no procedural solids it is None.
+    Of a method that declares no procedural solids `prior` is None.
 
     Raises ReconstructionFailed if there is nothing to learn from.
     """
@@ -63,16 +81,8 @@ def fit_method(
             "no part is left to learn from: all are held out together (split.hold_out, split.folds)"
         )
     method_seed = seed_for(seed, "fit", method.name)
-    more = () if prior is None else (load_prior(*prior),)
+    more = () if prior is None else (prior.load(),)
     method.fit(examples, settings, method_seed, scratch, *more).save(target)
-
-
-def load_prior(weights: Path | None, procedural: Path, chunks: Sequence[str]) -> Prior:
-    """Read the weights, if there are any, and the procedural solids."""
-    return Prior(
-        load_procedural_shapes(procedural, chunks),
-        None if weights is None else ModelState.load(weights),
-    )
 
 
 def pretrain_method(
@@ -85,10 +95,22 @@ def pretrain_method(
     seed: int,
     scratch: Path,
 ) -> None:
-    """Write into `target` what `method` learns from the procedural solids of `chunks` alone."""
-    prior = Prior(load_procedural_shapes(procedural, chunks))
+    """Write into `target` what `method` learns from the procedural solids of `chunks` alone.
+
+    Solids that resemble a family of the study are left out: all folds start from these weights.
+
+    Raises BadParams if no other is left.
+    """
+    solids = load_procedural_shapes(procedural, chunks)
+    abstract = [solid for solid in solids if solid.resembles is None]
+    if not abstract:
+        raise BadParams(
+            f"all {len(solids)} procedural solids resemble a family of the study, and a "
+            "pretraining leaves these out: raise procedural.solids, or set procedural.kinds to "
+            "abstract"
+        )
     method_seed = seed_for(seed, "pretrain", method.name)
-    method.fit((), settings, method_seed, scratch, prior).save(target)
+    method.fit((), settings, method_seed, scratch, Prior(abstract)).save(target)
 
 
 def copy_weights(source: Path, target: Path) -> None:

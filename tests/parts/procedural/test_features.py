@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from industnerf.parts.procedural.draws import Draws
 from industnerf.parts.procedural.features import ABOVE, bore_tool, threaded_rod
 from industnerf.parts.procedural.primitives import (
     SIDES,
@@ -23,13 +22,14 @@ from industnerf.parts.procedural.profiles import (
     circle,
     contains,
     fillet,
-    joined,
     polygon,
     rectangle,
     rounded_rectangle,
     scatter,
+    section_union,
     wall,
 )
+from industnerf.parts.procedural.sampler import Sampler
 
 
 def polygon_area(radius: float, segments: int = SEGMENTS) -> float:
@@ -37,8 +37,8 @@ def polygon_area(radius: float, segments: int = SEGMENTS) -> float:
     return segments / 2 * np.sin(2 * np.pi / segments) * radius**2
 
 
-class Fixed(Draws):
-    """Draws that always take the low end, the first option and `yes`."""
+class Fixed(Sampler):
+    """Takes the low end, the first option and `yes`, always."""
 
     def __init__(self, yes: bool):
         super().__init__(np.random.default_rng(0))
@@ -65,7 +65,7 @@ def test_a_bored_cylinder(is_conical):
 
 
 def test_a_bore_starts_above_the_surface():
-    box = bore_tool(Draws(np.random.default_rng(3)), 0.1, 0.5).bounding_box()
+    box = bore_tool(Sampler(np.random.default_rng(3)), 0.1, 0.5).bounding_box()
     assert box[5] == pytest.approx(ABOVE, abs=1e-5)
 
 
@@ -78,7 +78,7 @@ def test_a_filleted_square_lacks_its_corners():
 
 
 def test_a_fillet_fills_the_inner_corner():
-    angle = joined([rectangle(1, 0.2, (0.5, 0.1)), rectangle(0.2, 1, (0.1, 0.5))])
+    angle = section_union([rectangle(1, 0.2, (0.5, 0.1)), rectangle(0.2, 1, (0.1, 0.5))])
     added = fillet(angle, 0, 0.1).area() - angle.area()
     assert 0 < added - (1 - np.pi / 4) * 0.1**2 < 0.1 * 0.1**2
 
@@ -167,7 +167,7 @@ def test_contains_knows_holes():
 
 def test_scattered_circles_keep_their_distance():
     section, gap = rounded_rectangle(2, 1, 0.2), 0.05
-    placed = np.array(scatter(Draws(np.random.default_rng(1)), section, 12, 0.05, 0.2, gap))
+    placed = np.array(scatter(Sampler(np.random.default_rng(1)), section, 12, 0.05, 0.2, gap))
     assert len(placed) >= 6
     for i, (x, y, radius) in enumerate(placed):
         away = np.hypot(*(placed[:i, :2] - [x, y]).T) - radius - placed[:i, 2]

@@ -18,10 +18,10 @@ from industnerf.parts.procedural import (
     procedural_solid,
 )
 from industnerf.parts.procedural import solid as solid_module
-from industnerf.parts.procedural.draws import GRID
 from industnerf.parts.procedural.features import drilled
 from industnerf.parts.procedural.kinds import KINDS
 from industnerf.parts.procedural.primitives import block, union
+from industnerf.parts.procedural.sampler import GRID
 from industnerf.parts.procedural.solid import (
     MAX_DRAWS,
     MAX_FACES,
@@ -106,8 +106,8 @@ def test_a_draw_that_teaches_nothing_is_refused(draw):
 def test_a_refused_draw_is_drawn_anew_from_the_same_stream(monkeypatch):
     drawn = []
 
-    def moody(draws):
-        drawn.append(draws.uniform(0, 1))
+    def moody(rng):
+        drawn.append(rng.uniform(0, 1))
         return (
             block((1, 1, drawn[-1])) - block((0.5, 0.5, 2)) if len(drawn) % 3 == 0 else Manifold()
         )
@@ -120,7 +120,7 @@ def test_a_refused_draw_is_drawn_anew_from_the_same_stream(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "fail", [lambda draws: Manifold(), lambda draws: drilled(draws, Manifold(), 1, 0.1)]
+    "fail", [lambda rng: Manifold(), lambda rng: drilled(rng, Manifold(), 1, 0.1)]
 )
 def test_a_kind_that_never_succeeds_is_an_error(fail, monkeypatch):
     """Also one that goes on to drill what is not there."""
@@ -159,7 +159,7 @@ def test_the_list_of_kinds_changes_nothing_but_the_kind():
 def test_all_kinds_are_drawn_and_none_much_more_often(monkeypatch):
     cube = block((1, 1, 1)) - block((0.5, 0.5, 2))
     for kind in ALL_KINDS:
-        monkeypatch.setitem(KINDS, kind, lambda draws: cube)
+        monkeypatch.setitem(KINDS, kind, lambda rng: cube)
     drawn = [procedural_solid(0, i, ALL_KINDS).kind for i in range(20 * len(ALL_KINDS))]
     counts = [drawn.count(kind) for kind in ALL_KINDS]
     assert min(counts) >= 5  # of 20, the standard deviation of a count is 4.4
@@ -193,8 +193,8 @@ def test_solids_are_of_many_proportions(solids):
 
 
 def test_orientations_are_the_24_turns_of_a_cube():
-    draws = solid_module.Draws(np.random.default_rng(0))
-    turns = [solid_module._orientation(draws) for _ in range(500)]
+    rng = solid_module.Sampler(np.random.default_rng(0))
+    turns = [solid_module._orientation(rng) for _ in range(500)]
     assert all(np.linalg.det(turn) == pytest.approx(1) for turn in turns)
     assert len({turn.tobytes() for turn in turns + [t + 0.0 for t in turns]}) >= 24
     assert len({tuple((turn + 0.0).ravel()) for turn in turns}) == 24

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from industnerf.artifacts.state import ModelState
+from industnerf.errors import BadParams
 from industnerf.learning.procedural_shapes import load_procedural_shapes
-from industnerf.methods import load_method
-from industnerf.methods.run_method import load_prior
+from industnerf.methods import load_method, run_method
 from industnerf.schema import PretrainParams, ProceduralParams
 from industnerf.stage import read_index
 from pipeline.stages import pretrain, procedural, train
@@ -18,7 +18,7 @@ from tests.methods.test_conformance import merged
 SMOKE = merged("params.yaml", "conf/experiment/smoke.yaml")
 
 
-def config(solids=3, weights="trained", methods=("r2n2",)):
+def config(solids=3, weights="trained", methods=("r2n2",), kinds="abstract"):
     """Two steps of the smallest network on solids of 32 px."""
     few = replace(SMOKE.method.r2n2.pretraining, max_steps=2, val_interval=1, batch_size=2)
     r2n2 = replace(SMOKE.method.r2n2, channel_divisor=32, pretraining=few)
@@ -27,7 +27,7 @@ def config(solids=3, weights="trained", methods=("r2n2",)):
         methods=list(methods),
         method=SimpleNamespace(r2n2=r2n2, retrieval=SMOKE.method.retrieval),
         views=replace(SMOKE.views, count=4),
-        procedural=ProceduralParams(solids=solids, kinds="abstract", views=2, image_px=32),
+        procedural=ProceduralParams(solids=solids, kinds=kinds, views=2, image_px=32),
         pretrain=PretrainParams(weights=weights, time_limit_s=600.0),
     )
 
@@ -51,7 +51,7 @@ def prior_of(name, solids, weights):
     prior, keys = train.prior_of(load_method(name), solids, weights)
     own = read_index(weights / name) if (weights / name).is_dir() else {}
     assert keys == [*read_index(solids).values(), *own.values()]
-    return None if prior is None else load_prior(*prior)
+    return None if prior is None else prior.load()
 
 
 def test_trained_weights_reach_the_training_with_the_solids_that_made_them(run):
@@ -61,6 +61,24 @@ def test_trained_weights_reach_the_training_with_the_solids_that_made_them(run):
     assert prior.solids[0].rgb(32, 9).shape == (2, 32, 32, 3)
     assert (prior.weights.steps, prior.weights.num_parts) == (2, 2)  # one is validated on
     assert prior.weights.val_history.steps.tolist() == [0, 1]
+
+
+def test_a_pretraining_leaves_out_solids_that_resemble_a_family(run):
+    """All folds start from its weights, whatever they hold out."""
+    solids, weights = run(config(solids=16, kinds="all"))
+    shapes = load_procedural_shapes(solids, list(read_index(solids)))
+    abstract = sum(shape.resembles is None for shape in shapes)
+    assert abstract < len(shapes)
+    assert ModelState.load(weights / "r2n2" / "weights").num_parts == abstract - 1  # to validate on
+
+
+def test_a_pretraining_without_an_abstract_solid_names_the_knob(tmp_path, monkeypatch):
+    gear = SimpleNamespace(resembles="gears")
+    monkeypatch.setattr(run_method, "load_procedural_shapes", lambda *_: [gear, gear])
+    with pytest.raises(BadParams, match=r"all 2 .* raise procedural\.solids"):
+        run_method.pretrain_method(
+            load_method("r2n2"), tmp_path, [], tmp_path, settings=None, seed=0, scratch=tmp_path
+        )
 
 
 def test_a_pretraining_depends_on_the_solids_and_its_own_settings(run):
@@ -87,10 +105,15 @@ def test_shipped_weights_are_those_of_the_folder(run, tmp_path):
         np.testing.assert_array_equal(prior.weights.arrays[name], array)
 
 
-@pytest.mark.parametrize("cfg", [config(weights="none"), config(weights="shipped")])
-def test_without_weights_there_are_solids_alone(cfg, run):
-    """Also where none ship of a method."""
-    prior = prior_of("r2n2", *run(cfg))
+def test_weights_that_do_not_ship_name_the_knob(run):
+    """Nothing starts at random that was to start from weights."""
+    with pytest.raises(BadParams, match=r"no weights of r2n2 ship .*pretrain\.weights"):
+        run(config(weights="shipped"))
+    run(config(weights="shipped", methods=["retrieval"]))  # that asks for none
+
+
+def test_without_weights_there_are_solids_alone(run):
+    prior = prior_of("r2n2", *run(config(weights="none")))
     assert prior.weights is None
     assert len(prior.solids) == 3
 

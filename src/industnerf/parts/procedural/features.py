@@ -7,7 +7,6 @@ any side; the surface is z = 0, and a tool reaches a little above it.
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.primitives import SIDES, cylinder, facing, prism, turned, union
 from industnerf.parts.procedural.profiles import (
     angles,
@@ -17,6 +16,7 @@ from industnerf.parts.procedural.profiles import (
     polygon,
     scatter,
 )
+from industnerf.parts.procedural.sampler import Real, Sampler, cosine, on_grid, sine
 
 ABOVE = 0.02  # how far a tool starts above the surface
 THREAD_CORNERS = {1: 24, 2: 16, 3: 12, 4: 12}  # of a thread's profile, by number of starts
@@ -26,16 +26,16 @@ class EmptyBody(Exception):
     """Cuts have left nothing: the draw is refused."""
 
 
-def bore_tool(draws: Draws, radius: Real, depth: Real) -> Manifold:
+def bore_tool(rng: Sampler, radius: Real, depth: Real) -> Manifold:
     """A plain, chamfered, countersunk or counterbored hole, its end flat or a drill's cone."""
-    tip = 0.58 * radius if draws.chance(0.5) else 0.0  # of a drill of 120 degrees
-    head, mouth = draws.uniform(1.3, 2.0) * radius, draws.uniform(0.15, 0.5) * depth
+    tip = 0.58 * radius if rng.chance(0.5) else 0.0  # of a drill of 120 degrees
+    head, mouth = rng.uniform(1.3, 2.0) * radius, rng.uniform(0.15, 0.5) * depth
     outside = {
         "plain": [(radius, ABOVE)],
         "chamfered": [(1.2 * radius, ABOVE), (1.2 * radius, 0), (radius, -0.2 * radius)],
         "countersunk": [(head, ABOVE), (head, 0), (radius, radius - head)],
         "counterbored": [(head, ABOVE), (head, -mouth), (radius, -mouth)],
-    }[draws.pick(("plain", "plain", "chamfered", "countersunk", "counterbored"))]
+    }[rng.pick(("plain", "plain", "chamfered", "countersunk", "counterbored"))]
     return turned(polygon([(0, ABOVE), *outside, (radius, -depth), (0, -depth - tip)]))
 
 
@@ -51,67 +51,65 @@ def extents(body: Manifold) -> tuple[np.ndarray, np.ndarray]:
     return box[:3], box[3:]
 
 
-def drilled(draws: Draws, body: Manifold, count: int, largest: Real) -> Manifold:
+def drilled(rng: Sampler, body: Manifold, count: int, largest: Real) -> Manifold:
     """`body` with `count` bores along the axes, entering wherever its box says."""
     low, high = extents(body)
     tools = []
     for _ in range(count):
-        side = draws.pick(SIDES)
+        side = rng.pick(SIDES)
         axis = "xyz".index(side[1])
         across = [i for i in range(3) if i != axis]
         at = (low + high) / 2
-        at[across] = low[across] + draws.uniforms(0.2, 0.8, 2) * (high - low)[across]
+        at[across] = low[across] + rng.uniforms(0.2, 0.8, 2) * (high - low)[across]
         at[axis] = high[axis] if side[0] == "+" else low[axis]
         length = (high - low)[axis]
-        depth = length + 1 if draws.chance(0.5) else draws.uniform(0.3, 0.8) * length
-        radius = draws.uniform(0.3, 1.0) * largest
-        tools.append(facing(side, bore_tool(draws, radius, depth), on_grid(at).tolist()))
+        depth = length + 1 if rng.chance(0.5) else rng.uniform(0.3, 0.8) * length
+        radius = rng.uniform(0.3, 1.0) * largest
+        tools.append(facing(side, bore_tool(rng, radius, depth), on_grid(at).tolist()))
     return body - union(tools)
 
 
-def cut_top(draws: Draws, section: CrossSection, height: Real, count: int) -> list[Manifold]:
+def cut_top(rng: Sampler, section: CrossSection, height: Real, count: int) -> list[Manifold]:
     """Tools for bores and pockets of several depths in the top (z = `height`) of a prism."""
     left, bottom, right, top = section.bounds()
     small = min(right - left, top - bottom)
     tools = []
-    for x, y, radius in scatter(draws, section, count, 0.05 * small, 0.22 * small, 0.02 * small):
-        depth = height + 1 if draws.chance(0.45) else draws.uniform(0.25, 0.85) * height
-        if draws.chance(0.5):
-            tool = bore_tool(draws, 0.5 * radius, depth)
+    for x, y, radius in scatter(rng, section, count, 0.05 * small, 0.22 * small, 0.02 * small):
+        depth = height + 1 if rng.chance(0.45) else rng.uniform(0.25, 0.85) * height
+        if rng.chance(0.5):
+            tool = bore_tool(rng, 0.5 * radius, depth)
         else:
-            tool = pocket_tool(cutout(draws, 2 * radius), depth)
+            tool = pocket_tool(cutout(rng, 2 * radius), depth)
         tools.append(tool.translate([x, y, height]))
     return tools
 
 
-def bosses(draws: Draws, section: CrossSection, base: Real, count: int) -> Manifold:
+def bosses(rng: Sampler, section: CrossSection, base: Real, count: int) -> Manifold:
     """Cylinders and cones on a surface at z = `base`, within `section`, many of them bored."""
     left, bottom, right, top = section.bounds()
     small = min(right - left, top - bottom)
     parts = []
-    for x, y, radius in scatter(draws, section, count, 0.06 * small, 0.25 * small, 0.01 * small):
-        height = draws.uniform(0.3, 3.0) * radius + 0.05 * small
-        taper = radius if draws.chance(0.7) else draws.uniform(0.5, 1.0) * radius
+    for x, y, radius in scatter(rng, section, count, 0.06 * small, 0.25 * small, 0.01 * small):
+        height = rng.uniform(0.3, 3.0) * radius + 0.05 * small
+        taper = radius if rng.chance(0.7) else rng.uniform(0.5, 1.0) * radius
         boss = cylinder(radius, height, (x, y, base + height / 2 - ABOVE), taper)
-        if draws.chance(0.6):
-            hole = bore_tool(
-                draws, draws.uniform(0.3, 0.6) * taper, draws.uniform(0.4, 0.95) * height
-            )
+        if rng.chance(0.6):
+            hole = bore_tool(rng, rng.uniform(0.3, 0.6) * taper, rng.uniform(0.4, 0.95) * height)
             boss -= hole.translate([x, y, base + height - ABOVE])
         parts.append(boss)
     return union(parts)
 
 
-def ribs(draws: Draws, section: CrossSection, base: Real, height: Real, count: int) -> Manifold:
+def ribs(rng: Sampler, section: CrossSection, base: Real, height: Real, count: int) -> Manifold:
     """Thin walls at several angles on a surface at z = `base`, ending with `section`."""
     left, bottom, right, top = section.bounds()
     reach, small = right - left + top - bottom, min(right - left, top - bottom)
-    step = draws.pick((90.0, 60.0, 45.0, 30.0))
+    step = rng.pick((90.0, 60.0, 45.0, 30.0))
     walls = []
     for _ in range(count):
-        center = draws.uniform(left, right) * 0.8, draws.uniform(bottom, top) * 0.8
-        thickness = draws.uniform(0.02, 0.07) * small
-        strip = CrossSection.square([reach, thickness], True).rotate(step * draws.integer(0, 5))
+        center = rng.uniform(left, right) * 0.8, rng.uniform(bottom, top) * 0.8
+        thickness = rng.uniform(0.02, 0.07) * small
+        strip = CrossSection.square([reach, thickness], True).rotate(step * rng.integer(0, 5))
         walls.append(prism((strip.translate(center)) ^ section, base - ABOVE, base + height))
     return union(walls)
 

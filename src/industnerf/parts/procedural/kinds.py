@@ -12,9 +12,9 @@ from industnerf.parts.procedural import (
     turned_kinds,
     walled_kinds,
 )
-from industnerf.parts.procedural.draws import Draws
+from industnerf.parts.procedural.sampler import Sampler
 
-Kind = Callable[[Draws], Manifold]
+Kind = Callable[[Sampler], Manifold]
 
 _ABSTRACT: tuple[Kind, ...] = (
     turned_kinds.turned_steps,

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 from manifold3d import CrossSection, Manifold, OpType
 
-from industnerf.parts.procedural.draws import Real, cosine, on_grid, sine
 from industnerf.parts.procedural.profiles import SEGMENTS, Points2, offset, polygon
+from industnerf.parts.procedural.sampler import Real, cosine, on_grid, sine
 
 Vector = Sequence[Real]
 Path3 = Float[np.ndarray, "n 3"]

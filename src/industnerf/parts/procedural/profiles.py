@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from manifold3d import CrossSection, JoinType, OpType
 
-from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
+from industnerf.parts.procedural.sampler import Real, Sampler, cosine, on_grid, sine
 
 SEGMENTS = 40  # of a full circle
 FILLET_SEGMENTS = 24  # of a full circle that an offset rounds corners by
@@ -63,7 +63,7 @@ def slot(length: Real, width: Real) -> CrossSection:
     return rounded_rectangle(length, width, width / 2)
 
 
-def joined(sections: Sequence[CrossSection]) -> CrossSection:
+def section_union(sections: Sequence[CrossSection]) -> CrossSection:
     return CrossSection.batch_boolean(list(sections), OpType.Add)
 
 
@@ -79,81 +79,81 @@ def on_circle(n: int, radius: Real, start: Real = 0.0) -> list[tuple[float, floa
     return [(x, y) for x, y in points.tolist()]
 
 
-def irregular_polygon(draws: Draws, corners: int, width: Real, height: Real) -> CrossSection:
+def irregular_polygon(rng: Sampler, corners: int, width: Real, height: Real) -> CrossSection:
     """Corners at uneven angles and distances, within about `width` by `height`, sharp."""
-    turn = angles(corners) + draws.uniforms(-0.35, 0.35, corners) * 2 * np.pi / corners
-    radius = draws.uniforms(0.55, 1.0, corners)
+    turn = angles(corners) + rng.uniforms(-0.35, 0.35, corners) * 2 * np.pi / corners
+    radius = rng.uniforms(0.55, 1.0, corners)
     half = np.array([width, height]) / 2
     return polygon(half * radius[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
-def lobed(draws: Draws, radius: Real, harmonics: Sequence[int], depth: Real) -> CrossSection:
+def lobed(rng: Sampler, radius: Real, harmonics: Sequence[int], depth: Real) -> CrossSection:
     """A smooth closed line r(a) = radius (1 + sum of waves), each of at most `depth`."""
     turn = angles(2 * SEGMENTS)
     waves = [
-        draws.uniform(0.3, 1.0) * depth * cosine(k * turn + draws.uniform(0, 2 * np.pi))
+        rng.uniform(0.3, 1.0) * depth * cosine(k * turn + rng.uniform(0, 2 * np.pi))
         for k in harmonics
     ]
     reach = radius * (1 + np.sum(waves, axis=0))
     return polygon(reach[:, None] * np.stack([cosine(turn), sine(turn)], axis=1))
 
 
-def notched_rectangle(draws: Draws, width: Real, height: Real) -> CrossSection:
+def notched_rectangle(rng: Sampler, width: Real, height: Real) -> CrossSection:
     """A rectangle with steps, slits and tabs along its sides."""
     section = rectangle(width, height)
-    for _ in range(draws.integer(1, 4)):
-        size = draws.uniform(0.1, 0.45) * width, draws.uniform(0.1, 0.6) * height
-        at = draws.uniform(-0.5, 0.5) * width, draws.sign() * 0.5 * height
+    for _ in range(rng.integer(1, 4)):
+        size = rng.uniform(0.1, 0.45) * width, rng.uniform(0.1, 0.6) * height
+        at = rng.uniform(-0.5, 0.5) * width, rng.sign() * 0.5 * height
         cut = rectangle(*size, at)
-        is_tab = draws.chance(0.3)
+        is_tab = rng.chance(0.3)
         section = section + cut if is_tab else section - cut
     return section
 
 
-def outline(draws: Draws, width: Real, height: Real) -> CrossSection:
+def outline(rng: Sampler, width: Real, height: Real) -> CrossSection:
     """A random outline of a plate or prism within about `width` by `height`, often filleted."""
     small = min(width, height)
-    form = draws.pick(("irregular", "irregular", "notched", "notched", "rounded", "lobed", "hull"))
+    form = rng.pick(("irregular", "irregular", "notched", "notched", "rounded", "lobed", "hull"))
     if form == "irregular":
-        section = irregular_polygon(draws, draws.integer(3, 9), width, height)
+        section = irregular_polygon(rng, rng.integer(3, 9), width, height)
     elif form == "notched":
-        section = notched_rectangle(draws, width, height)
+        section = notched_rectangle(rng, width, height)
     elif form == "rounded":
-        return rounded_rectangle(width, height, draws.uniform(0.0, 0.5) * small)
+        return rounded_rectangle(width, height, rng.uniform(0.0, 0.5) * small)
     elif form == "lobed":
-        section = lobed(draws, 0.5, draws.order(4)[:2], 0.25).scale([width, height])
+        section = lobed(rng, 0.5, rng.order(4)[:2], 0.25).scale([width, height])
     else:
         discs = [
             circle(r * small, (x * (width / 2 - r * small), y * (height / 2 - r * small)))
-            for x, y, r in np.c_[draws.uniforms(-1, 1, 4, 2), draws.uniforms(0.05, 0.3, 4)].tolist()
+            for x, y, r in np.c_[rng.uniforms(-1, 1, 4, 2), rng.uniforms(0.05, 0.3, 4)].tolist()
         ]
         return CrossSection.batch_hull(discs)
-    if draws.chance(0.6):
-        rounded = fillet(section, draws.uniform(0.01, 0.1) * small, draws.uniform(0, 0.1) * small)
+    if rng.chance(0.6):
+        rounded = fillet(section, rng.uniform(0.01, 0.1) * small, rng.uniform(0, 0.1) * small)
         section = section if rounded.is_empty() else rounded
     return section
 
 
-def cutout(draws: Draws, size: Real) -> CrossSection:
+def cutout(rng: Sampler, size: Real) -> CrossSection:
     """The outline of a hole or pocket, centered, that fits in a circle of diameter `size`."""
-    form = draws.pick(("circle", "circle", "slot", "rounded", "polygon", "irregular"))
+    form = rng.pick(("circle", "circle", "slot", "rounded", "polygon", "irregular"))
     if form == "circle":
         return circle(size / 2)
     if form == "slot":
-        return slot(size, draws.uniform(0.2, 0.6) * size).rotate(15.0 * draws.integer(0, 11))
+        return slot(size, rng.uniform(0.2, 0.6) * size).rotate(15.0 * rng.integer(0, 11))
     if form == "rounded":
-        long, short = 0.8 * size, draws.uniform(0.3, 0.55) * size
-        section = rounded_rectangle(long, short, draws.uniform(0.1, 0.5) * short)
-        return section.rotate(45.0 * draws.integer(0, 3))
+        long, short = 0.8 * size, rng.uniform(0.3, 0.55) * size
+        section = rounded_rectangle(long, short, rng.uniform(0.1, 0.5) * short)
+        return section.rotate(45.0 * rng.integer(0, 3))
     if form == "polygon":
-        return CrossSection.circle(size / 2, draws.integer(3, 8))
-    return fillet(irregular_polygon(draws, draws.integer(4, 7), size, size), 0.06 * size)
+        return CrossSection.circle(size / 2, rng.integer(3, 8))
+    return fillet(irregular_polygon(rng, rng.integer(4, 7), size, size), 0.06 * size)
 
 
 def wall(points: Points2, thickness: Real) -> CrossSection:
     """A strip of `thickness` along an open line, with round joints."""
     discs = [circle(thickness / 2, (x, y), 16) for x, y in on_grid(points).tolist()]
-    return joined([CrossSection.batch_hull(list(pair)) for pair in pairwise(discs)])
+    return section_union([CrossSection.batch_hull(list(pair)) for pair in pairwise(discs)])
 
 
 def contains(section: CrossSection, points: Points2) -> Bool[np.ndarray, "n"]:
@@ -170,14 +170,14 @@ def contains(section: CrossSection, points: Points2) -> Bool[np.ndarray, "n"]:
 
 
 def scatter(
-    draws: Draws, section: CrossSection, count: int, smallest: Real, largest: Real, gap: Real
+    rng: Sampler, section: CrossSection, count: int, smallest: Real, largest: Real, gap: Real
 ) -> list[tuple[float, float, float]]:
     """Up to `count` circles (x, y, radius) inside `section`, `gap` apart and from its edge."""
     left, bottom, right, top = section.bounds()
     placed: list[tuple[float, float, float]] = []
-    for radius in sorted((draws.uniform(smallest, largest) for _ in range(count)), reverse=True):
+    for radius in sorted((rng.uniform(smallest, largest) for _ in range(count)), reverse=True):
         room = offset(section, -radius - gap, is_round=False)
-        candidates = np.c_[draws.uniforms(left, right, 24), draws.uniforms(bottom, top, 24)]
+        candidates = np.c_[rng.uniforms(left, right, 24), rng.uniforms(bottom, top, 24)]
         free = contains(room, candidates)
         for x, y, r in placed:
             away = ((candidates - [x, y]) ** 2).sum(axis=1)
@@ -188,20 +188,20 @@ def scatter(
     return placed
 
 
-def hole_pattern(draws: Draws, width: Real, height: Real) -> CrossSection:
+def hole_pattern(rng: Sampler, width: Real, height: Real) -> CrossSection:
     """Equal small holes on a square, hexagonal or circular grid within `width` by `height`."""
     small = min(width, height)
-    pitch = draws.uniform(0.12, 0.35) * small
-    form = draws.pick(("square", "hexagonal", "circular"))
+    pitch = rng.uniform(0.12, 0.35) * small
+    form = rng.pick(("square", "hexagonal", "circular"))
     if form == "circular":
-        n = draws.integer(3, 12)
-        reach = draws.uniform(0.25, 0.42) * small
-        centers = np.array(on_circle(n, reach, draws.uniform(0, 3)))
+        n = rng.integer(3, 12)
+        reach = rng.uniform(0.25, 0.42) * small
+        centers = np.array(on_circle(n, reach, rng.uniform(0, 3)))
         pitch = min(pitch, 2 * reach * np.pi / n)
     else:
         nx, ny = max(1, int(width / pitch)), max(1, int(height / pitch))
         i, j = np.meshgrid(np.arange(nx), np.arange(ny))
         i = i + (0.5 * (j % 2) - 0.25 if form == "hexagonal" else 0)
         centers = pitch * np.c_[i.ravel() - (nx - 1) / 2, j.ravel() - (ny - 1) / 2]
-    hole = CrossSection.circle(draws.uniform(0.2, 0.4) * pitch, draws.pick((4, 6, 12, 16)))
+    hole = CrossSection.circle(rng.uniform(0.2, 0.4) * pitch, rng.pick((4, 6, 12, 16)))
     return CrossSection.compose([hole.translate(center) for center in on_grid(centers).tolist()])

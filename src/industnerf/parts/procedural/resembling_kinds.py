@@ -3,7 +3,6 @@
 import numpy as np
 from manifold3d import CrossSection, Manifold
 
-from industnerf.parts.procedural.draws import Draws, Real, cosine, on_grid, sine
 from industnerf.parts.procedural.features import bore_tool, ring, threaded_rod
 from industnerf.parts.procedural.primitives import (
     block,
@@ -20,34 +19,35 @@ from industnerf.parts.procedural.profiles import (
     angles,
     circle,
     fillet,
-    joined,
     on_circle,
     polygon,
     rectangle,
     rounded_rectangle,
+    section_union,
     slot,
 )
+from industnerf.parts.procedural.sampler import Real, Sampler, cosine, on_grid, sine
 
 TALL = 9.0  # higher than any of these
 
 
-def gear(draws: Draws) -> Manifold:
+def gear(rng: Sampler) -> Manifold:
     """A spur or helical gear with a web, windows and a bored hub."""
-    teeth, height = draws.integer(10, 40), draws.uniform(0.1, 0.8)
-    root = 1 - draws.uniform(3.6, 4.8) / teeth
+    teeth, height = rng.integer(10, 40), rng.uniform(0.1, 0.8)
+    root = 1 - rng.uniform(3.6, 4.8) / teeth
     blank = _toothed(teeth, 1.0, root)
-    body = blank.extrude(height, 5, draws.uniform(0, 25) if draws.chance(0.4) else 0.0)
-    hub = draws.uniform(0.2, 0.35) * root
-    if draws.chance(0.5):
-        groove = prism(ring(0.85 * root, 1.3 * hub), 0, draws.uniform(0.2, 0.4) * height)
+    body = blank.extrude(height, 5, rng.uniform(0, 25) if rng.chance(0.4) else 0.0)
+    hub = rng.uniform(0.2, 0.35) * root
+    if rng.chance(0.5):
+        groove = prism(ring(0.85 * root, 1.3 * hub), 0, rng.uniform(0.2, 0.4) * height)
         body -= groove + groove.mirror([0, 0, 1]).translate([0, 0, height])
-    if draws.chance(0.4):
-        n, reach = draws.integer(3, 7), (hub + root) / 2
+    if rng.chance(0.4):
+        n, reach = rng.integer(3, 7), (hub + root) / 2
         hole = min(0.35 * (root - hub), 0.7 * reach * np.pi / n)
         body -= _holes(n, reach, hole)
-    if draws.chance(0.5):
-        body += prism(circle(hub), 0, height + draws.uniform(0.1, 0.6))
-    return body - _holes(1, 0, draws.uniform(0.4, 0.7) * hub)
+    if rng.chance(0.5):
+        body += prism(circle(hub), 0, height + rng.uniform(0.1, 0.6))
+    return body - _holes(1, 0, rng.uniform(0.4, 0.7) * hub)
 
 
 def _toothed(teeth: int, tip: Real, root: Real) -> CrossSection:
@@ -61,15 +61,15 @@ def _holes(n: int, reach: Real, radius: Real) -> Manifold:
     return union(tools)
 
 
-def bolt(draws: Draws) -> Manifold:
+def bolt(rng: Sampler) -> Manifold:
     """A head with or without a socket, a shank and a thread."""
-    radius, length = draws.uniform(0.15, 0.3), draws.uniform(0.5, 3.0)
-    head, height = draws.uniform(1.5, 2.0) * radius, draws.uniform(0.5, 1.5) * radius
-    segments, pitch = draws.pick((4, 6, 6, 40)), draws.uniform(0.25, 0.4) * radius
+    radius, length = rng.uniform(0.15, 0.3), rng.uniform(0.5, 3.0)
+    head, height = rng.uniform(1.5, 2.0) * radius, rng.uniform(0.5, 1.5) * radius
+    segments, pitch = rng.pick((4, 6, 6, 40)), rng.uniform(0.25, 0.4) * radius
     body = eased_prism(circle(head, segments=segments), 0, height, 0.1 * height, 1)
     if segments == 40:
-        body -= prism(circle(0.6 * head, segments=6), -1, draws.uniform(0.3, 0.7) * height)
-    shank = draws.uniform(0.0, 0.6) * length
+        body -= prism(circle(0.6 * head, segments=6), -1, rng.uniform(0.3, 0.7) * height)
+    shank = rng.uniform(0.0, 0.6) * length
     turns = min(24, max(1, int((length - shank) / pitch)))
     thread = threaded_rod(radius, 0.15 * radius, length - shank, turns, 1, False)
     return (
@@ -79,81 +79,81 @@ def bolt(draws: Draws) -> Manifold:
     )
 
 
-def nut(draws: Draws) -> Manifold:
+def nut(rng: Sampler) -> Manifold:
     """A nut, washer or bush: a polygon or disc with eased edges, a hole and a collar."""
-    height, bore = draws.log_uniform(0.08, 1.2), draws.uniform(0.4, 0.65)
-    segments = draws.pick((4, 6, 6, 40))
+    height, bore = rng.log_uniform(0.08, 1.2), rng.uniform(0.4, 0.65)
+    segments = rng.pick((4, 6, 6, 40))
     body = eased_prism(circle(1.0, segments=segments), 0, height, 0.1 * min(1.0, height), 1)
-    if draws.chance(0.4):
-        body += prism(circle(draws.uniform(1.0, 1.3)), 0, 0.2 * height)
-    if draws.chance(0.3):
-        n = draws.integer(4, 8)
+    if rng.chance(0.4):
+        body += prism(circle(rng.uniform(1.0, 1.3)), 0, 0.2 * height)
+    if rng.chance(0.3):
+        n = rng.integer(4, 8)
         notch = block((3, 0.3, 0.5 * height), (1.5, 0, height))
         body -= union([notch.rotate([0, 0, 360.0 * (k + 0.5) / n]) for k in range(n)])
     return body - _holes(1, 0, bore)
 
 
-def elbow(draws: Draws) -> Manifold:
+def elbow(rng: Sampler) -> Manifold:
     """A bent pipe with straight ends and collars."""
-    radius, bend = draws.uniform(0.15, 0.35), draws.uniform(0.5, 1.1)
-    arc, end = np.deg2rad(draws.uniform(40, 180)), draws.uniform(0.1, 0.8)
+    radius, bend = rng.uniform(0.15, 0.35), rng.uniform(0.5, 1.1)
+    arc, end = np.deg2rad(rng.uniform(40, 180)), rng.uniform(0.1, 0.8)
     turn = np.linspace(0, arc, 20)
     path = np.stack([bend * cosine(turn), bend * sine(turn), 0 * turn], axis=1)
     leave = np.array([-sine(arc), cosine(arc), 0.0])
     starts = path[0] - np.linspace(end, 0.05, 3)[:, None] * [0.0, 1.0, 0.0]
     path = np.concatenate([starts, path, path[-1] + np.linspace(0.05, end, 3)[:, None] * leave])
-    bore = draws.uniform(0.6, 0.9) * radius
+    bore = rng.uniform(0.6, 0.9) * radius
     parts = [swept(ring(radius, bore), on_grid(path))]
-    if draws.chance(0.7):
+    if rng.chance(0.7):
         # longer than the pipe and wider inside: no two surfaces coincide
-        collar = ring(draws.uniform(1.2, 1.9) * radius, (radius + bore) / 2)
-        along = np.array([[-draws.uniform(0.2, 0.8) * radius], [0.02]])
+        collar = ring(rng.uniform(1.2, 1.9) * radius, (radius + bore) / 2)
+        along = np.array([[-rng.uniform(0.2, 0.8) * radius], [0.02]])
         for end, outward in ((path[0], np.array([0.0, -1.0, 0.0])), (path[-1], leave)):
             parts.append(swept(collar, on_grid(end + along * outward)))
     return union(parts)
 
 
-def flange(draws: Draws) -> Manifold:
+def flange(rng: Sampler) -> Manifold:
     """A disc with a bolt circle, a bored neck and a raised face."""
-    height, neck = draws.uniform(0.08, 0.35), draws.uniform(0.3, 0.6)
-    length = draws.uniform(0.1, 1.2)
+    height, neck = rng.uniform(0.08, 0.35), rng.uniform(0.3, 0.6)
+    length = rng.uniform(0.1, 1.2)
     outline = [
         (1.0, 0.0),
         (1.0, height),
         (neck, height),
-        (draws.uniform(0.7, 1) * neck, height + length),
+        (rng.uniform(0.7, 1) * neck, height + length),
     ]
     body = turned(fillet(turned_outline(np.array(outline)), 0.02, 0.06))
-    n, reach = draws.pick((3, 4, 6, 8, 12)), (1 + neck) / 2
+    n, reach = rng.pick((3, 4, 6, 8, 12)), (1 + neck) / 2
     hole = min(0.28 * (1 - neck), 0.6 * reach * np.pi / n)
     body -= _holes(n, reach, hole)
-    if draws.chance(0.5):
+    if rng.chance(0.5):
         body += prism(circle(reach - 1.2 * hole), -0.15 * height, 0.01)
-    return body - _holes(1, 0, draws.uniform(0.6, 0.85) * 0.7 * neck)
+    return body - _holes(1, 0, rng.uniform(0.6, 0.85) * 0.7 * neck)
 
 
-def spring(draws: Draws) -> Manifold:
+def spring(rng: Sampler) -> Manifold:
     """A coil of round or square wire, straight or conical."""
-    turns, wire = draws.uniform(2, 8), draws.uniform(0.06, 0.2)
-    length = max(draws.uniform(0.5, 3.5), 2.4 * wire * turns)
+    turns, wire = rng.uniform(2, 8), rng.uniform(0.06, 0.2)
+    length = max(rng.uniform(0.5, 3.5), 2.4 * wire * turns)
     turn = np.linspace(0, 2 * np.pi * turns, int(turns * 24))
     share = turn / turn[-1]
-    reach = 1 - (draws.uniform(0, 0.5) if draws.chance(0.3) else 0.0) * share
+    reach = 1 - (rng.uniform(0, 0.5) if rng.chance(0.3) else 0.0) * share
     path = np.stack([reach * cosine(turn), reach * sine(turn), length * share], axis=1)
-    section = circle(wire, segments=12) if draws.chance(0.8) else rectangle(2 * wire, 2 * wire)
+    section = circle(wire, segments=12) if rng.chance(0.8) else rectangle(2 * wire, 2 * wire)
     return swept(section, on_grid(path))
 
 
-def heat_sink(draws: Draws) -> Manifold:
+def heat_sink(rng: Sampler) -> Manifold:
     """Even fins or pins on a base, or round a core."""
-    x, y = draws.uniform(0.7, 1.5), draws.uniform(0.7, 1.3)
-    base, height = draws.uniform(0.06, 0.25), draws.uniform(0.3, 1.0)
-    form = draws.pick(("fins", "pins", "round"))
+    x, y = rng.uniform(0.7, 1.5), rng.uniform(0.7, 1.3)
+    base, height = rng.uniform(0.06, 0.25), rng.uniform(0.3, 1.0)
+    form = rng.pick(("fins", "pins", "round"))
     if form == "round":
-        n, core = draws.integer(10, 28), draws.uniform(0.25, 0.5)
+        n, core = rng.integer(10, 28), rng.uniform(0.25, 0.5)
         fins = [rectangle(1, 0.06, (0.5, 0)).rotate(360.0 * k / n) for k in range(n)]
-        return prism(joined([circle(core), *fins]) - circle(0.6 * core), 0, height)
-    ny = draws.integer(5, 14)
+        return prism(section_union([circle(core), *fins]) - circle(0.6 * core), 0, height)
+    ny = rng.integer(5, 14)
     pitch, nx = y / ny, 1 if form == "fins" else max(2, round(x * ny / y))
     fin = rectangle(x, 0.4 * pitch) if nx == 1 else circle(0.28 * pitch, segments=16)
     centers = [
@@ -165,37 +165,37 @@ def heat_sink(draws: Draws) -> Manifold:
     return prism(rectangle(x, y), 0, base) + prism(fins, base - 0.01, base + height)
 
 
-def fan(draws: Draws) -> Manifold:
+def fan(rng: Sampler) -> Manifold:
     """Blades round a hub, twisted or slanted, some with a ring or a back plate."""
-    n, height = draws.integer(3, 12), draws.uniform(0.15, 0.6)
-    hub, thickness = draws.uniform(0.2, 0.4), draws.uniform(0.03, 0.08)
+    n, height = rng.integer(3, 12), rng.uniform(0.15, 0.6)
+    hub, thickness = rng.uniform(0.2, 0.4), rng.uniform(0.03, 0.08)
     blade = rectangle(1.05 - 0.8 * hub, thickness, (0.5 + 0.4 * hub, 0))
-    if draws.chance(0.5):
-        one = blade.extrude(height, 8, draws.uniform(10, 60))
+    if rng.chance(0.5):
+        one = blade.extrude(height, 8, rng.uniform(10, 60))
     else:
-        one = prism(blade.rotate(draws.uniform(10, 40)), 0, height)
+        one = prism(blade.rotate(rng.uniform(10, 40)), 0, height)
     parts = [one.rotate([0, 0, 360.0 * k / n]) for k in range(n)] + [prism(circle(hub), 0, height)]
-    if draws.chance(0.3):
+    if rng.chance(0.3):
         parts.append(prism(circle(1.0), 0, 0.12 * height))
-    if draws.chance(0.3):
+    if rng.chance(0.3):
         parts.append(prism(ring(1.1, 0.98), 0, height))
-    return union(parts) - _holes(1, 0, draws.uniform(0.3, 0.6) * hub)
+    return union(parts) - _holes(1, 0, rng.uniform(0.3, 0.6) * hub)
 
 
-def angle_bracket(draws: Draws) -> Manifold:
+def angle_bracket(rng: Sampler) -> Manifold:
     """Two legs at a right angle with gussets and screw holes, or a channel of three."""
-    x, z, width = draws.uniform(0.5, 1.4), draws.uniform(0.5, 1.4), draws.uniform(0.3, 1.2)
-    t = draws.uniform(0.05, 0.2)
+    x, z, width = rng.uniform(0.5, 1.4), rng.uniform(0.5, 1.4), rng.uniform(0.3, 1.2)
+    t = rng.uniform(0.05, 0.2)
     section = rectangle(x, t, (x / 2, t / 2)) + rectangle(t, z, (t / 2, z / 2))
-    if draws.chance(0.3):
+    if rng.chance(0.3):
         section = section + rectangle(t, z, (x - t / 2, z / 2))
-    body = prism(fillet(section, 0, draws.uniform(0, 0.1)), 0, width)
-    if draws.chance(0.5):
-        reach = draws.uniform(0.4, 0.9) * min(x, z)
+    body = prism(fillet(section, 0, rng.uniform(0, 0.1)), 0, width)
+    if rng.chance(0.5):
+        reach = rng.uniform(0.4, 0.9) * min(x, z)
         gusset = polygon([(0.5 * t, 0.5 * t), (reach, 0.5 * t), (0.5 * t, reach)])
         body += prism(gusset, 0.4 * width, 0.4 * width + t)
     hole = circle(0.12 * min(width, x, z), segments=24)
-    levels = (0.25, 0.75) if draws.chance(0.6) else (0.5,)
+    levels = (0.25, 0.75) if rng.chance(0.6) else (0.5,)
     tools = [
         facing(side, prism(hole, -0.5 * t, 1.5 * t), at)
         for level in levels
@@ -204,84 +204,84 @@ def angle_bracket(draws: Draws) -> Manifold:
     return body - union(tools)
 
 
-def spoked_wheel(draws: Draws) -> Manifold:
+def spoked_wheel(rng: Sampler) -> Manifold:
     """A rim, grooved or plain, with spokes or a disc and a bored hub."""
-    height, rim = draws.uniform(0.15, 0.6), draws.uniform(0.08, 0.25)
-    hub, n = draws.uniform(0.15, 0.32), draws.integer(3, 8)
+    height, rim = rng.uniform(0.15, 0.6), rng.uniform(0.08, 0.25)
+    hub, n = rng.uniform(0.15, 0.32), rng.integer(3, 8)
     parts = [
         prism(ring(1.0, 1 - rim), 0, height),
-        prism(circle(hub), 0, draws.uniform(0.8, 1.5) * height),
+        prism(circle(hub), 0, rng.uniform(0.8, 1.5) * height),
     ]
-    if draws.chance(0.7):
-        width, depth = draws.uniform(0.08, 0.2), draws.uniform(0.3, 0.7) * height
+    if rng.chance(0.7):
+        width, depth = rng.uniform(0.08, 0.2), rng.uniform(0.3, 0.7) * height
         spoke = block((1 - rim / 2, width, depth), ((1 - rim / 2) / 2, 0, height / 2))
         parts += [spoke.rotate([0, 0, 360.0 * k / n]) for k in range(n)]
     else:
         parts.append(prism(circle(1 - rim / 2), 0.4 * height, 0.6 * height))
     body = union(parts)
-    if draws.chance(0.5):
+    if rng.chance(0.5):
         deep = 1 - 0.6 * rim
         groove = polygon([(deep, 0.4), (1.1, 0.1), (1.1, 0.9), (deep, 0.6)]).scale((1, height))
         body -= turned(groove)
-    return body - _holes(1, 0, draws.uniform(0.4, 0.7) * hub)
+    return body - _holes(1, 0, rng.uniform(0.4, 0.7) * hub)
 
 
-def stepped_shaft(draws: Draws) -> Manifold:
+def stepped_shaft(rng: Sampler) -> Manifold:
     """Steps that widen to the middle, with keyways, center holes and a flat."""
-    count = draws.integer(3, 6)
-    radii = np.sort(draws.uniforms(0.1, 0.32, count))
+    count = rng.integer(3, 6)
+    radii = np.sort(rng.uniforms(0.1, 0.32, count))
     radii = np.concatenate([radii[::2], radii[1::2][::-1]])
-    levels = np.cumsum(np.r_[0, draws.uniforms(0.2, 0.8, count)])
+    levels = np.cumsum(np.r_[0, rng.uniforms(0.2, 0.8, count)])
     steps = zip(levels, levels[1:], radii, strict=False)
     corners = [corner for low, high, r in steps for corner in ((r, low), (r, high))]
     body = turned(fillet(turned_outline(np.array(corners)), 0.015, 0.02))
-    for i in range(draws.integer(0, 2)):
+    for i in range(rng.integer(0, 2)):
         middle, length = (levels[i] + levels[i + 1]) / 2, 0.7 * (levels[i + 1] - levels[i])
         key = prism(slot(length, 0.3 * radii[i]), 0.75 * radii[i], 1.0)
         body -= key.rotate([0, 90, 0]).translate([0, 0, middle])
-    return body - bore_tool(draws, 0.3 * radii[-1], 0.2).translate([0, 0, levels[-1]])
+    return body - bore_tool(rng, 0.3 * radii[-1], 0.2).translate([0, 0, levels[-1]])
 
 
-def ball_bearing(draws: Draws) -> Manifold:
+def ball_bearing(rng: Sampler) -> Manifold:
     """Two rings and a row of balls or rollers between."""
-    height, bore = draws.uniform(0.25, 0.6), draws.uniform(0.4, 0.65)
+    height, bore = rng.uniform(0.25, 0.6), rng.uniform(0.4, 0.65)
     gap = 1 - bore
     inner, outer = bore + 0.33 * gap, bore + 0.67 * gap
     pitch, size = (inner + outer) / 2, 0.2 * gap
-    rolling = Manifold.sphere(size, 20) if draws.chance(0.6) else cylinder(size, 0.8 * height)
-    n = int(np.pi * pitch / size * draws.uniform(0.55, 0.9))
+    rolling = Manifold.sphere(size, 20) if rng.chance(0.6) else cylinder(size, 0.8 * height)
+    n = int(np.pi * pitch / size * rng.uniform(0.55, 0.9))
     row = [rolling.translate([x, y, height / 2]) for x, y in on_circle(n, pitch)]
-    rings = prism(joined([ring(inner, bore), ring(1, outer)]), 0, height)
-    if draws.chance(0.3):
+    rings = prism(section_union([ring(inner, bore), ring(1, outer)]), 0, height)
+    if rng.chance(0.3):
         return rings + prism(ring(1, bore), 0.1 * height, 0.9 * height)
     return union([rings, *row])
 
 
-def motor_housing(draws: Draws) -> Manifold:
+def motor_housing(rng: Sampler) -> Manifold:
     """A box or barrel with a foot, a shaft's collar and cooling ribs."""
-    length, radius = draws.uniform(0.9, 1.8), draws.uniform(0.35, 0.55)
-    barrel = circle(radius) if draws.chance(0.6) else rounded_rectangle(2 * radius, 2 * radius, 0.1)
-    n = draws.integer(8, 24)
+    length, radius = rng.uniform(0.9, 1.8), rng.uniform(0.35, 0.55)
+    barrel = circle(radius) if rng.chance(0.6) else rounded_rectangle(2 * radius, 2 * radius, 0.1)
+    n = rng.integer(8, 24)
     rib = rectangle(1.12 * radius, 0.04, (0.56 * radius, 0))
-    ribs = [rib.rotate(360.0 * k / n) for k in range(n)] if draws.chance(0.6) else []
-    body = prism(joined([barrel, *ribs]), 0, length)
+    ribs = [rib.rotate(360.0 * k / n) for k in range(n)] if rng.chance(0.6) else []
+    body = prism(section_union([barrel, *ribs]), 0, length)
     face = prism(rounded_rectangle(2.2 * radius, 2.2 * radius, 0.1), length - 0.1, length)
     bolt_holes = _holes(4, 1.3 * radius, 0.08 * radius).rotate([0, 0, 45])
     shaft = cylinder(0.2 * radius, 0.6, (0, 0, length + 0.2))
     parts = [body, face - bolt_holes, cylinder(0.5 * radius, 0.1, (0, 0, length)), shaft]
-    if draws.chance(0.6):
+    if rng.chance(0.6):
         parts.append(block((0.1, 2.2 * radius, 0.6 * length), (-1.1 * radius, 0, 0.5 * length)))
         parts.append(block((0.4 * radius, 0.5 * radius, 0.3 * length), (radius, 0, 0.5 * length)))
     return union(parts)
 
 
-def crank(draws: Draws) -> Manifold:
+def crank(rng: Sampler) -> Manifold:
     """Throws and webs along an axis, at half or third turns."""
-    level, parts, step = 0.0, [], draws.pick((180.0, 120.0, 90.0))
-    radius, throw = draws.uniform(0.12, 0.25), draws.uniform(0.2, 0.45)
-    journal, web = draws.uniform(0.15, 0.4), draws.uniform(0.08, 0.2)
+    level, parts, step = 0.0, [], rng.pick((180.0, 120.0, 90.0))
+    radius, throw = rng.uniform(0.12, 0.25), rng.uniform(0.2, 0.45)
+    journal, web = rng.uniform(0.15, 0.4), rng.uniform(0.08, 0.2)
     arm = CrossSection.batch_hull([circle(1.5 * radius), circle(1.2 * radius, (throw, 0))])
-    for i in range(draws.integer(1, 4)):
+    for i in range(rng.integer(1, 4)):
         parts.append(prism(circle(radius), level, level + journal + 0.01))
         level += journal
         crank_throw = [
@@ -295,36 +295,36 @@ def crank(draws: Draws) -> Manifold:
     return union(parts)
 
 
-def end_mill(draws: Draws) -> Manifold:
+def end_mill(rng: Sampler) -> Manifold:
     """A shank and helical flutes, as of a drill or a cutter."""
-    radius, length = draws.uniform(0.12, 0.35), draws.uniform(0.6, 2.0)
-    flutes, core = draws.integer(2, 5), circle(radius, segments=48)
+    radius, length = rng.uniform(0.12, 0.35), rng.uniform(0.6, 2.0)
+    flutes, core = rng.integer(2, 5), circle(radius, segments=48)
     cuts = [circle(0.55 * radius, point, 16) for point in on_circle(flutes, 1.05 * radius)]
-    fluted = (core - joined(cuts)).extrude(length, 24, draws.uniform(90, 360))
-    shank = draws.uniform(0.8, 1.5) * radius
-    body = fluted + prism(circle(shank), length - 0.01, length + draws.uniform(0.4, 1.5))
-    if draws.chance(0.4):
+    fluted = (core - section_union(cuts)).extrude(length, 24, rng.uniform(90, 360))
+    shank = rng.uniform(0.8, 1.5) * radius
+    body = fluted + prism(circle(shank), length - 0.01, length + rng.uniform(0.4, 1.5))
+    if rng.chance(0.4):
         body += prism(circle(1.3 * shank), length + 0.1, length + 0.25)
     return body
 
 
-def valve_body(draws: Draws) -> Manifold:
+def valve_body(rng: Sampler) -> Manifold:
     """A bulb between two flanged ports, with a bonnet and a stem."""
-    bulb, port = draws.uniform(0.35, 0.55), draws.uniform(0.15, 0.3)
-    reach, collar = draws.uniform(0.7, 1.1), draws.uniform(1.3, 1.8) * port
-    outer = Manifold.sphere(bulb, 36) if draws.chance(0.5) else cylinder(bulb, 1.6 * bulb)
+    bulb, port = rng.uniform(0.35, 0.55), rng.uniform(0.15, 0.3)
+    reach, collar = rng.uniform(0.7, 1.1), rng.uniform(1.3, 1.8) * port
+    outer = Manifold.sphere(bulb, 36) if rng.chance(0.5) else cylinder(bulb, 1.6 * bulb)
     parts, bores = [outer], []
     for side in ("-x", "+x"):
         pipe = prism(circle(port), 0, reach) + prism(circle(collar), reach - 0.15, reach)
         parts.append(facing(side, pipe))
         bores.append(facing(side, prism(circle(0.7 * port), 0, reach + 1)))
-    neck, stem = draws.uniform(0.4, 0.7) * bulb, draws.uniform(0.9, 1.5)
+    neck, stem = rng.uniform(0.4, 0.7) * bulb, rng.uniform(0.9, 1.5)
     parts += [
         prism(circle(neck), 0, 1.5 * bulb),
         prism(circle(1.4 * neck), 1.4 * bulb, 1.65 * bulb),
     ]
     parts.append(prism(circle(0.3 * neck), 0, stem + bulb))
-    if draws.chance(0.6):
+    if rng.chance(0.6):
         parts.append(prism(ring(0.5, 0.4), stem + bulb - 0.1, stem + bulb))
         parts += [
             block((0.9, 0.08, 0.06), (0, 0, stem + bulb - 0.06)).rotate([0, 0, a]) for a in (0, 90)

@@ -11,10 +11,10 @@ from manifold3d import Manifold
 from industnerf.artifacts.part import Appearance, Mesh
 from industnerf.errors import BadParams, BadPart
 from industnerf.geometry.bounding_cube import BoundingCube
-from industnerf.parts.procedural.draws import Draws, on_grid
 from industnerf.parts.procedural.features import EmptyBody, extents
 from industnerf.parts.procedural.finishes import draw_albedo
 from industnerf.parts.procedural.kinds import DEFAULT_KINDS, KINDS, RESEMBLING_KINDS
+from industnerf.parts.procedural.sampler import Sampler, on_grid
 from industnerf.parts.validation.checks import extents_mm, volume_mm3
 from industnerf.seeds import generator
 
@@ -53,18 +53,18 @@ def procedural_solid(
     unknown = [kind for kind in kinds if kind not in KINDS]
     if unknown or not kinds:
         raise BadParams(f"procedural kinds {unknown or 'none'}: known are {', '.join(KINDS)}")
-    kind = Draws(generator(seed, "procedural kind", str(index))).pick(kinds)
-    draws = Draws(generator(seed, "procedural solid", str(index), kind))
+    kind = Sampler(generator(seed, "procedural kind", str(index))).pick(kinds)
+    rng = Sampler(generator(seed, "procedural solid", str(index), kind))
     for _ in range(MAX_DRAWS):
         try:
-            body = KINDS[kind](draws)
+            body = KINDS[kind](rng)
         except EmptyBody:
             continue
-        if kind not in RESEMBLING_KINDS and draws.chance(STRETCHED_SHARE):
-            body = body.scale([1, 1, draws.log_uniform(1 / MAX_STRETCH, MAX_STRETCH)])
-        mesh = _unit_mesh(body, _orientation(draws))
+        if kind not in RESEMBLING_KINDS and rng.chance(STRETCHED_SHARE):
+            body = body.scale([1, 1, rng.log_uniform(1 / MAX_STRETCH, MAX_STRETCH)])
+        mesh = _unit_mesh(body, _orientation(rng))
         if mesh is not None:
-            return ProceduralSolid(kind, *mesh, draw_albedo(draws))
+            return ProceduralSolid(kind, *mesh, draw_albedo(rng))
     raise BadPart(f"procedural solid {index} of seed {seed}: {MAX_DRAWS} draws of {kind} failed")
 
 
@@ -87,9 +87,9 @@ def _unit_mesh(
     return vertices, faces
 
 
-def _orientation(draws: Draws) -> Float[np.ndarray, "3 3"]:
+def _orientation(rng: Sampler) -> Float[np.ndarray, "3 3"]:
     """One of the 24 turns of a cube onto itself."""
-    turn = np.eye(3)[draws.order(3)] * [draws.sign(), draws.sign(), 1]
+    turn = np.eye(3)[rng.order(3)] * [rng.sign(), rng.sign(), 1]
     return turn * [1, 1, round(np.linalg.det(turn))]
 
 

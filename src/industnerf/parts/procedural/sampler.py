@@ -36,8 +36,8 @@ def sine(turn: Numbers) -> Numbers:
     return np.round(np.sin(turn) * 2.0**40) / 2.0**40
 
 
-class Draws:
-    """Draws from one generator; every number is a multiple of `GRID`."""
+class Sampler:
+    """Random numbers from one generator; each is a multiple of `GRID`."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
