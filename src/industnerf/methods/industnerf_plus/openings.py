@@ -4,7 +4,10 @@ A polish by gradient opens no plug, for inside of one the normals are the plug's
 are proposed for the flat regions of the pictures that the surface does not explain: in front of
 the plane the cone of the region's rays is emptied, and a slab behind it is filled.  A proposal
 stays if all pictures together, rendered anew where it changes them, look more like the
-photographs.  Source of the carving: plane sweeps of one view; of the test: analysis by synthesis.
+photographs.
+
+A plane looks alike at any depth: a floor between walls that are only seen in part stays too high,
+and one of the brightness of its surroundings is not told from them.
 """
 
 from dataclasses import dataclass
