@@ -40,6 +40,10 @@ class Pictures:
         """Whether pixels show nothing but the part."""
         return self._outlines[pixels] > 1
 
+    def is_edge(self, pixels: Int32[np.ndarray, "n"]) -> Bool[np.ndarray, "n"]:
+        """Whether pixels are beside a jump of brightness."""
+        return self._is_edge[pixels]
+
     def shaded_pixels(
         self, margin: float, edge_share: float, rng: np.random.Generator
     ) -> Int32[np.ndarray, "m"]:

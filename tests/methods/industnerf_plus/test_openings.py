@@ -1,0 +1,113 @@
+"""Plugged recesses are opened where the pictures show them, and nowhere else."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import distance_transform_edt
+
+from industnerf.geometry.cameras import Cameras, look_at, pinhole
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, redistance
+from industnerf.methods.industnerf_plus.finishes import FinishFit
+from industnerf.methods.industnerf_plus.lighting import Lighting
+from industnerf.methods.industnerf_plus.openings import OpeningSettings, open_recesses
+from industnerf.methods.industnerf_plus.pictures import Pictures
+from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
+
+SIZE, PX = 56, 160
+CELL = 2 / SIZE
+LO = np.full(3, CELL / 2 - 1)
+NODES = np.stack(np.meshgrid(*[np.arange(float(SIZE))] * 3, indexing="ij"), axis=-1)
+CENTERED = NODES - (SIZE - 1) / 2
+TOP, DEPTH, HALF_WIDTH = 11.3, 9.4, 7.2  # cells
+LIGHT = Lighting(0.2, np.array([[0.35, 0.2, 0.3], [-0.25, 0.1, 0.1], [0.0, -0.3, 0.15]]))
+VIEWS = Cameras(
+    np.repeat(pinhole(30.0, PX)[None], 24, 0),
+    look_at(4.0 * fibonacci_sphere(24), np.zeros(3)),
+    PX,
+    PX,
+)
+BACKGROUND = np.ones((24, 3))
+
+
+def box(center: tuple[float, float, float], half: tuple[float, float, float]) -> np.ndarray:
+    beyond = np.abs(CENTERED - center) - half
+    return np.linalg.norm(np.maximum(beyond, 0), axis=-1) + np.minimum(beyond.max(axis=-1), 0)
+
+
+BLOCK = box((0, 0, 0), (17.3, 15.3, TOP))
+POCKET = box((1.0, 0.5, TOP + 10 - DEPTH), (HALF_WIDTH, HALF_WIDTH, 10))
+
+
+def surface_of(distance: np.ndarray, finishes: int = 1) -> ShadedSurface:
+    distance = redistance(distance.astype(np.float32))
+    hull = redistance(BLOCK.astype(np.float32))
+    surface = ShadedSurface(DistanceGrid(distance, hull, LO, CELL))
+    surface.finishes = FinishFit(LIGHT, np.ones(finishes), np.zeros(0, np.int64), 0.0, 0.0)
+    surface._set_lighting(LIGHT)
+    return surface
+
+
+def photographs(distance: np.ndarray) -> Pictures:
+    """What the cameras see of the true part, in 8 bits."""
+    truth = surface_of(distance)
+    truth.update_band(0.1)
+    rays = PinholeRays(VIEWS, np.zeros(3), 1.0, truth.grid)
+    pixels = np.arange(len(BACKGROUND) * PX * PX, dtype=np.int32)
+    rendered = truth.render(rays, pixels, BACKGROUND, 0.1, 0.25)
+    rgb = np.rint(np.clip(rendered.color.numpy(), 0, 1) * 255).astype(np.uint8)
+    mask = (rendered.hit.numpy() > 0).reshape(-1, PX, PX)
+    outlines = [distance_transform_edt(m) - distance_transform_edt(~m) for m in mask]
+    return Pictures(rgb.reshape(-1, PX, PX, 3), BACKGROUND, np.array(outlines, np.float32))
+
+
+def opened(surface: ShadedSurface, pictures: Pictures) -> int:
+    rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
+    return open_recesses(surface, rays, pictures, OpeningSettings(), seed=0)
+
+
+@pytest.fixture(scope="module")
+def pocket_pictures() -> Pictures:
+    return photographs(np.maximum(BLOCK, -POCKET))
+
+
+def test_a_plugged_pocket_is_opened_where_its_walls_are_seen(pocket_pictures):
+    """Not to its floor, which looks as bright at any depth."""
+    surface = surface_of(BLOCK)
+    assert opened(surface, pocket_pictures) > 0
+    distance = surface.distance.numpy()
+    shaft = distance[28:30, 27:29].mean(axis=(0, 1))
+    floor = np.flatnonzero(shaft < 0).max()
+    crossing = floor + shaft[floor] / (shaft[floor] - shaft[floor + 1])
+    depth = TOP + (SIZE - 1) / 2 - crossing
+    assert DEPTH / 2 < depth < DEPTH + 1
+    is_wrong = (distance > 0) != (np.maximum(BLOCK, -POCKET) > 0)
+    assert is_wrong.sum() < 0.55 * (POCKET[BLOCK < 0] < 0).sum()
+    is_solid = (BLOCK < -1) & (POCKET > 1)
+    assert (distance[is_solid] < 0).mean() > 0.995
+    assert (distance >= surface.grid.hull).all()
+
+
+def test_a_wall_that_is_eaten_is_filled(pocket_pictures):
+    bite = np.linalg.norm(CENTERED - (21.3, 0, 0), axis=-1) - 10
+    surface = surface_of(np.maximum(np.maximum(BLOCK, -POCKET), -bite))
+    assert opened(surface, pocket_pictures) > 0
+    is_bitten = (bite < -1)[44]  # the last nodes under the face
+    outermost = np.where(surface.distance.numpy() < 0, CENTERED[..., 0], -99).max(axis=0)
+    assert (np.abs(outermost[is_bitten] - 16.5) < 1.5).mean() > 0.9
+
+
+def test_nothing_is_opened_where_there_is_nothing():
+    surface = surface_of(BLOCK)
+    before = surface.distance.numpy().copy()
+    assert opened(surface, photographs(BLOCK)) == 0
+    np.testing.assert_array_equal(surface.distance.numpy(), before)
+
+
+def test_several_finishes_tell_no_normal(pocket_pictures):
+    assert opened(surface_of(BLOCK, finishes=2), pocket_pictures) == 0
+
+
+def test_the_same_seed_opens_the_same(pocket_pictures):
+    first, second = surface_of(BLOCK), surface_of(BLOCK)
+    assert opened(first, pocket_pictures) == opened(second, pocket_pictures)
+    np.testing.assert_array_equal(first.distance.numpy(), second.distance.numpy())
