@@ -222,6 +222,17 @@ class PolishSettings:
 
 
 @dataclass(frozen=True)
+class OpeningSettings:
+    """Planes that replace the surface where it does not explain flat regions of the pictures."""
+
+    rounds: NonNegativeInt
+    trials: PositiveInt
+    rays_per_trial: PositiveInt
+    min_flat_fraction: Fraction
+    max_cost_ratio: Fraction
+
+
+@dataclass(frozen=True)
 class IndustnerfPlusSettings(IndustnerfSettings):
     """`industnerf_plus`: its additions to the paper."""
 
@@ -230,6 +241,7 @@ class IndustnerfPlusSettings(IndustnerfSettings):
     max_grid_points: NonNegativeInt
     sdf: SdfSettings
     polish: PolishSettings
+    openings: OpeningSettings
 
     def __post_init__(self) -> None:
         super().__post_init__()

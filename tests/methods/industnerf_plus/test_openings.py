@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
 
+from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, redistance
 from industnerf.methods.industnerf_plus.finishes import FinishFit
 from industnerf.methods.industnerf_plus.lighting import Lighting
-from industnerf.methods.industnerf_plus.openings import OpeningSettings, open_recesses
+from industnerf.methods.industnerf_plus.openings import open_recesses
 from industnerf.methods.industnerf_plus.pictures import Pictures
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
 
@@ -27,6 +28,7 @@ VIEWS = Cameras(
     PX,
 )
 BACKGROUND = np.ones((24, 3))
+SETTINGS = load_params().method.industnerf_plus.openings
 
 
 def box(center: tuple[float, float, float], half: tuple[float, float, float]) -> np.ndarray:
@@ -42,8 +44,7 @@ def surface_of(distance: np.ndarray, finishes: int = 1) -> ShadedSurface:
     distance = redistance(distance.astype(np.float32))
     hull = redistance(BLOCK.astype(np.float32))
     surface = ShadedSurface(DistanceGrid(distance, hull, LO, CELL))
-    surface.finishes = FinishFit(LIGHT, np.ones(finishes), np.zeros(0, np.int64), 0.0, 0.0)
-    surface._set_lighting(LIGHT)
+    surface.set_finishes(FinishFit(LIGHT, np.ones(finishes), np.zeros(0, np.int64), 0.0, 0.0))
     return surface
 
 
@@ -62,7 +63,7 @@ def photographs(distance: np.ndarray) -> Pictures:
 
 def opened(surface: ShadedSurface, pictures: Pictures) -> int:
     rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
-    return open_recesses(surface, rays, pictures, OpeningSettings(), seed=0)
+    return open_recesses(surface, rays, pictures, SETTINGS, seed=0)
 
 
 @pytest.fixture(scope="module")

@@ -51,8 +51,7 @@ def make_surface(distance: np.ndarray, hull: np.ndarray | None = None) -> Shaded
 def pictures() -> Pictures:
     """A ball in `LIGHT`, before white."""
     surface = make_surface(ball())
-    surface.finishes = FinishFit(LIGHT, np.ones(1), np.zeros(0, np.int64), 0.0, 0.0)
-    surface._set_lighting(LIGHT)
+    surface.set_finishes(FinishFit(LIGHT, np.ones(1), np.zeros(0, np.int64), 0.0, 0.0))
     images = render_views(surface, np.zeros(3), 1.0, CAMERAS, np.ones((VIEWS, 3)))
     outline = np.where(images.depth_mm > 0, 9.0, -9.0).astype(np.float32)
     for view in outline:  # within two pixels of the outline pixels are not trusted

@@ -36,8 +36,7 @@ WHITE = np.ones((2, 3))
 def make_surface(distance: np.ndarray, albedo: np.ndarray | None = None) -> ShadedSurface:
     distance = distance.astype(np.float32)
     surface = ShadedSurface(DistanceGrid(distance, np.full_like(distance, -99), LO, CELL))
-    surface.finishes = FinishFit(LIGHT, np.ones(1), np.zeros(0, np.int64), 0.0, 0.0)
-    surface._set_lighting(LIGHT)
+    surface.set_finishes(FinishFit(LIGHT, np.ones(1), np.zeros(0, np.int64), 0.0, 0.0))
     if albedo is not None:
         surface.set_node_albedo(albedo.astype(np.float32))
     inner = np.argwhere(np.ones((SIZE - 4,) * 3, bool)) + 2

@@ -37,6 +37,7 @@ from industnerf.methods.industnerf_plus.shaded_surface import (
     launch,
     to_device,
 )
+from industnerf.schema.industnerf import OpeningSettings
 
 BETA = 0.3  # cells
 PIXEL_STEP = 4  # every so many pixels in both directions judge a proposal
@@ -54,19 +55,6 @@ NUM_TRIPLES = 200
 NORMAL_MATCH_DEG = 6.0  # nearer normals are one
 PLANE_TOLERANCE = 0.6  # cells
 MIN_ACCEPTED = 3  # in a round, for another one
-
-
-@dataclass(frozen=True)
-class OpeningSettings:
-    """How much is tried, and what must come of it."""
-
-    rounds: int = 2
-    trials_per_round: int = 120
-    rays_per_trial: int = 1000
-    min_flat_fraction: float = (
-        0.18  # of the pixels; less is a curved part, whose flat spots mislead
-    )
-    max_cost_ratio: float = 0.92  # of a proposal's pixels, after it to before it
 
 
 @dataclass(frozen=True)
@@ -158,7 +146,7 @@ class _Round:
         order = sorted(range(len(regions)), key=lambda i: (-residuals[i], i))
         accepted = 0
         for i in order:
-            if self._num_trials >= self._settings.trials_per_round:
+            if self._num_trials >= self._settings.trials:
                 break
             accepted += self._try_region(regions[i])
         return accepted
@@ -321,5 +309,5 @@ class _Round:
 
 
 def thinned(values: Int64[np.ndarray, "n"], most: int) -> Int64[np.ndarray, "m"]:
-    """Every so-manieth value, so that at most about `most` are left."""
+    """Every so many values, so that at most about `most` are left."""
     return values[:: len(values) // most + 1]

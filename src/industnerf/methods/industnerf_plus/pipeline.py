@@ -15,6 +15,7 @@ from industnerf.methods.industnerf.variant import Variant
 from industnerf.methods.industnerf_plus.adaptive_resolution import adapt_resolution, hull_margin
 from industnerf.methods.industnerf_plus.appearance import Appearance
 from industnerf.methods.industnerf_plus.distance_grid import from_points, hull_grid
+from industnerf.methods.industnerf_plus.openings import open_recesses
 from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
 from industnerf.methods.industnerf_plus.pictures import Pictures
 from industnerf.methods.industnerf_plus.polish import Polisher
@@ -123,27 +124,38 @@ class PolishedSurface:
         self._surface = ShadedSurface(grid)
         self._rays = PinholeRays(posed.cameras, posed.center, posed.radius, grid)
         self._pictures = Pictures(posed.rgb, background, outlines)
-        cell_px = grid.spacing / 2 * rig.min_diameter_px
-        self._polisher = Polisher(
-            self._surface, self._rays, self._pictures, cell_px, self._settings, seed
-        )
-        if self._fits_light():
-            self._polish(callback)
+        self._cell_px = grid.spacing / 2 * rig.min_diameter_px
+        polisher = self._make_polisher()
+        if self._fits_light(polisher):
+            if self._open_recesses():
+                polisher = self._make_polisher()
+                polisher.fit_light()
+            self._polish(polisher, callback)
         else:
             self._surface.without_light()
             callback.on_warning(LIGHT_WARNING)
             self._warnings = (*self._warnings, LIGHT_WARNING)
 
-    def _fits_light(self) -> bool:
+    def _make_polisher(self) -> Polisher:
+        """One that starts at the surface as it is."""
+        return Polisher(
+            self._surface, self._rays, self._pictures, self._cell_px, self._settings, self._seed
+        )
+
+    def _fits_light(self, polisher: Polisher) -> bool:
         """Whether fitted light explains the pictures."""
-        if not self._settings.steps or not self._polisher.fit_light():
+        if not self._settings.steps or not polisher.fit_light():
             return False
         return self._surface.finishes.outlier_share <= self._settings.max_light_outliers
 
-    def _polish(self, callback: Callback) -> None:
+    def _open_recesses(self) -> int:
+        openings = self._soft.variant.settings.openings
+        return open_recesses(self._surface, self._rays, self._pictures, openings, self._seed)
+
+    def _polish(self, polisher: Polisher, callback: Callback) -> None:
         self._soft.level_starts["polish"] = len(self._soft.losses())
         callback.on_level_start("polish", self._settings.steps)
-        for loss in self._polisher.steps():
+        for loss in polisher.steps():
             self._soft.record_step(torch.tensor(loss))
 
     def result(self) -> ReconstructionResult:

@@ -89,6 +89,11 @@ class ShadedSurface:
         self._albedo = wp.zeros((1, 1, 1), wp.vec3, device=warp_device())
         self._set_lighting(Lighting(1.0, np.zeros((0, 3))))
 
+    def set_finishes(self, finishes: FinishFit) -> None:
+        """Take light and finishes over; `set_albedo` tells where each finish is."""
+        self.finishes = finishes
+        self._set_lighting(finishes.lighting)
+
     def _set_lighting(self, lighting: Lighting) -> None:
         self._ambient = lighting.ambient
         self._lights = to_device(lighting.lights, wp.vec3)
@@ -174,7 +179,7 @@ class ShadedSurface:
                 self.finishes, self.finishes.label[nearest], normals, rgb
             )
         self._labeled_points = points
-        self._set_lighting(self.finishes.lighting)
+        self.set_finishes(self.finishes)
         if len(self.finishes.albedo) > 1:
             self.set_albedo(
                 points, np.repeat(self.finishes.albedo[self.finishes.label, None], 3, 1)
