@@ -70,7 +70,7 @@ def solid_of(part: Example) -> ProceduralShape:
         np.zeros((1, 3), np.float32),
         surface,
     )
-    return ProceduralShape("solid", "solid", "box", arrays, 0)
+    return ProceduralShape("solid", "solid", "box", None, arrays, 0)
 
 
 def test_the_mean_of_parts_and_thousands_of_solids_costs_few_comparisons(tmp_path, monkeypatch):

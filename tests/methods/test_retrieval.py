@@ -85,7 +85,9 @@ def solid_like(folder: Path, name: str) -> ProceduralShape:
         pool.shares,
         part.surface_pool(rng).astype(np.float16),
     )
-    return ProceduralShape(name, name, name, ProceduralArrays(*(row[None] for row in rows)), 0)
+    return ProceduralShape(
+        name, name, name, None, ProceduralArrays(*(row[None] for row in rows)), 0
+    )
 
 
 @pytest.fixture(scope="module")

@@ -43,5 +43,8 @@ PAPER_SYMBOLS = {
     "methods": "rows of Table 1",
     "evaluate.points": "points of P and Q, (14)",
 } | {
-    f"method.{name}.{key}": symbol for name in NERF_METHODS for key, symbol in NERF_SYMBOLS.items()
+    f"method.{name}.{key}": symbol
+    for name in NERF_METHODS
+    for key, symbol in NERF_SYMBOLS.items()
+    if (name, key) != ("industnerf_plus", "levels[1].points")  # it has one level
 }
