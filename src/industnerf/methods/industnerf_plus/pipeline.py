@@ -34,6 +34,10 @@ LIGHT_WARNING = (
     "so the surface is found by colors alone; does the part shine or have a texture, or did a "
     "light move?"
 )
+FEW_PIXELS_WARNING = (
+    "too few pixels are inside the part and away from its edges to fit a light to, so the surface "
+    "is found by colors alone; larger photographs, or ones that the part fills, have more"
+)
 
 
 class PlusVariant(Variant):
@@ -85,7 +89,7 @@ def run(
 ) -> ReconstructionResult:
     """As `industnerf.pipeline.run`; with `polish` the trained field is where the polish starts.
 
-    A run that resumes takes all steps of the polish anew.
+    A run that is stopped in the polish resumes before it.
     """
     if not settings.polish.enabled:
         return pipeline.run(posed, settings, seed, callback, resume, make_variant=PlusVariant)
@@ -107,9 +111,10 @@ class PolishedSurface:
     def __init__(
         self, soft: Reconstructor, posed: PosedImages, seed: int, callback: Callback
     ) -> None:
-        self._soft, self._posed, self._seed = soft, posed, seed
+        self._soft, self._posed, self._seed, self._callback = soft, posed, seed, callback
         self._settings = soft.variant.settings.polish
         self._warnings = soft.variant.warnings
+        self._level_starts = dict(soft.level_starts)
         background = soft.scene.background.cpu().numpy().astype(float)
         outlines = soft.variant.silhouettes.outlines()
         rig = unit_frame_cameras_about(posed.cameras, posed.center, posed.radius)
@@ -125,16 +130,26 @@ class PolishedSurface:
         self._rays = PinholeRays(posed.cameras, posed.center, posed.radius, grid)
         self._pictures = Pictures(posed.rgb, background, outlines)
         self._cell_px = grid.spacing / 2 * rig.min_diameter_px
+        if self._settings.steps:
+            self._move_by_shading()
+
+    def _move_by_shading(self) -> None:
+        """Open recesses and polish, if light is found that explains the pictures."""
         polisher = self._make_polisher()
-        if self._fits_light(polisher):
+        if not polisher.fit_light():
+            self._go_without_light(FEW_PIXELS_WARNING)
+        elif self._surface.finishes.outlier_share > self._settings.max_light_outliers:
+            self._go_without_light(LIGHT_WARNING)
+        else:
             if self._open_recesses():
                 polisher = self._make_polisher()
                 polisher.fit_light()
-            self._polish(polisher, callback)
-        else:
-            self._surface.without_light()
-            callback.on_warning(LIGHT_WARNING)
-            self._warnings = (*self._warnings, LIGHT_WARNING)
+            self._polish(polisher)
+
+    def _go_without_light(self, warning: str) -> None:
+        self._surface.without_light()
+        self._callback.on_warning(warning)
+        self._warnings = (*self._warnings, warning)
 
     def _make_polisher(self) -> Polisher:
         """One that starts at the surface as it is."""
@@ -142,21 +157,18 @@ class PolishedSurface:
             self._surface, self._rays, self._pictures, self._cell_px, self._settings, self._seed
         )
 
-    def _fits_light(self, polisher: Polisher) -> bool:
-        """Whether fitted light explains the pictures."""
-        if not self._settings.steps or not polisher.fit_light():
-            return False
-        return self._surface.finishes.outlier_share <= self._settings.max_light_outliers
-
     def _open_recesses(self) -> int:
         openings = self._soft.variant.settings.openings
         return open_recesses(self._surface, self._rays, self._pictures, openings, self._seed)
 
-    def _polish(self, polisher: Polisher, callback: Callback) -> None:
-        self._soft.level_starts["polish"] = len(self._soft.losses())
+    def _polish(self, polisher: Polisher) -> None:
+        soft, callback, state = self._soft, self._callback, self._soft.state()
+        self._level_starts["polish"] = len(soft.losses())
         callback.on_level_start("polish", self._settings.steps)
         for loss in polisher.steps():
-            self._soft.record_step(torch.tensor(loss))
+            soft.record_step(torch.tensor(loss))
+            if callback.wants_checkpoint():
+                callback.on_checkpoint(state)
 
     def result(self) -> ReconstructionResult:
         """The cloud, and what renders the surface."""
@@ -180,7 +192,7 @@ class PolishedSurface:
             candidates,
             np.where(is_seen, confidence, 0).astype(np.float32),
             losses,
-            soft.level_starts,
+            self._level_starts,
             self._pictures.background,
             partial(render_views, surface, posed.center, posed.radius),
             self._warnings,
