@@ -1,5 +1,7 @@
 """Plugged recesses are opened where the pictures show them, and nowhere else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
@@ -7,6 +9,7 @@ from scipy.ndimage import distance_transform_edt
 from industnerf.config import load_params
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.methods.industnerf_plus import openings
 from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, redistance
 from industnerf.methods.industnerf_plus.finishes import FinishFit
 from industnerf.methods.industnerf_plus.lighting import Lighting
@@ -112,3 +115,20 @@ def test_the_same_seed_opens_the_same(pocket_pictures):
     first, second = surface_of(BLOCK), surface_of(BLOCK)
     assert opened(first, pocket_pictures) == opened(second, pocket_pictures)
     np.testing.assert_array_equal(first.distance.numpy(), second.distance.numpy())
+
+
+def test_a_plane_that_only_some_pixels_like_does_not_stay(monkeypatch, pocket_pictures):
+    """One picture alone shows a pocket, and the pixels that are tried first are its own."""
+    rgb = photographs(BLOCK).rgb.reshape(len(BACKGROUND), PX, PX, 3)
+    view = int((VIEWS.centers @ [0, 0.1, 1]).argmax())
+    order = [view, *(other for other in range(len(BACKGROUND)) if other != view)]
+    rgb[view] = pocket_pictures.rgb.reshape(rgb.shape)[view]
+    outlines = pocket_pictures._outlines.reshape(rgb.shape[:3])
+    pictures = Pictures(rgb[order], BACKGROUND, outlines[order])
+    surface = surface_of(BLOCK)
+    before = surface.distance.numpy().copy()
+    monkeypatch.setattr(openings, "thinned", lambda values, most: values[:most])
+    rays = PinholeRays(VIEWS[np.array(order)], np.zeros(3), 1.0, surface.grid)
+    settings = replace(SETTINGS, rays_per_trial=20)
+    assert open_recesses(surface, rays, pictures, settings, seed=0) == 0
+    np.testing.assert_array_equal(surface.distance.numpy(), before)

@@ -1,4 +1,4 @@
-"""A whole run with polish, on photographs rendered from a ball: what it says, and where it stops."""
+"""A whole run with polish, on photographs of a ball: what it says and where it stops."""
 
 from dataclasses import replace
 from typing import Any
@@ -69,8 +69,10 @@ def run(
 def test_without_steps_of_polish_no_light_is_missed(posed):
     recorder = Recorder()
     result = run(posed, recorder, steps=0)
-    assert not recorder.warnings and not result.warnings
-    assert len(result.points) and list(result.level_starts) == ["level 0"]
+    assert not recorder.warnings
+    assert not result.warnings
+    assert len(result.points)
+    assert list(result.level_starts) == ["level 0"]
 
 
 def test_pixels_too_few_for_light_are_not_blamed_on_the_light(posed):
@@ -93,6 +95,7 @@ def test_a_run_that_is_stopped_in_the_polish_resumes_before_it(posed):
     assert len(recorder.state["losses"]) == TRAINING_STEPS
     assert list(recorder.state["level_starts"]) == ["level 0"]
     resumed = run(posed, resume=recorder.state)
-    assert resumed.losses == whole.losses and resumed.level_starts == whole.level_starts
+    assert resumed.losses == whole.losses
+    assert resumed.level_starts == whole.level_starts
     np.testing.assert_array_equal(resumed.points, whole.points)
     np.testing.assert_array_equal(resumed.confidence, whole.confidence)

@@ -6,7 +6,7 @@ smaller cells than a ball.  All lengths are in its cells; node (i, j, k) is at
 """
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import cycle, islice, product
 
 import numpy as np
 import warp as wp
@@ -29,7 +29,7 @@ HULL_SLACK_PX = 0.25  # a grid rounds edges off, and nothing could grow them aga
 EXACT_DEPTH = 1.2  # cells; the hull's own distances are exact up to here
 FILL_LEVEL = 0.7  # cells; air shallower than this does not connect
 FILL_VALUE = -1.5  # cells
-MAX_GPU_SWEEPS = 64
+MAX_SWEEPS = 64  # on a GPU; a CPU needs 8
 
 
 @dataclass
@@ -166,7 +166,7 @@ def redistance(
         device=device,
     )
     num_changed = wp.zeros(1, wp.int32, device=device)
-    for number, reverse in enumerate(list(product((0, 1), repeat=3)) * 8):
+    for number, reverse in enumerate(islice(cycle(product((0, 1), repeat=3)), MAX_SWEEPS)):
         wp.launch(
             grid_kernels.sweep,
             values.shape,

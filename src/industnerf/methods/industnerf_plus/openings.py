@@ -170,9 +170,7 @@ class _Round:
             gain = self._trial(region, plane, keep=False)
             if gain > best_gain:
                 best_gain, best = gain, plane
-        if best is not None:
-            self._trial(region, best, keep=True)
-        return best is not None
+        return best is not None and self._trial(region, best, keep=True) > 0
 
     def _planes(self, region: FlatRegion) -> list[Plane]:
         """Planes that would look as bright as the region, through part of its hits or before it."""
@@ -221,7 +219,10 @@ class _Round:
         return Plane(normal.astype(np.float32), np.float32(offset), lo, hi)
 
     def _trial(self, region: FlatRegion, plane: Plane, keep: bool) -> float:
-        """How much less the pictures cost with the plane in place; 0: it does not stay."""
+        """How much less the pictures cost with the plane in place; 0: not clearly less.
+
+        Some pixels judge it, or all of them, before it stays.
+        """
         change = self._change(region, plane)
         if change is None:
             return 0.0
@@ -234,12 +235,12 @@ class _Round:
         self._set(nodes, after, near)
         cost, hit = self._look(chosen)
         total, total_before = float(cost.sum()), float(self._cost[chosen].sum())
-        if keep:
+        is_better = total < self._settings.max_cost_ratio * total_before
+        if keep and is_better:
             self._cost[chosen], self._hit[chosen] = cost, hit
             self._points[chosen] = self._hit_points(chosen)
         else:
             self._set(nodes, before, near)
-        is_better = total < self._settings.max_cost_ratio * total_before
         return total_before - total if is_better else 0.0
 
     def _set(self, nodes, values, near) -> None:
