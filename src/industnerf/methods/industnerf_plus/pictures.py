@@ -28,7 +28,7 @@ class Pictures:
         self.rgb = rgb.reshape(-1, 3)
         self.background = background
         self.gray_background = np.repeat(background.mean(axis=1, keepdims=True), 3, axis=1)
-        gray = rgb.astype(np.float32).mean(axis=3) / 255
+        gray = rgb.mean(axis=3, dtype=np.float32) / 255
         noise = max(
             background_noise(image, color) for image, color in zip(rgb, background, strict=True)
         )
