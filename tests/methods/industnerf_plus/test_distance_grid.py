@@ -100,7 +100,7 @@ def cameras(diameter_px: float) -> UnitFrameCameras:
 def box_depth(*extents: int) -> np.ndarray:
     depth = np.full((COARSE_RES,) * 3, -9.0, np.float32)
     depth[tuple(slice(32 - e // 2, 32 + e // 2) for e in extents)] = 1.0
-    return depth
+    return np.pad(depth, PADDING, constant_values=-9.0)
 
 
 def test_a_slender_part_gets_smaller_cells_than_a_cube_and_none_below_two_pixels():
@@ -132,6 +132,13 @@ def test_a_part_that_fills_the_frame_does_not_touch_the_border_of_the_grid():
     inside = np.argwhere(grid.hull < 0)
     corners = grid.from_grid(np.stack([inside.min(axis=0), inside.max(axis=0)]).astype(float))
     np.testing.assert_allclose(corners, [[-1] * 3, [1] * 3], atol=1.01 * grid.spacing)
+
+
+def test_a_part_that_fills_the_frame_keeps_to_the_budget_too():
+    whole = box_depth(64, 64, 64)
+    grid_res = choose_grid_res(whole, cameras(10_000), 500_000)
+    assert (grid_res + 2 * PADDING) ** 3 <= 500_000
+    assert grid_res > 48
 
 
 def test_an_empty_hull_is_refused():

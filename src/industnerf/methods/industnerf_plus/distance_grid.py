@@ -24,7 +24,7 @@ OUTSIDE = np.float32(3.0)  # cells; how far outside does not matter beyond it
 GRID_RES_MULTIPLE = 8  # `depth_in_hull` doubles a grid three times
 COARSE_RES = 64  # cells a side of the grid that the box is first measured on
 MIN_GRID_RES, MAX_GRID_RES = 32, 256
-MIN_CELL_PX = 2.0  # a pixel averages what is within it
+MIN_CELL_PX = 1.0  # smaller cells show nothing more
 HULL_SLACK_PX = 0.25  # a grid rounds edges off, and nothing could grow them again
 EXACT_DEPTH = 1.2  # cells; the hull's own distances are exact up to here
 FILL_LEVEL = 0.7  # cells; air shallower than this does not connect
@@ -63,7 +63,8 @@ def hull_grid(
     Raises ReconstructionFailed if the hull is empty.
     """
     outlines = outlines + np.float32(HULL_SLACK_PX)
-    grid_res = choose_grid_res(depth_in_hull(outlines, rig, COARSE_RES), rig, max_nodes)
+    coarse = np.pad(depth_in_hull(outlines, rig, COARSE_RES), PADDING, constant_values=-OUTSIDE)
+    grid_res = choose_grid_res(coarse, rig, max_nodes)
     # the part may touch the cube around the unit ball, the surface must not touch the grid's border
     depth = np.pad(depth_in_hull(outlines, rig, grid_res), PADDING, constant_values=-OUTSIDE)
     box = hull_box(depth)
@@ -78,7 +79,10 @@ def hull_grid(
 def choose_grid_res(
     coarse_depth: Float32[np.ndarray, "r r r"], rig: UnitFrameCameras, max_nodes: int
 ) -> int:
-    """Cells a side of the cube around the unit ball, so that the hull's box has `max_nodes`."""
+    """Cells a side of the cube around the unit ball, so that the hull's box has `max_nodes`.
+
+    `coarse_depth` has COARSE_RES cells a side and PADDING on all sides.
+    """
     extents = np.array([stop - start - 2 * PADDING for start, stop in hull_box(coarse_depth)])
     max_res = int(min(MAX_GRID_RES, rig.min_diameter_px / MIN_CELL_PX))
     candidates = range(MIN_GRID_RES, max(max_res, MIN_GRID_RES) + 1, GRID_RES_MULTIPLE)
@@ -86,7 +90,7 @@ def choose_grid_res(
         (
             grid_res
             for grid_res in candidates
-            if np.prod(extents * grid_res / len(coarse_depth) + 2 * PADDING) <= max_nodes
+            if np.prod(extents * grid_res / COARSE_RES + 2 * PADDING) <= max_nodes
         ),
         default=MIN_GRID_RES,
     )
