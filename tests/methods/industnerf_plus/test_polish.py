@@ -104,6 +104,15 @@ def test_ripples_are_smoothed_away(pictures):
     assert np.mean(losses[-10:]) < 0.5 * np.mean(losses[:5])
 
 
+def test_a_flank_that_the_field_dug_out_is_filled(pictures):
+    """Relaxation keeps what is carved from growing, and must not hold what is filled."""
+    dent = 3.0 * np.exp(-((OFFSET - [0, 0, 14]) ** 2).sum(axis=-1) / (2 * 5.0**2))
+    surface = make_surface(ball() + dent)
+    polish(surface, pictures, steps=80)
+    bottom = surface.distance.numpy()[21:23, 21:23, 35] - ball()[21:23, 21:23, 35]
+    assert bottom.mean() < 0.8
+
+
 def test_the_surface_never_leaves_the_hull(pictures):
     hull = ball(13.0)
     surface = make_surface(np.maximum(ball(), hull), hull)

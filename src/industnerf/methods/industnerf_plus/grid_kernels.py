@@ -161,7 +161,7 @@ class StepParams:
     decay_correction: wp.float32
     max_step: wp.float32  # cells
     curvature: wp.float32
-    anchor: wp.float32  # share of the way back to the start
+    relax_rate: wp.float32  # share of what was carved that comes back
 
 
 @wp.kernel
@@ -177,7 +177,7 @@ def step_distances(
     params: StepParams,
     stepped: wp.array(dtype=wp.float32),
 ):
-    """A step of Adam, of curvature flow, and back to the start; never out of the hull."""
+    """A step of Adam and of curvature flow, never out of the hull; what was carved comes back."""
     n = wp.tid()
     i = nodes[n][0]
     j = nodes[n][1]
@@ -199,7 +199,7 @@ def step_distances(
     change = -params.lr * (m / params.momentum_correction)
     change /= wp.sqrt(v / params.decay_correction) + params.epsilon
     change += params.curvature * wp.clamp(laplacian, -MAX_CURVATURE, MAX_CURVATURE)
-    change += params.anchor * (start[i, j, k] - s)
+    change += params.relax_rate * wp.min(start[i, j, k] - s, 0.0)
     s += wp.clamp(change, -params.max_step, params.max_step)
     stepped[n] = wp.max(s, hull[i, j, k])
 

@@ -1,8 +1,8 @@
 """Polishing: move the surface until it looks, under the fitted light, as the pictures show it.
 
 Shading tells the normal of every pixel, where color consistency needs texture.  Distances stay
-inside the visual hull, and return a little to where they started: a plane looks alike wherever
-it is.  Pixels whose brightness is not to be trusted still show that the part is there.
+inside the visual hull.  What is carved comes back a little at every step, for a plane looks alike
+wherever it is; what is filled stays.  Pixels whose brightness is not to be trusted still show that the part is there.
 """
 
 from collections.abc import Iterator
@@ -169,7 +169,7 @@ class Polisher:
         params.momentum_correction = 1 - MOMENTUM ** (step + 1)
         params.decay_correction = 1 - DECAY ** (step + 1)
         params.max_step, params.curvature = MAX_STEP, self._settings.curvature_rate
-        params.anchor = self._settings.relax_rate
+        params.relax_rate = self._settings.relax_rate
         moved = wp.empty(len(band.nodes), wp.float32, device=warp_device())
         launch(
             grid_kernels.step_distances,
