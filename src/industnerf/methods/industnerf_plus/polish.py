@@ -2,7 +2,8 @@
 
 Shading tells the normal of every pixel, where color consistency needs texture.  Distances stay
 inside the visual hull.  What is carved comes back a little at every step, for a plane looks alike
-wherever it is; what is filled stays.  Pixels whose brightness is not to be trusted still show that the part is there.
+wherever it is; what is filled stays.  Pixels whose brightness is not to be trusted still show
+that the part is there.
 """
 
 from collections.abc import Iterator
