@@ -24,7 +24,7 @@ PX, RES = 64, 24
 PIXEL = 2 * 4.1 * np.tan(np.radians(15)) * SCENE_RADIUS / PX  # mm at the solid's middle: 1.03
 CELL = 2 * SCENE_RADIUS / RES  # of the first grid, mm: 2.5
 BACKGROUNDS = {"industnerf": None, "industnerf_plus": WHITE}  # what each is told of the background
-STEPS = {"industnerf": (60, 60), "industnerf_plus": (60, 0)}
+STEPS = {"industnerf": (60, 60), "industnerf_plus": (60,)}
 # the last points are half a cell apart, and a pixel sees to half of itself; tents (R7) are linear
 # between points, and find the surface to half of either
 TOLERANCES_MM = {"industnerf": (CELL + PIXEL) / 2, "industnerf_plus": (CELL + PIXEL) / 4}
