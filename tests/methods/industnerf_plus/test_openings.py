@@ -127,7 +127,7 @@ def test_a_plane_that_only_some_pixels_like_does_not_stay(monkeypatch, pocket_pi
     pictures = Pictures(rgb[order], BACKGROUND, outlines[order])
     surface = surface_of(BLOCK)
     before = surface.distance.numpy().copy()
-    monkeypatch.setattr(openings, "thinned", lambda values, most: values[:most])
+    monkeypatch.setattr(openings, "every_nth", lambda values, most: values[:most])
     rays = PinholeRays(VIEWS[np.array(order)], np.zeros(3), 1.0, surface.grid)
     settings = replace(SETTINGS, rays_per_trial=20)
     assert open_recesses(surface, rays, pictures, settings, seed=0) == 0

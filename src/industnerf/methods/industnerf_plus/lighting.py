@@ -15,13 +15,13 @@ from scipy.optimize import least_squares, nnls
 
 from industnerf.geometry.sphere import fibonacci_sphere
 
-NUM_DIRECTIONS = 200
+NUM_DIRECTIONS = 200  # of lights to choose from
 REWEIGHTINGS = 4
 OUTLIER_SCALE = 0.02  # residual at which a pixel counts half
-REFINE_SCALE = 0.01
-MERGE_DEG = 20.0
+REFINE_SCALE = 0.01  # residual from which a pixel counts less in the refinement
+MERGE_DEG = 20.0  # lights nearer than this are one
 MAX_LIGHTS = 6
-MIN_INTENSITY = 0.01
+MIN_INTENSITY = 0.01  # of a light that is kept; brightness is in [0, 1]
 NUM_REFINED_PIXELS = 4000
 
 

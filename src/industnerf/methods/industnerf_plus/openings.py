@@ -19,7 +19,7 @@ from scipy.ndimage import binary_dilation
 
 from industnerf.methods.industnerf_plus import grid_kernels
 from industnerf.methods.industnerf_plus.appearance import pixel_lattice
-from industnerf.methods.industnerf_plus.distance_grid import band_nodes, redistance
+from industnerf.methods.industnerf_plus.distance_grid import band_nodes
 from industnerf.methods.industnerf_plus.flat_regions import (
     SAME_OFFSET,
     FlatRegion,
@@ -90,8 +90,7 @@ def open_recesses(
     for _ in range(settings.rounds):
         accepted_now = _Round(surface, rays, pictures, settings, rng).run(regions)
         if accepted_now:
-            distance = np.maximum(redistance(surface.distance.numpy()), surface.grid.hull)
-            surface.set_distance(distance)
+            surface.redistance()
         accepted += accepted_now
         if accepted_now < MIN_ACCEPTED:
             break
@@ -291,7 +290,7 @@ class _Round:
         budget = 1 << 30 if all_of_them else self._settings.rays_per_trial
         points = self._points
         ending = np.flatnonzero(((points > plane.lo - 1) & (points < plane.hi)).all(axis=1))
-        ending = thinned(ending, 5 * budget)
+        ending = every_nth(ending, 5 * budget)
         ending = ending[points[ending] @ plane.normal - plane.offset > -HIT_MARGIN]
         ending = ending[region.inside(self._rays, points[ending]) > -HIT_MARGIN]
         crossing = np.arange(0, len(points), 1 if all_of_them else 4)
@@ -306,9 +305,9 @@ class _Round:
         is_in_box = ((meets > plane.lo - 1) & (meets < plane.hi)).all(axis=1)
         crossing, meets = crossing[is_in_box], meets[is_in_box]
         crossing = crossing[region.inside(self._rays, meets) > -HIT_MARGIN]
-        return thinned(np.union1d(ending, crossing), budget)
+        return every_nth(np.union1d(ending, crossing), budget)
 
 
-def thinned(values: Int64[np.ndarray, "n"], most: int) -> Int64[np.ndarray, "m"]:
+def every_nth(values: Int64[np.ndarray, "n"], most: int) -> Int64[np.ndarray, "m"]:
     """Every so many values, so that at most about `most` are left."""
     return values[:: len(values) // most + 1]

@@ -17,7 +17,6 @@ from industnerf.methods.industnerf_plus import grid_kernels, surface_kernels
 from industnerf.methods.industnerf_plus.distance_grid import (
     band_nodes,
     node_neighbors,
-    redistance,
 )
 from industnerf.methods.industnerf_plus.pictures import EDGE_SHARE, Pictures
 from industnerf.methods.industnerf_plus.shaded_surface import (
@@ -93,7 +92,7 @@ class Polisher:
             beta = interpolate(settings.beta.start, settings.beta.end, progress)
             lr = interpolate(settings.lr.start, settings.lr.end, progress)
             if step and step % REDISTANCE_INTERVAL == 0:
-                self._redistance()
+                self._surface.redistance()
             if step and settings.light_interval and step % settings.light_interval == 0:
                 self.fit_light()
             if step % REDISTANCE_INTERVAL == 0:
@@ -113,7 +112,7 @@ class Polisher:
             self._distance_grad.zero_()
             self._move(band, gradient, lr, step)
             yield error
-        self._redistance()
+        self._surface.redistance()
 
     def _find_uncovered(self, beta: float) -> None:
         """Of the pixels that show the part, those that the surface does not cover."""
@@ -185,10 +184,6 @@ class Polisher:
             moved,
         )
         launch(grid_kernels.scatter, len(band.nodes), band.nodes, moved, self._surface.distance)
-
-    def _redistance(self) -> None:
-        hull = self._surface.grid.hull
-        self._surface.set_distance(np.maximum(redistance(self._surface.distance.numpy()), hull))
 
 
 class Band:

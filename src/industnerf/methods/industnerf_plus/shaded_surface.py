@@ -216,6 +216,13 @@ class ShadedSurface:
         self.grid = DistanceGrid(distance, self.grid.hull, self.grid.lo, self.grid.spacing)
         self.distance = to_device(distance)
 
+    def redistance(self) -> None:
+        """Make the distances exact again, inside the hull."""
+        grid = DistanceGrid(
+            self.distance.numpy(), self.grid.hull, self.grid.lo, self.grid.spacing
+        ).redistanced()
+        self.set_distance(grid.distance)
+
 
 def to_device(values: np.ndarray, dtype: Any = wp.float32) -> Any:
     """A Warp array where the kernels run."""

@@ -14,7 +14,7 @@ The adjoint is written by hand; it marches the same segments once more, with the
 left.  Positions and distances are in cells of the grid.
 """
 
-from typing import no_type_check  # compiled, not called: there is nothing to check
+from typing import Any, no_type_check  # compiled, not called: there is nothing to check
 
 import warp as wp
 
@@ -57,29 +57,8 @@ class Segment:
 
 @wp.func
 @no_type_check
-def trilinear(values: wp.array3d(dtype=wp.float32), x: wp.vec3):
-    i = int(x[0])
-    j = int(x[1])
-    k = int(x[2])
-    a = x[0] - float(i)
-    b = x[1] - float(j)
-    c = x[2] - float(k)
-    near = wp.lerp(
-        wp.lerp(values[i, j, k], values[i, j, k + 1], c),
-        wp.lerp(values[i, j + 1, k], values[i, j + 1, k + 1], c),
-        b,
-    )
-    far = wp.lerp(
-        wp.lerp(values[i + 1, j, k], values[i + 1, j, k + 1], c),
-        wp.lerp(values[i + 1, j + 1, k], values[i + 1, j + 1, k + 1], c),
-        b,
-    )
-    return wp.lerp(near, far, a)
-
-
-@wp.func
-@no_type_check
-def trilinear_vector(values: wp.array3d(dtype=wp.vec3), x: wp.vec3):
+def trilinear(values: wp.array3d(dtype=Any), x: wp.vec3):
+    """Of numbers or of vectors, between the nodes about x."""
     i = int(x[0])
     j = int(x[1])
     k = int(x[2])
@@ -124,7 +103,7 @@ def splat(values: wp.array3d(dtype=wp.float32), x: wp.vec3, value: float):
 @wp.func
 @no_type_check
 def splat_vector(values: wp.array3d(dtype=wp.vec3), x: wp.vec3, value: wp.vec3):
-    """The adjoint of `trilinear_vector`."""
+    """The adjoint of `trilinear` of vectors."""
     i = int(x[0])
     j = int(x[1])
     k = int(x[2])
@@ -272,8 +251,8 @@ def render(
                 if ray < shading.num_shaded:
                     x = origin + middle * direction
                     if shading.has_albedo != 0:
-                        value = trilinear_vector(albedo, x)
-                    normal = wp.normalize(trilinear_vector(gradient, x))
+                        value = trilinear(albedo, x)
+                    normal = wp.normalize(trilinear(gradient, x))
                     value *= lambert(normal, shading.ambient, lights)
                 total += transmittance * segment.opacity * value
                 before = transmittance
@@ -329,14 +308,14 @@ def backpropagate(
             segment = next_segment(distance, origin, direction, t, s, span[1], shading)
             if segment.end < span[1] and segment.opacity > 0.0:
                 x = origin + 0.5 * (segment.start + segment.end) * direction
-                slope = trilinear_vector(gradient, x)
+                slope = trilinear(gradient, x)
                 normal = wp.normalize(slope)
                 light = wp.float32(1.0)
                 reflectance = wp.float32(1.0)
                 if is_shaded:
                     light = lambert(normal, shading.ambient, lights)
                     if shading.has_albedo != 0:
-                        reflectance = trilinear_vector(albedo, x)[0]
+                        reflectance = trilinear(albedo, x)[0]
                 weight = transmittance * segment.opacity
                 behind -= weight * light * reflectance
                 # dC/da = T c - (light from behind) / (1 - a)
