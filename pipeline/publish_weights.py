@@ -1,12 +1,13 @@
 """Bring pretrained weights under version control, for `pretrain.weights: shipped`.
 
     dvc repro pretrain                    with pretrain.weights: trained in params.yaml
-    python -m pipeline.publish_weights
+    python -m pipeline.publish_weights [METHOD ...]       all three, where none is named
 
 Reads data/weights, and writes data/pretrained/<method>: the weights as 16-bit floats, the curves of
 their losses, and card.json, which says how they were made.
 """
 
+import argparse
 import hashlib
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -28,13 +29,18 @@ COMMAND = "dvc repro pretrain"
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description="Bring pretrained weights under version control.")
+    parser.add_argument("methods", nargs="*", metavar="METHOD", help=f"of {', '.join(NETWORKS)}")
+    methods = parser.parse_args().methods
+    if unknown := set(methods) - set(NETWORKS):
+        raise BadParams(f"no network {', '.join(sorted(unknown))}: there are {', '.join(NETWORKS)}")
     params = load_params(PARAMS)
     if params.pretrain.weights != "trained":
         raise BadParams(
             f"pretrain.weights is {params.pretrain.weights}: {TRAINED} has no new weights; set it "
             f"to trained, and run `{COMMAND}`"
         )
-    for name in NETWORKS:
+    for name in methods or NETWORKS:
         state = to_half(ModelState.load(TRAINED / name / WEIGHTS))
         target = SHIPPED / name
         target.mkdir(parents=True, exist_ok=True)
