@@ -7,7 +7,6 @@ Reads data/weights, and writes data/pretrained/<method>: the weights as 16-bit f
 their losses, and card.json, which says how they were made.
 """
 
-import argparse
 import hashlib
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -28,10 +27,7 @@ NETWORKS = ("r2n2", "atlasnet", "occupancy")
 COMMAND = "dvc repro pretrain"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Bring pretrained weights under version control.")
-    parser.add_argument("methods", nargs="*", metavar="METHOD", help=f"of {', '.join(NETWORKS)}")
-    methods = parser.parse_args().methods
+def main(*methods: str) -> None:
     if unknown := set(methods) - set(NETWORKS):
         raise BadParams(f"no network {', '.join(sorted(unknown))}: there are {', '.join(NETWORKS)}")
     params = load_params(PARAMS)

@@ -7,7 +7,7 @@ import pytest
 
 from industnerf.cli import require_dvc, run_as_stage, run_command
 from industnerf.errors import BadParams
-from pipeline import preset, publish
+from pipeline import preset, publish, publish_weights, score, sweep_docs
 
 ROOT = Path(__file__).parents[1]
 
@@ -52,3 +52,12 @@ def test_without_the_environment_dvc_is_asked_for(monkeypatch):
     monkeypatch.setenv("PATH", "")
     with pytest.raises(BadParams, match=r"source \.venv/bin/activate"):
         require_dvc()
+
+
+@pytest.mark.parametrize("module", [preset, score, publish, publish_weights, sweep_docs])
+def test_help_prints_what_the_command_takes(module, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [module.__name__, "--help"])
+    run_command(module.main)
+    printed = capsys.readouterr()
+    assert f"python -m {module.__name__}" in printed.out
+    assert not printed.err

@@ -41,14 +41,20 @@ def _check_arguments(main: Callable[..., None], name: str, arguments: list[str])
 
 
 def run_command(main: Callable[..., None]) -> None:
-    """Run `main(*arguments of the command line)`; of another number, its module says which ones."""
+    """Run `main(*arguments of the command line)`; --help prints what its module says.
+
+    Raises BadParams with the same text for another number of arguments.
+    """
     arguments = sys.argv[1:]
+    usage = sys.modules[main.__module__].__doc__
 
     def job() -> None:
+        if "--help" in arguments or "-h" in arguments:
+            print(usage)
+            return
         try:
             inspect.signature(main).bind(*arguments)
         except TypeError:
-            usage = sys.modules[main.__module__].__doc__
             raise BadParams(f"{len(arguments)} arguments were given.\n\n{usage}") from None
         main(*arguments)
 
