@@ -222,6 +222,16 @@ class PolishSettings:
 
 
 @dataclass(frozen=True)
+class RecessSettings:
+    """Recesses along the normals of faces, cut where the pictures show mouths in these."""
+
+    faces: NonNegativeInt
+    rays_per_trial: PositiveInt
+    max_cost_ratio: Fraction
+    max_gap_cost_ratio: Fraction
+
+
+@dataclass(frozen=True)
 class OpeningSettings:
     """Planes that replace the surface where it does not explain flat regions of the pictures."""
 
@@ -241,6 +251,7 @@ class IndustnerfPlusSettings(IndustnerfSettings):
     max_grid_points: NonNegativeInt
     sdf: SdfSettings
     polish: PolishSettings
+    recesses: RecessSettings
     openings: OpeningSettings
 
     def __post_init__(self) -> None:

@@ -13,12 +13,8 @@ and one of the brightness of its surroundings is not told from them.
 from dataclasses import dataclass
 
 import numpy as np
-import warp as wp
 from jaxtyping import Float, Float32, Int64
-from scipy.ndimage import binary_dilation
 
-from industnerf.methods.industnerf_plus import grid_kernels
-from industnerf.methods.industnerf_plus.appearance import pixel_lattice
 from industnerf.methods.industnerf_plus.distance_grid import band_nodes
 from industnerf.methods.industnerf_plus.flat_regions import (
     SAME_OFFSET,
@@ -31,26 +27,22 @@ from industnerf.methods.industnerf_plus.flat_regions import (
     plane_through,
 )
 from industnerf.methods.industnerf_plus.pictures import Pictures
-from industnerf.methods.industnerf_plus.shaded_surface import (
-    PinholeRays,
-    ShadedSurface,
-    launch,
-    to_device,
+from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
+from industnerf.methods.industnerf_plus.trials import (
+    HIT_MARGIN,
+    MAX_RESIDUAL,
+    Change,
+    Trials,
+    every_nth,
+    in_box,
 )
 from industnerf.schema.industnerf import OpeningSettings
 
-BETA = 0.3  # cells
-PIXEL_STEP = 4  # every so many pixels in both directions judge a proposal
-EDGE_WEIGHT = 0.3  # of pixels beside edges, where a rim half a cell off already misleads
-MAX_RESIDUAL = 0.2
 SLAB = 3.0  # cells of matter behind a plane
 MATCH = 0.012  # of brightness, between a region and a normal
 EXPLAINED_SHARE = 0.8  # of a region's pixels that match within 2 MATCH: nothing to do
 AMBIENT_MARGIN = 0.02  # darker regions tell no normal
 MAX_FACING = -0.03  # of a ray along a normal
-MIN_FLIPS = 6  # nodes that change sides, and pixels that change
-MIN_CHANGE = 0.02  # cells
-HIT_MARGIN = 0.7  # cells; a soft surface is hit before it is reached
 NUM_TRIPLES = 200
 NORMAL_MATCH_DEG = 6.0  # nearer normals are one
 PLANE_TOLERANCE = 0.6  # cells
@@ -101,43 +93,10 @@ class _Round:
     """One pass over the regions, those with most to explain first."""
 
     def __init__(self, surface, rays, pictures, settings, rng) -> None:
-        self._surface, self._rays, self._pictures = surface, rays, pictures
-        self._settings, self._rng = settings, rng
+        self._rays, self._settings, self._rng = rays, settings, rng
         self._lighting = surface.finishes.lighting
-        self._num_trials = 0
-        surface.update_band(BETA)
-        self._distance = surface.distance.numpy().copy()
-        pixels = pixel_lattice(len(rays.centers), rays.height, rays.width, PIXEL_STEP)
-        self._pixels = pixels[pictures.is_inside(pixels)]
-        self._weight = np.where(pictures.is_edge(self._pixels), EDGE_WEIGHT, 1.0)
-        self._directions = rays.directions(self._pixels).astype(np.float32)
-        views = self._pixels // (rays.width * rays.height)
-        self._origins = rays.centers.astype(np.float32)[views]
-        self._cost, self._hit = self._look(np.arange(len(self._pixels)))
-        self._points = self._hit_points(np.arange(len(self._pixels)))
-        self._normals = self._candidate_normals()
-
-    def _render(self, pixels):
-        rendered = self._surface.render(self._rays, pixels, self._pictures.gray_background, BETA)
-        return rendered.color.numpy()[:, 0], rendered.hit.numpy()
-
-    def _look(self, chosen: Int64[np.ndarray, "n"]):
-        """Cost and hit of the chosen ones of the judging pixels."""
-        color, hit = self._render(self._pixels[chosen])
-        residual = np.abs(color - self._pictures.gray[self._pixels[chosen]])
-        return self._weight[chosen] * np.minimum(residual, MAX_RESIDUAL), hit.copy()
-
-    def _hit_points(self, chosen: Int64[np.ndarray, "n"]) -> Float32[np.ndarray, "n 3"]:
-        hit = self._hit[chosen, None]
-        points = self._origins[chosen] + hit * self._directions[chosen]
-        return np.where(hit > 0, points, np.float32(-1e3))  # in no box
-
-    def _candidate_normals(self) -> Float[np.ndarray, "k 3"]:
-        """Frequent normals of the surface, and their opposites."""
-        nodes = band_nodes(self._surface.distance.numpy(), SAME_OFFSET)
-        found = frequent_normals(self._surface.normals(nodes.astype(float)))
-        has_opposite = (found @ found.T < -cosine(NORMAL_MATCH_DEG)).any(axis=1)
-        return np.concatenate([found, -found[~has_opposite]])
+        self._trials = Trials(surface, rays, pictures)
+        self._normals = candidate_normals(surface)
 
     def run(self, regions: list[FlatRegion]) -> int:
         """Try the regions; returns how many proposals stay."""
@@ -145,14 +104,14 @@ class _Round:
         order = sorted(range(len(regions)), key=lambda i: (-residuals[i], i))
         accepted = 0
         for i in order:
-            if self._num_trials >= self._settings.trials:
+            if self._trials.number >= self._settings.trials:
                 break
             accepted += self._try_region(regions[i])
         return accepted
 
     def _residuals(self, regions: list[FlatRegion]) -> Float[np.ndarray, "k"]:
         """Sum of the residuals of all pixels of each region, by its samples."""
-        color, _ = self._render(np.concatenate([region.samples for region in regions]))
+        color, _ = self._trials.render(np.concatenate([region.samples for region in regions]))
         counts = [len(region.samples) for region in regions]
         parts = np.split(color, np.cumsum(counts)[:-1])
         return np.array(
@@ -175,7 +134,7 @@ class _Round:
         """Planes that would look as bright as the region, through part of its hits or before it."""
         if region.brightness < self._lighting.ambient + AMBIENT_MARGIN:
             return []
-        color, hit = self._render(region.samples)
+        color, hit = self._trials.render(region.samples)
         matches = np.abs(color - region.brightness) < 2 * MATCH
         if matches.mean() > EXPLAINED_SHARE or (hit > 0).mean() < 0.5:
             return []
@@ -213,7 +172,7 @@ class _Round:
         along = np.clip((offset - points @ normal) / (directions @ normal), -60, 200)[:, None]
         corners = np.concatenate([points, points + along * directions])
         lo = np.maximum(np.floor(corners.min(axis=0)).astype(int) - 3, 2)
-        shape = np.array(self._surface.grid.hull.shape)
+        shape = np.array(self._trials.distance.shape)
         hi = np.minimum(np.ceil(corners.max(axis=0)).astype(int) + 4, shape - 2)
         return Plane(normal.astype(np.float32), np.float32(offset), lo, hi)
 
@@ -226,47 +185,18 @@ class _Round:
         if change is None:
             return 0.0
         chosen = self._changed_pixels(region, plane, keep)
-        if len(chosen) < MIN_FLIPS:
-            return 0.0
-        self._num_trials += 1
-        nodes, before, after = change
-        near = self._gradient_nodes(plane, nodes[np.abs(after) < BETA * 4 + 2])
-        self._set(nodes, after, near)
-        cost, hit = self._look(chosen)
-        total, total_before = float(cost.sum()), float(self._cost[chosen].sum())
-        is_better = total < self._settings.max_cost_ratio * total_before
-        if keep and is_better:
-            self._cost[chosen], self._hit[chosen] = cost, hit
-            self._points[chosen] = self._hit_points(chosen)
-        else:
-            self._set(nodes, before, near)
-        return total_before - total if is_better else 0.0
+        verdict = self._trials.attempt(change, chosen, self._settings.max_cost_ratio, keep)
+        return verdict.gain if verdict else 0.0
 
-    def _set(self, nodes, values, near) -> None:
-        self._distance[tuple(nodes.T)] = values
-        launch(
-            grid_kernels.scatter,
-            len(nodes),
-            to_device(nodes, wp.vec3i),
-            to_device(values),
-            self._surface.distance,
-        )
-        self._surface.update_gradient(near)
-
-    def _gradient_nodes(self, plane: Plane, nodes):
-        """The nodes, and their neighbors."""
-        mask = np.zeros(plane.hi - plane.lo + 2, bool)
-        mask[tuple((nodes - plane.lo + 1).T)] = True
-        return to_device(np.argwhere(binary_dilation(mask)) + plane.lo - 1, wp.vec3i)
-
-    def _change(self, region: FlatRegion, plane: Plane):
-        """Nodes (n, 3) that the plane changes, with their distances before and after."""
+    def _change(self, region: FlatRegion, plane: Plane) -> Change | None:
+        """What the plane changes."""
         if (plane.hi - plane.lo < 2).any():
             return None
         box = tuple(slice(a, b) for a, b in zip(plane.lo, plane.hi, strict=True))
-        nodes = np.argwhere(self._distance[box] < SLAB + 1) + plane.lo
+        distance = self._trials.distance
+        nodes = np.argwhere(distance[box] < SLAB + 1) + plane.lo
         height = nodes.astype(np.float32) @ plane.normal - plane.offset
-        before = self._distance[tuple(nodes.T)]
+        before = distance[tuple(nodes.T)]
         is_empty = (height > before) & (before < 1.5)
         is_filled = (height > -SLAB - 2) & (height < 1) & (before > -height)
         chosen = np.flatnonzero(is_empty | is_filled)
@@ -277,37 +207,39 @@ class _Round:
         after = np.maximum(before, np.minimum(inside, height))
         matter = np.minimum(np.minimum(inside, -height), height + np.float32(SLAB))
         after = np.minimum(after, np.maximum(-matter, np.float32(-SLAB)))
-        after = np.maximum(after, self._surface.grid.hull[tuple(nodes.T)])
-        if np.count_nonzero((after > 0) != (before > 0)) < MIN_FLIPS:
-            return None
-        is_changed = np.abs(after - before) > MIN_CHANGE
-        return nodes[is_changed], before[is_changed], after[is_changed]
+        after = np.maximum(after, self._trials.surface.grid.hull[tuple(nodes.T)])
+        return Change.of(nodes, before, after)
 
     def _changed_pixels(
         self, region: FlatRegion, plane: Plane, all_of_them: bool
     ) -> Int64[np.ndarray, "n"]:
         """Judging pixels that end in what is emptied, or meet what is filled before they end."""
         budget = 1 << 30 if all_of_them else self._settings.rays_per_trial
-        points = self._points
-        ending = np.flatnonzero(((points > plane.lo - 1) & (points < plane.hi)).all(axis=1))
-        ending = every_nth(ending, 5 * budget)
-        ending = ending[points[ending] @ plane.normal - plane.offset > -HIT_MARGIN]
-        ending = ending[region.inside(self._rays, points[ending]) > -HIT_MARGIN]
-        crossing = np.arange(0, len(points), 1 if all_of_them else 4)
-        origins = self._origins[crossing] @ plane.normal - plane.offset
-        slope = self._directions[crossing] @ plane.normal
+        trials = self._trials
+
+        def inside(points):
+            before_plane = points @ plane.normal - plane.offset
+            return np.minimum(before_plane, region.inside(self._rays, points))
+
+        ending = trials.ending_in(plane.lo, plane.hi, inside, 5 * budget)
+        crossing = np.arange(0, len(trials.points), 1 if all_of_them else 4)
+        origins = trials.origins[crossing] @ plane.normal - plane.offset
+        slope = trials.directions[crossing] @ plane.normal
         with np.errstate(divide="ignore", invalid="ignore"):
             length = -origins / slope
-        ends = np.where(self._hit[crossing] < 0, np.inf, self._hit[crossing])
+        ends = np.where(trials.ends[crossing] < 0, np.inf, trials.ends[crossing])
         is_before = (origins > 0) & (slope < 0) & (length < ends - 1)
         crossing, length = crossing[is_before], length[is_before]
-        meets = self._origins[crossing] + length[:, None] * self._directions[crossing]
-        is_in_box = ((meets > plane.lo - 1) & (meets < plane.hi)).all(axis=1)
-        crossing, meets = crossing[is_in_box], meets[is_in_box]
+        meets = trials.origins[crossing] + length[:, None] * trials.directions[crossing]
+        met = in_box(meets, plane.lo, plane.hi)
+        crossing, meets = crossing[met], meets[met]
         crossing = crossing[region.inside(self._rays, meets) > -HIT_MARGIN]
         return every_nth(np.union1d(ending, crossing), budget)
 
 
-def every_nth(values: Int64[np.ndarray, "n"], most: int) -> Int64[np.ndarray, "m"]:
-    """Every so many values, so that at most about `most` are left."""
-    return values[:: len(values) // most + 1]
+def candidate_normals(surface: ShadedSurface) -> Float[np.ndarray, "k 3"]:
+    """Frequent normals of the surface, and their opposites."""
+    nodes = band_nodes(surface.distance.numpy(), SAME_OFFSET)
+    found = frequent_normals(surface.normals(nodes.astype(float)))
+    has_opposite = (found @ found.T < -cosine(NORMAL_MATCH_DEG)).any(axis=1)
+    return np.concatenate([found, -found[~has_opposite]])

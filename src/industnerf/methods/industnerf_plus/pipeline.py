@@ -19,6 +19,7 @@ from industnerf.methods.industnerf_plus.openings import open_recesses
 from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
 from industnerf.methods.industnerf_plus.pictures import Pictures
 from industnerf.methods.industnerf_plus.polish import Polisher
+from industnerf.methods.industnerf_plus.recesses import cut_recesses
 from industnerf.methods.industnerf_plus.rerender import render_views
 from industnerf.methods.industnerf_plus.sdf_constraints import SdfConstraints, grid_neighbors
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
@@ -134,16 +135,17 @@ class PolishedSurface:
             self._move_by_shading()
 
     def _move_by_shading(self) -> None:
-        """Open recesses and polish, if light is found that explains the pictures."""
+        """Cut and open recesses and polish, if light is found that explains the pictures."""
         polisher = self._make_polisher()
         if not polisher.fit_light():
             self._go_without_light(FEW_PIXELS_WARNING)
         elif self._surface.finishes.outlier_share > self._settings.max_light_outliers:
             self._go_without_light(LIGHT_WARNING)
         else:
-            if self._open_recesses():
-                polisher = self._make_polisher()
-                polisher.fit_light()
+            for change in (self._cut_recesses, self._open_recesses):
+                if change():
+                    polisher = self._make_polisher()
+                    polisher.fit_light()
             self._polish(polisher)
 
     def _go_without_light(self, warning: str) -> None:
@@ -156,6 +158,10 @@ class PolishedSurface:
         return Polisher(
             self._surface, self._rays, self._pictures, self._cell_px, self._settings, self._seed
         )
+
+    def _cut_recesses(self) -> int:
+        recesses = self._soft.variant.settings.recesses
+        return cut_recesses(self._surface, self._rays, self._pictures, recesses)
 
     def _open_recesses(self) -> int:
         openings = self._soft.variant.settings.openings

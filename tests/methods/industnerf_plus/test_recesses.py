@@ -1,0 +1,52 @@
+"""Recesses are cut along the normals of faces, as deep as the pictures show them."""
+
+import numpy as np
+import pytest
+
+from industnerf.config import load_params
+from industnerf.methods.industnerf_plus.recesses import cut_recesses
+from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
+
+from .plugged_block import BLOCK, CENTERED, POCKET, VIEWS, box, photographs, surface_of
+
+SETTINGS = load_params().method.industnerf_plus.recesses
+BORE = np.maximum(np.hypot(CENTERED[..., 0] + 4, CENTERED[..., 1] - 3) - 5.2, -CENTERED[..., 2] - 2)
+THROUGH = np.hypot(CENTERED[..., 0] - 3, CENTERED[..., 2] + 1) - 4.6
+GROOVE = box((0, 9.0, 16.0), (40.0, 3.2, 9.0))  # open at both ends, 4.3 cells deep
+
+
+def cut(surface: ShadedSurface, true: np.ndarray) -> int:
+    rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
+    return cut_recesses(surface, rays, photographs(true), SETTINGS)
+
+
+@pytest.mark.parametrize(
+    "recess",
+    [
+        pytest.param(-POCKET, id="pocket with a floor as bright as its rim"),
+        pytest.param(-np.maximum(BORE, CENTERED[..., 2] - 40), id="blind bore"),
+        pytest.param(-THROUGH, id="through bore"),
+    ],
+)
+def test_a_plugged_recess_is_cut_to_its_floor(recess):
+    """A mouth is known to a pixel, a third of a cell, and a depth to a tenth of itself."""
+    true = np.maximum(BLOCK, recess)
+    surface = surface_of(BLOCK)
+    assert cut(surface, true) >= 1
+    plugged = (BLOCK < 0) & (recess > 0)
+    wrong = (surface.distance.numpy() > 0) != (true > 0)
+    assert wrong.sum() < 0.3 * plugged.sum()
+    is_solid = (BLOCK < -1) & (recess < -1.5)
+    assert (surface.distance.numpy()[is_solid] < 0).mean() > 0.999
+    assert (surface.distance.numpy() >= surface.grid.hull).all()
+
+
+def test_nothing_is_cut_where_there_is_nothing():
+    surface = surface_of(BLOCK)
+    before = surface.distance.numpy().copy()
+    assert cut(surface, BLOCK) == 0
+    np.testing.assert_array_equal(surface.distance.numpy(), before)
+
+
+def test_of_several_finishes_nothing_is_known():
+    assert cut(surface_of(BLOCK, finishes=2), np.maximum(BLOCK, -POCKET)) == 0
