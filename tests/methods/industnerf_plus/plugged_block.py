@@ -47,7 +47,11 @@ def surface_of(distance: np.ndarray, finishes: int = 1) -> ShadedSurface:
 
 def photographs(distance: np.ndarray) -> Pictures:
     """What the cameras see of the true part, in 8 bits."""
-    truth = surface_of(distance)
+    return photographs_of(surface_of(distance))
+
+
+def photographs_of(truth: ShadedSurface) -> Pictures:
+    """What the cameras see of this surface, in 8 bits."""
     truth.update_band(0.1)
     rays = PinholeRays(VIEWS, np.zeros(3), 1.0, truth.grid)
     pixels = np.arange(len(BACKGROUND) * PX * PX, dtype=np.int32)

@@ -7,12 +7,19 @@ from industnerf.config import load_params
 from industnerf.methods.industnerf_plus.recesses import cut_recesses
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
 
-from .plugged_block import BLOCK, CENTERED, POCKET, VIEWS, box, photographs, surface_of
+from .plugged_block import (
+    BLOCK,
+    CENTERED,
+    POCKET,
+    VIEWS,
+    photographs,
+    photographs_of,
+    surface_of,
+)
 
 SETTINGS = load_params().method.industnerf_plus.recesses
 BORE = np.maximum(np.hypot(CENTERED[..., 0] + 4, CENTERED[..., 1] - 3) - 5.2, -CENTERED[..., 2] - 2)
 THROUGH = np.hypot(CENTERED[..., 0] - 3, CENTERED[..., 2] + 1) - 4.6
-GROOVE = box((0, 9.0, 16.0), (40.0, 3.2, 9.0))  # open at both ends, 4.3 cells deep
 
 
 def cut(surface: ShadedSurface, true: np.ndarray) -> int:
@@ -48,5 +55,20 @@ def test_nothing_is_cut_where_there_is_nothing():
     np.testing.assert_array_equal(surface.distance.numpy(), before)
 
 
-def test_of_several_finishes_nothing_is_known():
-    assert cut(surface_of(BLOCK, finishes=2), np.maximum(BLOCK, -POCKET)) == 0
+def test_a_recess_has_the_finish_that_is_nearest():
+    """The left of two is half as bright; without that the bore there gains nothing."""
+    true = np.maximum(BLOCK, -np.maximum(BORE, CENTERED[..., 2] - 40))
+    surface, truth = surface_of(BLOCK, finishes=2), surface_of(true, finishes=2)
+    for each in (surface, truth):
+        points = np.array([[24.0, 28, 28], [44.0, 28, 28]])
+        each.set_albedo(points, np.array([[0.5] * 3, [1.0] * 3]))
+    rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
+    assert cut_recesses(surface, rays, photographs_of(truth), SETTINGS) == 1
+    wrong = (surface.distance.numpy() > 0) != (true > 0)
+    assert wrong.sum() < 0.3 * ((BLOCK < 0) & (true > 0)).sum()
+
+
+def test_without_light_nothing_is_cut():
+    surface = surface_of(BLOCK)
+    surface.without_light()
+    assert cut(surface, np.maximum(BLOCK, -POCKET)) == 0

@@ -1,8 +1,8 @@
 """What all views together show in the plane of a face: the face, and the mouths in it.
 
-Under distant lights a plane face has one brightness, from wherever it is seen.  Through a mouth
-in it views see walls and floors, whose brightness differs with the view.  So each point of the
-plane is looked up in all views that face it and that nothing hides it from.
+Under distant lights a plane face has one brightness, from wherever it is seen, and so has a label
+on it.  Through a mouth in it views see walls and floors, whose brightness differs with the view.
+So each point of the plane is looked up in all views that face it and that nothing hides it from.
 """
 
 from dataclasses import dataclass
@@ -53,7 +53,7 @@ class FaceMap:
     is_section: Bool[np.ndarray, "u v"]  # inside the hull
     is_gap: Bool[np.ndarray, "u v"]  # outside of it, but there is matter farther down
     is_face: Bool[np.ndarray, "u v"]  # there is surface, and it looks like the face
-    other_share: Float[np.ndarray, "u v"]  # of the views that see something else
+    other_share: Float[np.ndarray, "u v"]  # of the views that see something else than most do
 
     def points(self, mask: Bool[np.ndarray, "u v"]) -> Float[np.ndarray, "n 3"]:
         """Points (cells) of the plane, where `mask` is."""
@@ -134,11 +134,10 @@ def map_face(
     level = _even_level(gray[:, is_at_plane], weight[:, is_at_plane], tolerance)
     if level is None:
         return None
-    total = weight.sum(axis=0)
-    share = (weight * (np.abs(gray - level) > tolerance)).sum(axis=0) / np.maximum(total, 1e-9)
     other_share, is_face = np.zeros(len(entries)), np.zeros(len(entries), bool)
-    other_share[is_section] = share
-    is_face[is_section] = (distance < NEAR_PLANE) & (total > 0) & (share < OTHER_SHARE)
+    other_share[is_section] = _other_share(gray, weight, _median_levels(gray, weight), tolerance)
+    is_like_face = _other_share(gray, weight, level, tolerance) < OTHER_SHARE
+    is_face[is_section] = (distance < NEAR_PLANE) & (weight > 0).any(axis=0) & is_like_face
     matter = _matter_below(trials, face, axes, corner, shape)
     return FaceMap(
         face,
@@ -212,6 +211,21 @@ def _even_level(gray, weight, tolerance: float) -> float | None:
     level = float(np.median(gray[np.abs(gray - (peak + 0.5) / BRIGHTNESS_BINS) < tolerance]))
     even = weight[np.abs(gray - level) < tolerance].sum()
     return level if even > MIN_EVEN_SHARE * weight.sum() else None
+
+
+def _median_levels(gray, weight) -> Float[np.ndarray, "n"]:
+    """The median brightness of each point, over the views that see it."""
+    is_used = weight > 0
+    ordered = np.sort(np.where(is_used, gray, np.inf).T, axis=1)
+    middle = np.maximum(is_used.sum(axis=0) - 1, 0) // 2
+    return ordered[np.arange(len(middle)), middle]
+
+
+def _other_share(gray, weight, level, tolerance: float) -> Float[np.ndarray, "n"]:
+    """The share of its views in which a point is not at this level."""
+    with np.errstate(invalid="ignore"):  # what no view sees has no level
+        is_other = np.abs(gray - level) > tolerance
+    return (weight * is_other).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-9)
 
 
 def _matter_below(trials: Trials, face: Face, axes, corner, shape) -> Bool[np.ndarray, "u v"]:

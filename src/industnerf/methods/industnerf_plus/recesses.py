@@ -71,11 +71,8 @@ class Recess:
 def cut_recesses(
     surface: ShadedSurface, rays: PinholeRays, pictures: Pictures, settings: RecessSettings
 ) -> int:
-    """Change `surface`, whose light is fitted, where the pictures agree; returns how often.
-
-    Of several finishes the light that falls into a recess is not known, and nothing is cut.
-    """
-    if surface.finishes is None or len(surface.finishes.albedo) > 1 or not settings.faces:
+    """Change `surface`, whose light is fitted, where the pictures agree; returns how often."""
+    if surface.finishes is None or not settings.faces:
         return 0
     trials = Trials(surface, rays, pictures)
     faces = find_faces(surface, settings.faces)

@@ -7,6 +7,7 @@ import numpy as np
 import warp as wp
 from jaxtyping import Bool, Float, Float32, Int, Int32
 from pykdtree.kdtree import KDTree
+from scipy.ndimage import distance_transform_edt
 
 from industnerf.geometry.cameras import Cameras, back_projection
 from industnerf.geometry.warp_runtime import warp_device
@@ -189,12 +190,18 @@ class ShadedSurface:
     def set_albedo(
         self, points: Float[np.ndarray, "n 3"], albedo: Float[np.ndarray, "n 3"]
     ) -> None:
-        """Give the nodes near the surface the albedo of the nearest of these points (cells)."""
+        """Give the nodes near the surface the albedo of the nearest of these points (cells).
+
+        Farther nodes, where a recess may be cut, have that of the nearest node near the surface.
+        """
         nodes = band_nodes(self.distance.numpy(), ALBEDO_BAND)
         nearest = KDTree(points).query(nodes.astype(np.float64))[1].astype(np.int64)
         values = np.ones((*self.grid.hull.shape, 3), np.float32)
         values[tuple(nodes.T)] = albedo[nearest]
-        self._albedo = to_device(values, wp.vec3)
+        is_far = np.ones(self.grid.hull.shape, bool)
+        is_far[tuple(nodes.T)] = False
+        near = distance_transform_edt(is_far, return_distances=False, return_indices=True)
+        self._albedo = to_device(values[tuple(near)], wp.vec3)
 
     def set_node_albedo(self, albedo: Float32[np.ndarray, "a b c 3"]) -> None:
         """Give every node an albedo of its own."""

@@ -22,6 +22,7 @@ BETA = 0.3  # cells
 PIXEL_STEP = 4  # every so many pixels in both directions judge a change
 EDGE_WEIGHT = 0.3  # of pixels beside edges, where a rim half a cell off already misleads
 MAX_RESIDUAL = 0.2
+UNCOVERED_RESIDUAL = 1.0  # of a pixel that shows the part, where there is none
 MIN_FLIPS = 6  # nodes that change sides, and pixels that change
 MIN_CHANGE = 0.02  # cells
 HIT_MARGIN = 0.7  # cells; a soft surface is hit before it is reached
@@ -91,7 +92,8 @@ class Trials:
         """Cost and end of the chosen ones of the judging pixels."""
         color, end = self.render(self.pixels[chosen])
         residual = np.abs(color - self.pictures.gray[self.pixels[chosen]])
-        return self._weight[chosen] * np.minimum(residual, MAX_RESIDUAL), end.copy()
+        residual = np.where(end > 0, np.minimum(residual, MAX_RESIDUAL), UNCOVERED_RESIDUAL)
+        return self._weight[chosen] * residual, end.copy()
 
     def _end_points(self, chosen: Int64[np.ndarray, "n"]) -> Float32[np.ndarray, "n 3"]:
         end = self.ends[chosen, None]
