@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 
 from industnerf.config import load_params
-from industnerf.methods.industnerf_plus.recesses import cut_recesses
+from industnerf.methods.industnerf_plus.face_maps import RASTER, end_lattice, map_face
+from industnerf.methods.industnerf_plus.faces import Face
+from industnerf.methods.industnerf_plus.recesses import _Cutter, cut_recesses
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
+from industnerf.methods.industnerf_plus.trials import Trials
 
 from .plugged_block import (
     BLOCK,
     CENTERED,
     POCKET,
+    SIZE,
+    TOP,
     VIEWS,
     photographs,
     photographs_of,
@@ -72,3 +77,16 @@ def test_without_light_nothing_is_cut():
     surface = surface_of(BLOCK)
     surface.without_light()
     assert cut(surface, np.maximum(BLOCK, -POCKET)) == 0
+
+
+def test_a_mouth_that_the_pictures_do_not_confirm_is_not_cut():
+    surface = surface_of(BLOCK)
+    rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
+    trials = Trials(surface, rays, photographs(BLOCK))
+    face = Face(np.array([0.0, 0.0, 1.0]), TOP + (SIZE - 1) / 2, 1000)
+    plain = map_face(trials, face, end_lattice(trials), 0.03)
+    away = np.linalg.norm(np.indices(plain.is_face.shape) - np.full((2, 1, 1), 37.0), axis=0)
+    cutter = _Cutter(trials, SETTINGS.rays_per_trial)
+    cutter.propose(plain, (5 - RASTER * away).astype(np.float32), SETTINGS.max_cost_ratio)
+    assert cutter.cut() == 0
+    np.testing.assert_array_equal(trials.distance, surface_of(BLOCK).distance.numpy())
