@@ -53,6 +53,7 @@ def fake_result(solid: Solid | None, points: np.ndarray, colors: np.ndarray) -> 
         colors=colors,
         render_views=render_views,
         background=np.ones((VIEWS, 3)),
+        mesh=None,
     )
 
 
@@ -133,3 +134,20 @@ def test_files_hold_what_was_found(tmp_path, suffix):
     assert read.volume == pytest.approx(6, rel=1e-6)
     if suffix != ".stl":
         np.testing.assert_array_equal(read.visual.vertex_colors[:, :3], [[10, 20, 30]] * 8)
+
+
+def test_a_surface_of_the_method_is_taken_as_it_is():
+    true = trimesh.creation.icosphere(2, RADIUS)
+    result = fake_result(None, OPPOSITE_POINTS, RED_AND_BLUE)
+    result.mesh = lambda: (true.vertices + CENTER, true.faces.astype(np.int32))
+    extracted = mesh.extract_mesh(result, orbit_cameras(VIEWS, 512), CENTER, SCENE_RADIUS)
+    np.testing.assert_allclose(extracted.vertices, true.vertices + CENTER)
+    is_red = extracted.visual.vertex_colors[:, 0] > 0
+    assert (is_red == (true.vertices[:, 0] > 0))[np.abs(true.vertices[:, 0]) > 1].all()
+
+
+def test_a_method_whose_surface_is_empty_has_no_mesh():
+    result = fake_result(None, OPPOSITE_POINTS, RED_AND_BLUE)
+    result.mesh = lambda: (np.zeros((0, 3)), np.zeros((0, 3), np.int32))
+    with pytest.raises(ReconstructionFailed, match="no surface"):
+        mesh.extract_mesh(result, orbit_cameras(VIEWS, 512), CENTER, SCENE_RADIUS)

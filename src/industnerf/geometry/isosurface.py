@@ -1,9 +1,11 @@
 """Marching cubes on a grid of values, and random points of the surface."""
 
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Float, Float32, Int32
 
 from industnerf.geometry.sampling import sample_surface
+
+MIN_ABS_DISTANCE = 0.01  # cells
 
 
 def isosurface(
@@ -38,6 +40,15 @@ def volume_matched_level(probabilities: Float[np.ndarray, "a b c"]) -> float:
     lower = probabilities[probabilities < highest]
     # where many cells are the likeliest, the quantile may be theirs
     return min(level, (float(lower.max()) + highest) / 2) if len(lower) else level
+
+
+def off_zero(cells: Float32[np.ndarray, "a b c"]) -> Float32[np.ndarray, "a b c"]:
+    """Distances (cells) that are nowhere nearer to 0 than MIN_ABS_DISTANCE.
+
+    Vertices nearer to a corner of the lattice are one in single precision.
+    """
+    is_near = np.abs(cells) < MIN_ABS_DISTANCE
+    return np.where(is_near, np.float32(-MIN_ABS_DISTANCE), cells)
 
 
 def isosurface_points(

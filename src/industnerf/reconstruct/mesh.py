@@ -1,6 +1,7 @@
-"""The surface as triangles: where the method sees it from all of the cameras, joined and closed.
+"""The surface as triangles: that of the method, or where it sees one from all of the cameras.
 
-Depths of the finished field are fused as those of the final cloud are where R11 is `tsdf_fusion`.
+A method without a surface of its own has depths.  They are fused as those of the final cloud are
+where R11 is `tsdf_fusion`.
 """
 
 from pathlib import Path
@@ -8,30 +9,46 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int32
 from pykdtree.kdtree import KDTree
 
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import ReconstructionFailed
 from industnerf.geometry.cameras import Cameras, reduced_size, unit_ball_projections
-from industnerf.geometry.isosurface import isosurface
+from industnerf.geometry.isosurface import isosurface, off_zero
 from industnerf.geometry.tsdf import fuse
 from industnerf.reconstruct.images import scale_intrinsics
 
 MAX_RENDER_SIZE = 256  # px, the longer side of what the cameras see: a pixel is about a cell
 GRID_RES = 192  # cells along each side of the cube round the region of interest
 TRUNCATION_CELLS = 3.0  # of signed distances, in cells
-# nearer to a corner of the lattice, vertices are one in single precision
-MIN_ABS_DISTANCE_CELLS = 0.01
 
 
 def extract_mesh(
     result: Any, cameras: Cameras, center: Float[np.ndarray, "3"], radius: float
 ) -> trimesh.Trimesh:
-    """What bounds all that the cameras do not see empty, in their frame and unit.
+    """The closed surface, in the frame and unit of the cameras.
 
-    A vertex has the color of the nearest point of the cloud.  Raises ReconstructionFailed if the
-    cameras see no surface.
+    A vertex has the color of the nearest point of the cloud.  Raises ReconstructionFailed if there
+    is no surface.
+    """
+    if result.mesh:
+        vertices, faces = result.mesh()
+    else:
+        vertices, faces = fuse_depths(result, cameras, center, radius)
+    if not len(faces):
+        raise ReconstructionFailed("no mesh: there is no surface")
+    _, nearest = KDTree(result.points.astype(np.float64)).query(vertices)
+    colors = result.colors[nearest.astype(np.int64)]
+    return trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False)
+
+
+def fuse_depths(
+    result: Any, cameras: Cameras, center: Float[np.ndarray, "3"], radius: float
+) -> tuple[Float[np.ndarray, "v 3"], Int32[np.ndarray, "f 3"]]:
+    """Vertices and faces of what bounds all that the cameras do not see empty.
+
+    Raises ReconstructionFailed if the cameras see no surface.
     """
     render_cameras = downscale_cameras(cameras)
     renderings = result.render_views(render_cameras, result.background)
@@ -46,10 +63,7 @@ def extract_mesh(
             "no mesh: every cell is seen empty by some camera; all there is may be thinner than "
             f"a cell, {spacing * radius:.3g}"
         )
-    world_vertices = center + radius * vertices
-    _, nearest = KDTree(result.points.astype(np.float64)).query(world_vertices)
-    colors = result.colors[nearest.astype(np.int64)]
-    return trimesh.Trimesh(world_vertices, faces, vertex_colors=colors, process=False)
+    return center + radius * vertices, faces
 
 
 def downscale_cameras(cameras: Cameras) -> Cameras:
@@ -65,11 +79,7 @@ def signed_distances(
     """At the cells' centers, positive inside; beyond the region of interest all is empty."""
     spacing = 2 / GRID_RES
     values = fuse(depth, projections, GRID_RES, TRUNCATION_CELLS * spacing)
-    return np.where(
-        np.abs(values) < MIN_ABS_DISTANCE_CELLS * spacing,
-        np.float32(-MIN_ABS_DISTANCE_CELLS * spacing),
-        values,
-    )
+    return spacing * off_zero(values / np.float32(spacing))
 
 
 def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:

@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
+from industnerf.geometry.surface_distance import distance_to_surface
 from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult
 from industnerf.methods.industnerf.scene import PosedImages
 from industnerf.methods.industnerf_plus import pipeline
@@ -99,3 +101,15 @@ def test_a_run_that_is_stopped_in_the_polish_resumes_before_it(posed):
     assert resumed.level_starts == whole.level_starts
     np.testing.assert_array_equal(resumed.points, whole.points)
     np.testing.assert_array_equal(resumed.confidence, whole.confidence)
+
+
+def test_the_mesh_is_the_surface_that_the_cloud_is_of(posed):
+    result = run(posed)
+    vertices, faces = result.mesh()
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    assert mesh.is_watertight
+    assert mesh.volume > 0
+    distance = distance_to_surface(result.points.astype(np.float64), vertices, faces)
+    # a triangle beside a node that is moved off 0 may be split the other way
+    assert np.quantile(distance, 0.98) < 1e-3
+    assert distance.max() < 0.02

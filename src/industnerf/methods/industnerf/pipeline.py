@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float32, Int16, UInt8
+from jaxtyping import Float, Float32, Int16, Int32, UInt8
 from torch import Tensor
 
 from industnerf.artifacts.renderings import Renderings
@@ -79,6 +79,8 @@ class ReconstructionResult:
     background: Background  # color behind the part, view by view
     render_views: Callable[[Cameras, Background], Renderings]  # from any cameras
     warnings: tuple[str, ...] = ()  # about the images
+    # vertices and faces of the surface, where the method has one of its own
+    mesh: Callable[[], tuple[Float[np.ndarray, "v 3"], Int32[np.ndarray, "f 3"]]] | None = None
 
 
 def run(

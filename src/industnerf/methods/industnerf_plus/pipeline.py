@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int32
 
+from industnerf.geometry.isosurface import isosurface, off_zero
 from industnerf.methods.industnerf import pipeline
 from industnerf.methods.industnerf.optimizer import Constraints
 from industnerf.methods.industnerf.pipeline import Callback, ReconstructionResult, Reconstructor
@@ -14,7 +16,7 @@ from industnerf.methods.industnerf.scene import NerfScene, PosedImages
 from industnerf.methods.industnerf.variant import Variant
 from industnerf.methods.industnerf_plus.adaptive_resolution import adapt_resolution, hull_margin
 from industnerf.methods.industnerf_plus.appearance import Appearance
-from industnerf.methods.industnerf_plus.distance_grid import from_points, hull_grid
+from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, from_points, hull_grid
 from industnerf.methods.industnerf_plus.openings import open_recesses
 from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
 from industnerf.methods.industnerf_plus.pictures import Pictures
@@ -202,4 +204,13 @@ class PolishedSurface:
             self._pictures.background,
             partial(render_views, surface, posed.center, posed.radius),
             self._warnings,
+            partial(mesh_of, surface.grid, posed),
         )
+
+
+def mesh_of(
+    grid: DistanceGrid, posed: PosedImages
+) -> tuple[Float[np.ndarray, "v 3"], Int32[np.ndarray, "f 3"]]:
+    """Vertices, in the frame and unit of the cameras, and faces of where the distance is 0."""
+    vertices, faces = isosurface(off_zero(-grid.distance), 0.0, grid.lo, grid.spacing)
+    return posed.center + posed.radius * vertices, faces
