@@ -466,11 +466,19 @@ def test_a_photograph_without_a_camera_is_said_to_be_left_out(workspace, fake):
     np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
 
 
-def test_a_camera_without_a_photograph_is_an_error(workspace):
-    (workspace.folder / "set/rgb/003.png").unlink()
-    code, _, errors = workspace.run()
+def test_cameras_without_a_photograph_are_left_out_unless_strict(workspace, fake):
+    for name in ("001", "003"):
+        (workspace.folder / f"set/rgb/{name}.png").unlink()
+    code, text, errors = workspace.run()
+    assert (code, errors) == (0, "")
+    assert "2 of 5 frames (rgb/001.png, rgb/003.png) have no photograph: left out" in text
+    np.testing.assert_array_equal(
+        fake.LAST_CALL["posed_images"].rgb, sample_images.images()[[0, 2, 4]]
+    )
+    code, _, errors = workspace.run("--strict", "--force")
     assert code == 2
-    assert errors.startswith("error: frame 3 (rgb/003.png): no such photograph in ")
+    assert errors.startswith("error: frame 1 (rgb/001.png): no such photograph in ")
+    assert "2 of 5 frames (rgb/001.png, rgb/003.png) have none" in errors
 
 
 def test_help_needs_nothing_heavy(root):

@@ -72,7 +72,7 @@ def signed_distances(
     )
 
 
-def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:
+def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str, unit: str) -> None:
     """Write `mesh` in the format of `suffix`; PLY and OBJ have its colors, STL cannot."""
     if suffix == ".ply":
         write_ply(
@@ -80,7 +80,7 @@ def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:
             mesh.vertices,
             colors=mesh.visual.vertex_colors[:, :3],
             faces=mesh.faces.astype(np.int32),
-            unit="the cameras' unit",
+            unit=unit,
         )
     else:
         mesh.export(path, file_type=suffix[1:])
