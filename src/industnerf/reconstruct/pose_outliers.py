@@ -45,7 +45,9 @@ def odd_cameras_error(cameras: Cameras, names: Sequence[str], odd: Sequence[int]
     """A sentence that names them, with options to add to the command as they stand."""
     others = np.setdiff1d(np.arange(len(cameras)), odd)
     center, radius = common_view_ball(cameras[others])
-    point = " ".join(f"{x:.6g}" for x in center)
+    # seven digits of the radius: none of rounding, and no -1e-15
+    digits = max(0, 7 - int(np.ceil(np.log10(radius))))
+    point = " ".join(f"{round(float(x), digits) + 0.0:g}" for x in center)
     named = ", ".join(str(names[i]) for i in odd[:MAX_NAMED])
     more = ", ..." if len(odd) > MAX_NAMED else ""
     return (
