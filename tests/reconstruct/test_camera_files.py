@@ -116,7 +116,7 @@ def test_lenses_of_colmap_are_those_of_opencv(tmp_path, monkeypatch, lens, param
 def test_another_lens_is_named_with_the_command_that_undistorts(tmp_path, monkeypatch, binary):
     monkeypatch.setitem(LENSES, "OPENCV_FISHEYE", (5, LENSES["OPENCV"][1]))
     model = write_colmap(tmp_path / "0", binary, "OPENCV_FISHEYE")
-    with pytest.raises(BadArtifact, match="camera model .*colmap image_undistorter"):
+    with pytest.raises(BadArtifact, match=r"camera model .*colmap image_undistorter"):
         read_camera_file(model)
 
 

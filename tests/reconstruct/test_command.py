@@ -508,3 +508,57 @@ def test_the_local_file_says_where_to_compute_and_a_device_that_is_none_is_refus
     code, _, errors = workspace.run()
     assert code == 2
     assert "INDUSTNERF_DEVICE is 'gpu', must be cpu, cuda or cuda:N" in errors
+
+
+def test_the_ball_of_the_region_is_no_result(workspace, fake, monkeypatch):
+    """It is written all the same, with its own exit code."""
+    original_run = fake.run
+
+    def run_to_the_rim(posed_images, *more):
+        result = original_run(posed_images, *more)
+        offset = result.points - posed_images.center
+        offset *= posed_images.radius / np.linalg.norm(offset, axis=1, keepdims=True)
+        result.points[:] = posed_images.center + offset
+        result.view[:2] = -1
+        return result
+
+    monkeypatch.setattr(fake, "run", run_to_the_rim)
+    code, text, errors = workspace.run()
+    assert code == 3
+    assert errors.startswith("error: the result is the region of interest and not the part: 100%")
+    assert "33% are seen by no photograph" in errors
+    assert f"{workspace.out}: 6 points" in text
+    assert workspace.out.exists()
+    assert not workspace.checkpoint.exists()
+
+
+def test_photographs_are_left_out_by_name(workspace, fake):
+    code, text, _ = workspace.run("--exclude", "rgb/001.png", "003.PNG")
+    assert (code, "2 of 5 frames are left out, as --exclude says" in text) == (0, True)
+    np.testing.assert_array_equal(
+        fake.LAST_CALL["posed_images"].rgb, sample_images.images()[[0, 2, 4]]
+    )
+    code, _, errors = workspace.run("--exclude", "9.png", "--force")
+    assert (code, "--exclude 9.png: " in errors) == (2, True)
+
+
+def test_scaled_results_are_in_millimeters(workspace):
+    code, text, _ = workspace.run(
+        *("--scale", "0,0,0", "-1,0,0", "10", "--mesh", workspace.folder / "mesh.stl")
+    )
+    assert (code, "in mm; in 1 piece" in " ".join(text.split())) == (0, True)
+    assert b"comment lengths in mm\n" in workspace.out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--sfm",), "either --cameras, or --sfm"),
+        (("--mesh-pieces", "1"), "--mesh-pieces needs --mesh"),
+        (("--scale", "a", "b", "0"), "0 is not above 0"),
+        (("--scale", "a", "b", "c"), "'c' is no number"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(workspace, arguments, complaint):
+    code, _, errors = workspace.run(*arguments)
+    assert (code, complaint in errors) == (2, True)

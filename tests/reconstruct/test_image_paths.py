@@ -93,3 +93,39 @@ def test_an_image_that_another_goes_before_is_named_all_the_same(finder, tmp_pat
     assert protected_paths(frames[:1], finder) == both_paths
     assert image_paths == [both_paths[0], tmp_path / "beside/rgb/3.0.jpeg"]
     assert unlisted_images(image_paths, protected_paths(frames, finder)) == []
+
+
+GEHAEUSE = ("Geh\u00e4use_1.PNG", "Geha\u0308use_1.PNG")  # as Windows spells it, and as macOS did
+
+
+@pytest.mark.parametrize("written", GEHAEUSE)
+@pytest.mark.parametrize("on_disk", GEHAEUSE)
+def test_a_name_matches_whatever_its_unicode_form_and_case(tmp_path, written, on_disk):
+    (tmp_path / "Bilder").mkdir()
+    (tmp_path / "Bilder" / on_disk).touch()
+    finder = ImageFinder((tmp_path,))
+    frames = [make_frame(f"{folder}/{written.lower()}") for folder in ("Bilder", "bilder", "other")]
+    paths = find_images(frames[:1], finder)
+    assert paths == [tmp_path / "Bilder" / on_disk]
+    assert finder.find(f"bilder/{written.lower()}") == paths[0]
+    assert finder.find(f"bilder/{written.lower().removesuffix('.png')}") == paths[0]
+    assert unlisted_images(paths, protected_paths(frames[:1], finder)) == []
+
+
+def test_an_exact_name_goes_before_one_that_differs_in_case(tmp_path):
+    for name in ("a.png", "A.png"):
+        (tmp_path / name).touch()
+    if len(list(tmp_path.iterdir())) < 2:
+        pytest.skip("this disk ignores case itself")
+    finder = ImageFinder((tmp_path,))
+    assert [finder.find(name) for name in ("a.png", "A.png")] == [
+        tmp_path / "a.png",
+        tmp_path / "A.png",
+    ]
+    assert finder.find("a.PNG") is None  # it may be either
+
+
+def test_missing_photographs_are_none(tmp_path):
+    (tmp_path / "1.png").touch()
+    frames = [make_frame("1.png"), make_frame("2.png", 1)]
+    assert find_images(frames, ImageFinder((tmp_path,))) == [tmp_path / "1.png", None]

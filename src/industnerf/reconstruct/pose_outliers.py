@@ -6,39 +6,63 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from industnerf.geometry.cameras import Cameras, common_view_ball, project
+from industnerf.geometry.cameras import Cameras, common_view_ball
 
 MAX_SHARE = 0.25  # of all cameras; if more look elsewhere, it is not a few poses that are wrong
 MIN_OTHERS = 3  # that agree on a point
+MAX_PAIRS = 2000  # of axes whose nearest point is tried
 MAX_NAMED = 5
 
 
 def in_frame(cameras: Cameras, point: Float[np.ndarray, "3"]) -> Bool[np.ndarray, "n"]:
     """Which cameras have `point` before them and in their image."""
-    visible = np.zeros(len(cameras), bool)
-    for i, (K, c2w) in enumerate(zip(cameras.K, cameras.c2w, strict=True)):
-        if (point - c2w[:3, 3]) @ c2w[:3, 2] > 0:
-            u, v = project(point[None], K, c2w)[0][0]
-            visible[i] = 0 <= u <= cameras.width and 0 <= v <= cameras.height
-    return visible
+    return _in_frame(cameras, point[None])[0]
+
+
+def _in_frame(cameras: Cameras, points: Float[np.ndarray, "m 3"]) -> Bool[np.ndarray, "m n"]:
+    to_camera = np.einsum("nji,mnj->mni", cameras.c2w[:, :3, :3], points[:, None] - cameras.centers)
+    homogeneous = np.einsum("nij,mnj->mni", cameras.K, to_camera)
+    is_before = to_camera[..., 2] > 0
+    uv = homogeneous[..., :2] / np.where(is_before, homogeneous[..., 2], 1.0)[..., None]
+    return is_before & (uv >= 0).all(axis=2) & (uv <= [cameras.width, cameras.height]).all(axis=2)
 
 
 def odd_cameras(cameras: Cameras) -> list[int]:
     """Those without which all others have one point in frame; none if that takes too many.
 
-    The one that looks farthest from the point nearest to all axes goes first, until all agree.
+    Of the points to which two axes come nearest, the one that most cameras have in frame tells
+    which belong together: a mean of all would be drawn to those that are wrong.
     """
-    kept = np.arange(len(cameras))
-    while len(kept) >= MIN_OTHERS and len(cameras) - len(kept) <= MAX_SHARE * len(cameras):
-        others = cameras[kept]
-        center, _ = common_view_ball(others)
-        if in_frame(others, center).all():
-            return sorted(set(range(len(cameras))) - set(kept.tolist()))
-        direction = center - others.centers
-        cosine = np.einsum("ij,ij->i", direction, others.c2w[:, :3, 2])
-        cosine /= np.maximum(np.linalg.norm(direction, axis=1), 1e-300)
-        kept = np.delete(kept, int(np.argmin(cosine)))
-    return []
+    agreeing = np.arange(len(cameras))
+    points = _nearest_points(cameras)
+    if len(points):
+        visible = _in_frame(cameras, points)
+        agreeing = np.flatnonzero(visible[visible.sum(axis=1).argmax()])
+    if len(agreeing) < max(MIN_OTHERS, (1 - MAX_SHARE) * len(cameras)):
+        return []
+    center, _ = common_view_ball(cameras[agreeing])
+    is_fine = in_frame(cameras, center)
+    return [] if not is_fine[agreeing].all() else np.flatnonzero(~is_fine).tolist()
+
+
+def _nearest_points(cameras: Cameras) -> Float[np.ndarray, "m 3"]:
+    """Where two axes come nearest to each other, for up to MAX_PAIRS pairs, none parallel."""
+    first, second = np.triu_indices(len(cameras), 1)
+    if len(first) > MAX_PAIRS:
+        chosen = np.linspace(0, len(first) - 1, MAX_PAIRS).astype(int)
+        first, second = first[chosen], second[chosen]
+    axes, centers = cameras.c2w[:, :3, 2], cameras.centers
+    baseline = centers[second] - centers[first]
+    cosine = np.einsum("ij,ij->i", axes[first], axes[second])
+    along_first = np.einsum("ij,ij->i", baseline, axes[first])
+    along_second = np.einsum("ij,ij->i", baseline, axes[second])
+    sine2 = 1 - cosine**2
+    is_usable = sine2 > 1e-6
+    t = (along_first - cosine * along_second)[is_usable] / sine2[is_usable]
+    s = (cosine * along_first - along_second)[is_usable] / sine2[is_usable]
+    on_first = centers[first][is_usable] + t[:, None] * axes[first][is_usable]
+    on_second = centers[second][is_usable] + s[:, None] * axes[second][is_usable]
+    return (on_first + on_second) / 2
 
 
 def odd_cameras_error(cameras: Cameras, names: Sequence[str], odd: Sequence[int]) -> str:
