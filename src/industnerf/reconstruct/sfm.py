@@ -16,18 +16,17 @@ INSTALL = "pip install 'industnerf[sfm]', or pip install pycolmap"
 def find_cameras(images_dir: Path, folder: Path) -> tuple[Path, str]:
     """The model of the cameras that took the photographs in `images_dir`, made in `folder`.
 
-    And a sentence on it.  One that is in `folder` already is taken as it is.  Features are SIFT,
-    all pairs are matched, and all photographs share one lens of COLMAP's model OPENCV: Schoenberger
-    and Frahm, "Structure-from-Motion Revisited" (2016).  Raises BadArtifact if pycolmap is missing
-    or there are no photographs, ReconstructionFailed if too few of them join.
+    And a sentence on it.  A model of the same photographs that is in `folder` already is taken.
+
+    Features are SIFT, all pairs are matched, and all photographs share one lens of COLMAP's model
+    OPENCV: Schoenberger and Frahm, "Structure-from-Motion Revisited" (2016).  Raises BadArtifact if
+    pycolmap is missing or there are no photographs, ReconstructionFailed if too few of them join.
     """
-    model = folder / "model"
+    model, listing = folder / "model", folder / "photographs.txt"
     names = _photographs(images_dir)
-    if images_file(model):
-        return (
-            model,
-            f"cameras of an earlier run are taken from {model}; --no-resume finds new ones",
-        )
+    content = "".join(f"{name} {(images_dir / name).stat().st_size}\n" for name in names)
+    if images_file(model) and listing.read_text(encoding="utf-8") == content:
+        return model, f"cameras of an earlier run are taken from {model}"
     pycolmap = _load_pycolmap()
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -42,6 +41,7 @@ def find_cameras(images_dir: Path, folder: Path) -> tuple[Path, str]:
     draft = folder / "draft"
     draft.mkdir()
     best.write(draft)
+    listing.write_text(content, encoding="utf-8")
     draft.rename(model)
     error = best.compute_mean_reprojection_error()
     return model, (
@@ -72,6 +72,7 @@ def _load_pycolmap() -> Any:
 def _run(pycolmap: Any, images_dir: Path, folder: Path, names: list[str]) -> Any:
     """The model that joins most photographs, or None."""
     pycolmap.set_random_seed(0)
+    pycolmap.logging.minloglevel = 1  # warnings: it logs a page a photograph
     database = folder / "database.db"
     pycolmap.extract_features(
         database,
