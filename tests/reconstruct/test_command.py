@@ -562,3 +562,14 @@ def test_scaled_results_are_in_millimeters(workspace):
 def test_options_that_do_not_fit_are_refused(workspace, arguments, complaint):
     code, _, errors = workspace.run(*arguments)
     assert (code, complaint in errors) == (2, True)
+
+
+def test_a_method_that_needs_outlines_says_so_where_there_are_none(workspace):
+    """The photographs are of noise, up to their borders."""
+    words = "next to no photograph has a plain border, and there are no masks"
+    assert words in workspace.run("--method", "industnerf_plus")[1]
+    assert words not in workspace.run("--force")[1]
+    assert (
+        words
+        not in workspace.run("--force", "--method", "industnerf_plus", "--background", "white")[1]
+    )

@@ -34,6 +34,7 @@ class ImageSet:
     names: tuple[str, ...]  # of the photographs, in the camera file
     protected_paths: tuple[Path, ...]  # those of frames that are not used, too
     warnings: tuple[str, ...]
+    is_colmap: bool = False  # the camera file is a model of COLMAP
 
 
 def load_images(
@@ -92,6 +93,7 @@ def load_images(
             *image_warnings(views, windows, color),
             *input_warnings(windows, None if background is None else color),
         ),
+        camera_file.is_colmap,
     )
 
 

@@ -2,7 +2,7 @@
 
 import shutil
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +16,24 @@ from industnerf.errors import BadArtifact, RegionInsteadOfPart
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
-from industnerf.reconstruct.region import check_float32_precision
+from industnerf.reconstruct.region import check_float32_precision, region_of_interest
 from industnerf.reconstruct.result_check import RegionShares, ball_warning, region_shares
 from industnerf.reconstruct.scale import Scale
 from industnerf.reconstruct.settings import resolve_config
-from industnerf.reconstruct.silhouette_check import silhouette_warning
+from industnerf.reconstruct.silhouette_check import (
+    agree_once_transposed,
+    plain_silhouettes,
+    silhouette_warning,
+    transpose_rotations,
+)
 from industnerf.reconstruct.sources import Selection
 from industnerf.stage import run_timed
+
+NO_OUTLINES = (
+    "next to no photograph has a plain border, and there are no masks: industnerf_plus finds the part "
+    "by its outline, so expect no part: cut it out (mask_path, or transparent pixels), or use "
+    "--method industnerf"
+)
 
 
 def reconstruct(options: Options, console: Console | None = None) -> None:
@@ -52,15 +63,10 @@ def _run(options: Options, display: Display) -> Summary:
     if options.print_config:
         for line in config.format_lines():
             display.log(line)
-    image_set = _load_image_set(options, display)
+    image_set = _check_silhouettes(options, _load_image_set(options, display), display)
     check_not_inputs(options, [config.source, *image_set.protected_paths])
     center, radius = image_set.center, image_set.radius
     check_float32_precision(center, radius)
-    warning = silhouette_warning(
-        image_set.rgb, image_set.cameras, image_set.background, center, radius
-    )
-    if warning:
-        display.log(warning)
     display.log(
         f"{len(image_set.image_paths)} photographs of {image_set.cameras.width} x "
         f"{image_set.cameras.height} px; region of interest: "
@@ -98,6 +104,28 @@ def _load_image_set(options: Options, display: Display) -> ImageSet:
     for warning in image_set.warnings:
         display.log(warning)
     return image_set
+
+
+def _check_silhouettes(options: Options, image_set: ImageSet, display: Display) -> ImageSet:
+    """`image_set`, its rotations transposed if it is COLMAP's and only so its silhouettes agree."""
+    silhouettes = plain_silhouettes(image_set.rgb, image_set.cameras, image_set.background)
+    if silhouettes is None:
+        if image_set.background is None and options.method == "industnerf_plus":
+            display.log(NO_OUTLINES)
+        return image_set
+    warning = silhouette_warning(silhouettes, image_set.center, image_set.radius, image_set.names)
+    if warning is None:
+        return image_set
+    if not (image_set.is_colmap and agree_once_transposed(silhouettes)):
+        display.log(warning)
+        return image_set
+    display.log(
+        f"{options.cameras}: the quaternions lead from camera to world, and COLMAP's from world to "
+        "camera: they are read so, as only then the photographs agree on where the part is"
+    )
+    cameras = replace(image_set.cameras, c2w=transpose_rotations(image_set.cameras.c2w))
+    center, radius = region_of_interest(cameras, image_set.names, options.center, options.radius)
+    return replace(image_set, cameras=cameras, center=center, radius=radius)
 
 
 def _find_cameras(options: Options, display: Display) -> Path:

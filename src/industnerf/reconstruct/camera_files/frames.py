@@ -37,6 +37,7 @@ class CameraFile:
     poses_before: Float[np.ndarray, "4 4"] | None = None  # to the frame that poses were moved from
     moved_by: str = ""  # what moved them, for a message
     remarks: tuple[str, ...] = ()
+    is_colmap: bool = False
 
     def frames_to_use(self, *, all_frames: bool) -> list[Frame]:
         """Those that `train_names` names, or all.  Raises BadArtifact if it names no frame."""
