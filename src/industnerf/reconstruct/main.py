@@ -30,8 +30,8 @@ from industnerf.reconstruct.sources import Selection
 from industnerf.stage import run_timed
 
 NO_OUTLINES = (
-    "next to no photograph has a plain border, and there are no masks: industnerf_plus finds the part "
-    "by its outline, so expect no part: cut it out (mask_path, or transparent pixels), or use "
+    "next to no photograph has a plain border, and there are no masks: industnerf_plus finds the "
+    "part by its outline, so expect no part: cut it out (mask_path, or transparent pixels), or use "
     "--method industnerf"
 )
 
