@@ -87,7 +87,7 @@ def load_images(
         names,
         sources.protected_paths,
         (
-            *camera_file.remarks,
+            *camera_file.warnings,
             *sources.warnings,
             *mask_words,
             *image_warnings(views, windows, color),

@@ -21,13 +21,13 @@ CANDIDATES = np.array(
     ]
 )
 MIN_DIFFERENCE = 0.04  # in [0, 1]: twice what a method takes for the background's own color
-MAX_ALIKE_SHARE = 0.002  # of the part's pixels; more would be holes in its outline
+MAX_SIMILAR_SHARE = 0.002  # of the part's pixels; more would be holes in its outline
 OPAQUE = 250  # of 255
 MAX_PIXELS = 4096  # of each view that are looked at
 
 
 def choose_background(views: Sequence[View]) -> Float[np.ndarray, "3"]:
-    """The first of CANDIDATES that all but MAX_ALIKE_SHARE of the part's pixels differ from.
+    """The first of CANDIDATES that all but MAX_SIMILAR_SHARE of the part's pixels differ from.
 
     If there is none, the one that most differ from.  sRGB in [0, 1].
     """
@@ -35,12 +35,12 @@ def choose_background(views: Sequence[View]) -> Float[np.ndarray, "3"]:
     colors = np.concatenate(samples or [np.zeros((0, 3), np.uint8)]) / 255
     if not len(colors):
         return CANDIDATES[0]
-    alike = [
+    similar = [
         float((np.abs(colors - candidate).max(axis=1) < MIN_DIFFERENCE).mean())
         for candidate in CANDIDATES
     ]
-    fine = [index for index, share in enumerate(alike) if share <= MAX_ALIKE_SHARE]
-    return CANDIDATES[fine[0] if fine else int(np.argmin(alike))]
+    fine = [index for index, share in enumerate(similar) if share <= MAX_SIMILAR_SHARE]
+    return CANDIDATES[fine[0] if fine else int(np.argmin(similar))]
 
 
 def _part_colors(view: View) -> UInt8[np.ndarray, "n 3"]:

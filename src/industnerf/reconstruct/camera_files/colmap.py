@@ -91,8 +91,8 @@ def read_model(folder: Path) -> CameraFile:
         frames.append(Frame(index, normalize_path(image.name), cameras[image.camera_id], matrix))
     above = [folder, *folder.resolve().parents][: MAX_ANCESTORS + 1]
     folders = tuple(place for parent in above for place in (parent / "images", parent))
-    remarks = _other_models(folder, len(images))
-    return CameraFile(path, frames, folders, remarks=remarks, is_colmap=True)
+    warnings = _other_models(folder, len(images))
+    return CameraFile(path, frames, folders, warnings=warnings, is_colmap=True)
 
 
 def _other_models(folder: Path, num_images: int) -> tuple[str, ...]:

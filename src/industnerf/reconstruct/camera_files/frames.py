@@ -36,7 +36,7 @@ class CameraFile:
     train_names: Sequence[str] | None = None  # of the frames to use; None: all
     poses_before: Float[np.ndarray, "4 4"] | None = None  # to the frame that poses were moved from
     moved_by: str = ""  # what moved them, for a message
-    remarks: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     is_colmap: bool = False
 
     def frames_to_use(self, *, all_frames: bool) -> list[Frame]:
