@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import binary_dilation, binary_erosion
 
 from industnerf.artifacts.views import RgbdImage, Views, save_views
 from industnerf.errors import BadArtifact
@@ -64,9 +65,10 @@ def test_what_the_suite_writes_it_reads(tmp_path):
         frames,
     )
     image_set = load(tmp_path)
-    np.testing.assert_array_equal(image_set.rgb[:, mask], pixels[:3, mask])
+    within, beyond = binary_erosion(mask), ~binary_dilation(mask)  # by a pixel, of mixed color
+    np.testing.assert_array_equal(image_set.rgb[:, within], pixels[:3, within])
     color = image_set.rgb[0, 0, 0]
-    assert (image_set.rgb[:, ~mask] == color).all()
+    assert (image_set.rgb[:, beyond] == color).all()
     np.testing.assert_array_equal(image_set.background, np.tile(color / 255, (3, 1)))
     np.testing.assert_allclose(image_set.cameras.K, CAMERAS.K[:3], rtol=1e-14)
     assert image_set.warnings == (

@@ -137,3 +137,16 @@ def test_a_mask_of_centers_reaches_half_a_pixel_beyond_them(tmp_path):
         is_touched = across < (abs(np.cos(angle)) + abs(np.sin(angle))) / 2
         excess.append((kept.sum() - is_touched.sum()) / 64)
     assert abs(np.mean(excess)) < 0.2  # px; without that edge, 0.7
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_photograph_is_no_mask_of_its_own(tmp_path, there):
+    """A mask has its photograph's name, in a folder that --images does not lead to."""
+    path = write_masked_set(tmp_path, [INSIDE if there else None] * 5)
+    (tmp_path / "rgb").rename(tmp_path / "photos")
+    image_set = load_images(path, tmp_path / "photos", max_size=512)
+    if there:
+        assert_is_cut_out(image_set)
+    else:
+        assert image_set.background is None
+        assert any("5 of 5 frames" in text and "no mask" in text for text in image_set.warnings)

@@ -1,8 +1,9 @@
 """The files of photographs: found by the names that camera files give them."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path, PurePosixPath
 
 from industnerf.errors import BadArtifact
@@ -23,10 +24,14 @@ class ImageFinder:
     folders: Sequence[Path]
     _listings: dict[Path, dict[str, list[Path]]] = field(default_factory=dict)
 
-    def find(self, name: str) -> Path | None:
-        """The file that `name` means, or None."""
+    def find(self, name: str, taken: Container[Path] = ()) -> Path | None:
+        """The file that `name` means, or None; those that resolve to one of `taken` do not count.
+
+        So a mask, named as its photograph is but in a folder of its own, is not that photograph.
+        """
         exact = (path for path in _candidate_paths(name, self.folders) if path.is_file())
-        return next(exact, None) or next(self._respelled(name), None)
+        candidates = chain(exact, self._respelled(name))
+        return next((path for path in candidates if path.resolve() not in taken), None)
 
     def all_of(self, name: str) -> list[Path]:
         """Every file that `name` means, or would mean if another did not go before it."""

@@ -74,7 +74,8 @@ def find_sources(camera_file: CameraFile, images_dir: Path | None, selection: Se
     cameras = [camera for camera, path in zip(cameras, found, strict=True) if path]
     image_paths = [path for path in found if path]
     check_count(camera_file.path, len(image_paths), f"{len(missing)} photographs are missing")
-    masks, mask_words = _find_masks([camera.frame for camera in cameras], finder, selection)
+    used_frames = [camera.frame for camera in cameras]
+    masks, mask_words = _find_masks(used_frames, image_paths, finder, selection)
     protected = [*protected_paths(listed, finder), *(mask for mask in masks if mask)]
     warnings = [
         *_usage_words(len(frames), len(listed), selection),
@@ -136,11 +137,15 @@ def _frame_change(
 
 
 def _find_masks(
-    frames: Sequence[Frame], finder: ImageFinder, selection: Selection
+    frames: Sequence[Frame],
+    image_paths: Sequence[Path],
+    finder: ImageFinder,
+    selection: Selection,
 ) -> tuple[list[Path | None], list[str]]:
     if selection.ignore_masks or not any(frame.mask_name for frame in frames):
         return [None] * len(frames), []
-    masks = [finder.find(frame.mask_name) if frame.mask_name else None for frame in frames]
+    taken = {path.resolve() for path in image_paths}
+    masks = [frame.mask_name and finder.find(frame.mask_name, taken) for frame in frames]
     without = [frame for frame, mask in zip(frames, masks, strict=True) if mask is None]
     if not without:
         return masks, []
