@@ -72,9 +72,10 @@ class Workspace:
 
     def run(self, *arguments: object) -> tuple[int, str, str]:
         """Exit code, output and errors of the command with `arguments` and the usual ones."""
-        default_arguments = ("--cameras", self.transforms, "--params", self.folder / "params.yaml")
+        cameras = ("--cameras", self.transforms)
         command_line = [
-            *default_arguments,
+            *(() if "--sfm" in arguments and "--images" in arguments else cameras),
+            *("--params", self.folder / "params.yaml"),
             *(() if "--out" in arguments else ("--out", self.out)),
             *arguments,
         ]

@@ -78,7 +78,9 @@ def run(
     callback.on_level_start("coarse", settings.steps)
     for step in range(len(points), settings.steps):
         HOOKS.get(step, lambda: None)()
-        offset = np.random.default_rng([seed, step]).uniform(-1, 1, (1, 3)) * posed_images.radius
+        # within the ball, as a part is
+        offset = np.random.default_rng([seed, step]).uniform(-0.5, 0.5, (1, 3))
+        offset *= posed_images.radius
         points = torch.cat(
             [points, torch.tensor(posed_images.center + offset, dtype=torch.float32)]
         )

@@ -466,11 +466,19 @@ def test_a_photograph_without_a_camera_is_said_to_be_left_out(workspace, fake):
     np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
 
 
-def test_a_camera_without_a_photograph_is_an_error(workspace):
-    (workspace.folder / "set/rgb/003.png").unlink()
-    code, _, errors = workspace.run()
+def test_cameras_without_a_photograph_are_left_out_unless_strict(workspace, fake):
+    for name in ("001", "003"):
+        (workspace.folder / f"set/rgb/{name}.png").unlink()
+    code, text, errors = workspace.run()
+    assert (code, errors) == (0, "")
+    assert "2 of 5 frames (rgb/001.png, rgb/003.png) have no photograph: left out" in text
+    np.testing.assert_array_equal(
+        fake.LAST_CALL["posed_images"].rgb, sample_images.images()[[0, 2, 4]]
+    )
+    code, _, errors = workspace.run("--strict", "--force")
     assert code == 2
-    assert errors.startswith("error: frame 3 (rgb/003.png): no such photograph in ")
+    assert errors.startswith("error: frame 1 (rgb/001.png): no such photograph in ")
+    assert "2 of 5 frames (rgb/001.png, rgb/003.png) have none" in errors
 
 
 def test_help_needs_nothing_heavy(root):
@@ -500,3 +508,68 @@ def test_the_local_file_says_where_to_compute_and_a_device_that_is_none_is_refus
     code, _, errors = workspace.run()
     assert code == 2
     assert "INDUSTNERF_DEVICE is 'gpu', must be cpu, cuda or cuda:N" in errors
+
+
+def test_the_ball_of_the_region_is_no_result(workspace, fake, monkeypatch):
+    """It is written all the same, with its own exit code."""
+    original_run = fake.run
+
+    def run_to_the_rim(posed_images, *more):
+        result = original_run(posed_images, *more)
+        offset = result.points - posed_images.center
+        offset *= posed_images.radius / np.linalg.norm(offset, axis=1, keepdims=True)
+        result.points[:] = posed_images.center + offset
+        result.view[:2] = -1
+        return result
+
+    monkeypatch.setattr(fake, "run", run_to_the_rim)
+    code, text, errors = workspace.run()
+    assert code == 3
+    assert errors.startswith("error: the result is the region of interest and not the part: 100%")
+    assert "33% are seen by no photograph" in errors
+    assert f"{workspace.out}: 6 points" in text
+    assert workspace.out.exists()
+    assert not workspace.checkpoint.exists()
+
+
+def test_photographs_are_left_out_by_name(workspace, fake):
+    code, text, _ = workspace.run("--exclude", "rgb/001.png", "003.PNG")
+    assert (code, "2 of 5 frames are left out, as --exclude says" in text) == (0, True)
+    np.testing.assert_array_equal(
+        fake.LAST_CALL["posed_images"].rgb, sample_images.images()[[0, 2, 4]]
+    )
+    code, _, errors = workspace.run("--exclude", "9.png", "--force")
+    assert (code, "--exclude 9.png: " in errors) == (2, True)
+
+
+def test_scaled_results_are_in_millimeters(workspace):
+    code, text, _ = workspace.run(
+        *("--scale", "0,0,0", "-1,0,0", "10", "--mesh", workspace.folder / "mesh.stl")
+    )
+    assert (code, "in mm; in 1 piece" in " ".join(text.split())) == (0, True)
+    assert b"comment lengths in mm\n" in workspace.out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--sfm",), "either --cameras, or --sfm"),
+        (("--mesh-pieces", "1"), "--mesh-pieces needs --mesh"),
+        (("--scale", "a", "b", "0"), "0 is not above 0"),
+        (("--scale", "a", "b", "c"), "'c' is no number"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(workspace, arguments, complaint):
+    code, _, errors = workspace.run(*arguments)
+    assert (code, complaint in errors) == (2, True)
+
+
+def test_a_method_that_needs_outlines_says_so_where_there_are_none(workspace):
+    """The photographs are of noise, up to their borders."""
+    words = "next to no photograph has a plain border, and there are no masks"
+    assert words in workspace.run("--method", "industnerf_plus")[1]
+    assert words not in workspace.run("--force")[1]
+    assert (
+        words
+        not in workspace.run("--force", "--method", "industnerf_plus", "--background", "white")[1]
+    )

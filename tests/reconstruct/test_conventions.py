@@ -1,7 +1,6 @@
 """Poses of another convention than transforms.json has are told for what they are."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from tests.reconstruct import sample_images
 
 CAMERAS = sample_images.cameras(12)
 CORRECT_POSES = CAMERAS.c2w @ OPENGL  # as a file should have them
-IMAGE_PATHS = [Path(f"{i}.png") for i in range(12)]
+NAMES = [f"{i}.png" for i in range(12)]
 FLIP_YZ = np.diag([1.0, -1, -1, 1])  # negates the second and the third
 CONVENTION_ERRORS = {  # what the file has, how it is told, and the remedy that is named
     "axes": (CORRECT_POSES @ OPENGL, "have OpenCV's axes", lambda matrices: matrices @ FLIP_YZ),
@@ -36,11 +35,11 @@ def as_loaded(matrices):
 def test_a_mistake_is_told_and_its_remedy_helps(mistake, given_center):
     matrices, message, remedy = CONVENTION_ERRORS[mistake]
     with pytest.raises(BadArtifact) as refusal:
-        region_of_interest(as_loaded(matrices), IMAGE_PATHS, given_center, given_center and 1.0)
+        region_of_interest(as_loaded(matrices), NAMES, given_center, given_center and 1.0)
     assert f"it looks as if the matrices {message}" in str(refusal.value)
     assert "--center X Y Z" not in str(refusal.value)  # which would lead in circles
     center, _ = region_of_interest(
-        as_loaded(remedy(matrices)), IMAGE_PATHS, given_center, given_center and 1.0
+        as_loaded(remedy(matrices)), NAMES, given_center, given_center and 1.0
     )
     # a few roundings of positions near 10
     np.testing.assert_allclose(center, sample_images.CENTER, rtol=0, atol=1e-12)
@@ -52,7 +51,7 @@ def test_a_turntable_world_to_camera_is_told():
     eyes = np.stack([5 * np.cos(angle), 5 * np.sin(angle), np.full(12, 2.0)], axis=1)
     gl = look_at(eyes, np.zeros(3)) @ OPENGL
     with pytest.raises(BadArtifact, match=r"are parallel to within .* are world-to-camera: inv"):
-        region_of_interest(as_loaded(np.linalg.inv(gl)), IMAGE_PATHS, None, None)
+        region_of_interest(as_loaded(np.linalg.inv(gl)), NAMES, None, None)
 
 
 def test_right_cameras_look_like_nothing_else():
@@ -67,7 +66,7 @@ def test_a_center_behind_right_cameras_is_no_mistake_of_theirs():
         CAMERAS.K, look_at(eyes, np.zeros(3)), sample_images.WIDTH, sample_images.HEIGHT
     )
     with pytest.raises(BadArtifact, match="is it in the frame and the unit of the cameras"):
-        region_of_interest(cameras, IMAGE_PATHS, (0.0, 0.0, 30.0), 1.0)
+        region_of_interest(cameras, NAMES, (0.0, 0.0, 30.0), 1.0)
 
 
 def test_cameras_that_look_anywhere_are_asked_about():
@@ -79,4 +78,4 @@ def test_cameras_that_look_anywhere_are_asked_about():
     cameras = Cameras(CAMERAS.K, c2w, sample_images.WIDTH, sample_images.HEIGHT)
     for given_center, radius in ((None, None), ((0.0, 0.0, 0.0), 1.0)):
         with pytest.raises(BadArtifact, match=r"are the matrices camera-to-world, with OpenGL's"):
-            region_of_interest(cameras, IMAGE_PATHS, given_center, radius)
+            region_of_interest(cameras, NAMES, given_center, radius)

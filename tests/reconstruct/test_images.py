@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.images import ImageInfo, is_same_aspect, read_image
+from industnerf.reconstruct.images import ImageInfo, composite, is_same_aspect, read_image
 
 W, H = 6, 4
 RGB = np.random.default_rng(1).integers(0, 256, (H, W, 3), np.uint8)
@@ -13,7 +13,9 @@ BLUE = np.array([0.0, 0.0, 1.0])
 
 
 def load(path, camera_size=None):
-    return read_image(path, BLUE, camera_size, "frame 3 (a)")
+    """Over blue, where it is see-through."""
+    pixels, info = read_image(path, camera_size, "frame 3 (a)")
+    return composite(pixels, BLUE), info
 
 
 def save_image(tmp_path, pixels, name="a.png", **options):

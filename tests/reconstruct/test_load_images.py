@@ -6,12 +6,14 @@ import math
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import binary_dilation, binary_erosion
 
 from industnerf.artifacts.views import RgbdImage, Views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import project
 from industnerf.reconstruct.camera_models import Distortion, undistort
-from industnerf.reconstruct.load_images import load_images
+from industnerf.reconstruct.load_images import load_images, to_hex
+from industnerf.reconstruct.sources import Selection
 from tests.reconstruct import sample_images
 
 CAMERAS = sample_images.cameras()
@@ -52,22 +54,30 @@ def test_pixels_and_cameras_come_through(folder):
 
 
 def test_what_the_suite_writes_it_reads(tmp_path):
-    """Views as a stage writes them, of which the last two are held out."""
+    """Views as a stage writes them, of which the last two are held out; masks are in them."""
     pixels = sample_images.images()
-    empty = np.zeros(pixels.shape[1:3])
-    frames = [RgbdImage(rgb, empty > 0, empty.astype(np.float32)) for rgb in pixels]
+    mask = np.zeros(pixels.shape[1:3], bool)
+    mask[4:-4, 4:-4] = True
+    frames = [RgbdImage(rgb, mask, mask.astype(np.float32)) for rgb in pixels]
     held_out = np.arange(5) >= 3
     save_views(
         Views(tmp_path, "p", CAMERAS, held_out, np.ones((5, 3)), 0.01, 1.0),
         frames,
     )
     image_set = load(tmp_path)
-    np.testing.assert_array_equal(image_set.rgb, pixels[:3])
+    within, beyond = binary_erosion(mask), ~binary_dilation(mask)  # by a pixel, of mixed color
+    np.testing.assert_array_equal(image_set.rgb[:, within], pixels[:3, within])
+    color = image_set.rgb[0, 0, 0]
+    assert (image_set.rgb[:, beyond] == color).all()
+    np.testing.assert_array_equal(image_set.background, np.tile(color / 255, (3, 1)))
     np.testing.assert_allclose(image_set.cameras.K, CAMERAS.K[:3], rtol=1e-14)
     assert image_set.warnings == (
         "3 of 5 frames are used, as `train_filenames` says; --all-frames takes every one",
+        f"3 of 3 photographs are cut out by their masks: shown over {to_hex(color / 255)}",
     )
-    assert len(load(tmp_path, all_frames=True).rgb) == 5
+    whole = load(tmp_path, selection=Selection(ignore_masks=True))
+    np.testing.assert_array_equal(whole.rgb, pixels[:3])
+    assert len(load(tmp_path, selection=Selection(all_frames=True)).rgb) == 5
 
 
 def test_reduced_images_keep_their_rays(folder):
@@ -131,27 +141,20 @@ def test_another_shape_is_refused_with_both_sizes(folder):
         assert word in str(refusal.value)
 
 
-def test_two_sizes_in_one_set_are_refused_with_both_files(folder):
-    save_image(folder, 3, sample_images.images()[3].repeat(2, axis=0).repeat(2, axis=1))
-    with pytest.raises(BadArtifact) as refusal:
-        load(folder)
-    for word in ("000.png is 48 x 32 px", "003.png is 96 x 64 px", "must have one size"):
-        assert word in str(refusal.value)
-
-
 def save_transparent(folder, indices, alpha_value=0):
     for i in indices:
         alpha = np.full((sample_images.HEIGHT, sample_images.WIDTH, 1), alpha_value, np.uint8)
+        alpha[-1, -1] = 255  # one pixel of a part, else there is nothing in the photograph
         save_image(folder, i, np.concatenate([sample_images.images()[i], alpha], axis=2))
 
 
 def test_a_see_through_set_has_a_known_background(folder):
     save_transparent(folder, range(5))
     image_set = load(folder)
-    assert (image_set.rgb == 255).all()
+    assert (image_set.rgb[:, :-1] == 255).all()
     np.testing.assert_array_equal(image_set.background, np.ones((5, 3)))
     assert image_set.warnings == ("5 of 5 photographs are see-through: shown over #ffffff",)
-    assert (load(folder, background=(0.0, 0.0, 0.0)).rgb == 0).all()
+    assert (load(folder, background=(0.0, 0.0, 0.0)).rgb[:, :-1] == 0).all()
 
 
 def test_a_background_is_known_if_it_is_given_or_all_have_it(folder):

@@ -126,7 +126,7 @@ def test_files_hold_what_was_found(tmp_path, suffix):
     box = trimesh.creation.box((1.0, 2.0, 3.0))
     box.visual.vertex_colors = np.tile([10, 20, 30, 255], (8, 1)).astype(np.uint8)
     path = tmp_path / ".draft"  # a draft's name says nothing of its form
-    mesh.export_mesh(path, box, suffix)
+    mesh.export_mesh(path, box, suffix, "mm")
     with path.open("rb") as file:
         read = trimesh.load(file, file_type=suffix[1:])
     read.merge_vertices()

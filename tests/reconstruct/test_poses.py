@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from industnerf.artifacts.views import OPENGL
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.transforms import MAX_ORTHOGONALITY_ERROR, parse_pose
+from industnerf.reconstruct.poses import MAX_ORTHOGONALITY_ERROR, parse_pose
 
 
 def random_pose(seed=0, scale=1.0):

@@ -5,7 +5,8 @@ import json
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.reconstruct.transforms import normalize_path, read_frames
+from industnerf.reconstruct.camera_files import read_camera_file
+from industnerf.reconstruct.camera_files.frames import normalize_path
 from tests.reconstruct import sample_images
 
 
@@ -14,11 +15,10 @@ def transforms():
     return sample_images.transforms_content(sample_images.cameras())
 
 
-def load(tmp_path, transforms, **options):
-    return read_frames(
-        sample_images.write_json_file(tmp_path / "t.json", transforms),
-        **({"all_frames": False} | options),
-    )
+def load(tmp_path, transforms, all_frames=False):
+    """The frames to use, and all that are listed."""
+    camera_file = read_camera_file(sample_images.write_json_file(tmp_path / "t.json", transforms))
+    return camera_file.frames_to_use(all_frames=all_frames), camera_file.frames
 
 
 def test_frames_keep_their_order_and_number(tmp_path, transforms):
@@ -50,7 +50,7 @@ def test_names_are_written_in_many_ways(written, expected):
 def test_a_byte_order_mark_is_no_fault(tmp_path, transforms):
     path = tmp_path / "t.json"
     path.write_text(json.dumps(transforms), encoding="utf-8-sig")
-    assert len(read_frames(path, all_frames=False)[0]) == 5
+    assert len(read_camera_file(path).frames) == 5
 
 
 @pytest.mark.parametrize(
@@ -79,10 +79,11 @@ def test_what_is_wrong_is_said(tmp_path, transforms, change, complaint):
 def test_other_files_are_refused(tmp_path, text, complaint):
     (tmp_path / "t.json").write_text(text)
     with pytest.raises(BadArtifact, match=complaint):
-        read_frames(tmp_path / "t.json", all_frames=False)
+        read_camera_file(tmp_path / "t.json")
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path):
-    for path, reason in ((tmp_path / "none.json", "No such file"), (tmp_path, "Is a directory")):
+    missing, folder = (tmp_path / "none.json", "No such file"), (tmp_path, "holds no cameras")
+    for path, reason in (missing, folder):
         with pytest.raises(BadArtifact, match=reason):
-            read_frames(path, all_frames=False)
+            read_camera_file(path)

@@ -51,11 +51,11 @@ class Distortion:
 
 
 def undistort(
-    image: UInt8[np.ndarray, "h w 3"],
+    image: UInt8[np.ndarray, "h w channels"],
     K: Float[np.ndarray, "3 3"],
     distortion: Distortion,
     frame_label: str,
-) -> tuple[UInt8[np.ndarray, "h w 3"], Float[np.ndarray, "3 3"]]:
+) -> tuple[UInt8[np.ndarray, "h w channels"], Float[np.ndarray, "3 3"]]:
     """`image` as a pinhole had taken it, and the pinhole's K.
 
     Of the same size, and enlarged just so much that no pixel lies beyond the edge of the
@@ -70,7 +70,7 @@ def undistort(
     coordinates = [source_px[..., 1], source_px[..., 0]]
     channels = [
         map_coordinates(image[..., channel], coordinates, np.float32, order=1, mode="nearest")
-        for channel in range(3)
+        for channel in range(image.shape[2])
     ]
     return np.rint(np.stack(channels, axis=-1)).astype(np.uint8), pinhole_K
 

@@ -23,11 +23,13 @@ FloatTriple = tuple[float, float, float]
 class Options:
     """What was asked for; every path to write to is settled."""
 
-    cameras: Path
+    cameras: Path | None  # None: found from the photographs, by --sfm
     images: Path | None  # None: beside the cameras
+    sfm: bool
     out: Path
     npz: Path | None
     mesh: Path | None
+    mesh_pieces: int | None  # None: all
     checkpoint: Path
     preview: Path
     has_explicit_preview: bool  # by the user, so that what stands there may be anything
@@ -35,6 +37,11 @@ class Options:
     params: Path | None
     overrides: tuple[str, ...]
     all_frames: bool
+    exclude: tuple[str, ...]
+    strict: bool
+    ignore_masks: bool
+    undo_transform: bool
+    scale: tuple[str, str, float] | None
     background: FloatTriple | None
     max_size: int
     center: FloatTriple | None
@@ -74,6 +81,16 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
         )
     if center is not None and args["radius"] is None:
         parser.error("--center needs --radius beside it")
+    if args["sfm"] == (cameras is not None):
+        parser.error("either --cameras, or --sfm to find the cameras from the photographs alone")
+    if args["sfm"] and args["images"] is None:
+        parser.error("--sfm needs --images DIR, the folder of the photographs")
+    if args["mesh_pieces"] and mesh is None:
+        parser.error("--mesh-pieces needs --mesh beside it")
+    try:
+        scale = args["scale"] and (*args["scale"][:2], _positive_float(args["scale"][2]))
+    except argparse.ArgumentTypeError as error:
+        parser.error(f"argument --scale: {error}")
     return Options(
         cameras=cameras,
         out=out,
@@ -82,6 +99,8 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
         preview=preview or Path(f"{out}.preview.png"),
         has_explicit_preview=preview is not None,
         overrides=tuple(args.pop("overrides")),
+        exclude=tuple(args.pop("exclude")),
+        scale=args.pop("scale") and scale,
         center=center and tuple(center),
         **args,
     )
@@ -89,8 +108,44 @@ def parse_args(arguments: Sequence[str], description: str) -> Options:
 
 def _add_inputs(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("what to work on")
-    group.add_argument("--cameras", required=True, type=Path, metavar="transforms.json")
+    group.add_argument(
+        "--cameras",
+        type=Path,
+        metavar="FILE|DIR",
+        help="transforms.json, a COLMAP model (such as sparse/0), or sdfstudio's meta_data.json",
+    )
     group.add_argument("--images", type=Path, metavar="DIR", help="default: beside the cameras")
+    group.add_argument(
+        "--sfm",
+        action="store_true",
+        help="find the cameras from the photographs in --images, by pycolmap; kept in OUT.sfm",
+    )
+    group.add_argument(
+        "--scale",
+        nargs=3,
+        metavar=("A", "B", "MM"),
+        help="make it mm: the distance of A and B, each x,y,z or a photograph, whose camera is "
+        "meant; --center and --radius are in mm then",
+    )
+    group.add_argument(
+        "--exclude",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME",
+        help="leave out these photographs",
+    )
+    group.add_argument(
+        "--strict", action="store_true", help="refuse if a photograph or a mask is missing"
+    )
+    group.add_argument(
+        "--ignore-masks", action="store_true", help="do without the masks that frames name"
+    )
+    group.add_argument(
+        "--undo-transform",
+        action="store_true",
+        help="go back to the frame before applied_transform, applied_scale or worldtogt",
+    )
     group.add_argument(
         "--all-frames", action="store_true", help="every frame, not train_filenames alone"
     )
@@ -98,8 +153,8 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
         "--background",
         type=_color,
         metavar="COLOR",
-        help="behind the part: white, gray, black or #rrggbb; shows through where a photograph is "
-        "see-through (default white), and is learned from the others if not given",
+        help="behind the part: white, gray, black or #rrggbb; is learned if not given; shows where "
+        "a photograph is see-through or masked (default: a color that the part has not)",
     )
     group.add_argument(
         "--max-size",
@@ -113,7 +168,7 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
         type=_finite_float,
         nargs=3,
         metavar=("X", "Y", "Z"),
-        help="of the region of interest, in the unit of the cameras (default: what all look at)",
+        help="of the region of interest, in the cameras' unit (default: what all look at)",
     )
     group.add_argument("--radius", type=_positive_float, metavar="R", help="of the same")
 
@@ -126,6 +181,12 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="surface.stl",
         help="the surface as triangles, closed: .stl, .ply or .obj",
+    )
+    group.add_argument(
+        "--mesh-pieces",
+        type=_int_at_least(1),
+        metavar="N",
+        help="keep the N largest pieces of the mesh (default: all)",
     )
     group.add_argument("--npz", action="store_true", help="the same as .npz beside it")
     group.add_argument("--force", action="store_true", help="overwrite what is there")

@@ -7,21 +7,18 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import Cameras
 from industnerf.geometry.silhouettes import border
-from industnerf.reconstruct.images import View, format_size, parse_camera, read_view
-from industnerf.reconstruct.transforms import (
-    MIN_SCALE_DEVIATION,
-    check_images_dir,
-    find_images,
-    images_outside_dir,
-    protected_paths,
-    read_frames,
-    unlisted_images,
-)
+from industnerf.reconstruct.camera_files import read_camera_file
+from industnerf.reconstruct.canvas import crop_to_region, framing_cameras, have_one_size
+from industnerf.reconstruct.images import View, format_size, read_view
+from industnerf.reconstruct.poses import MIN_SCALE_DEVIATION
+from industnerf.reconstruct.region import region_of_interest
+from industnerf.reconstruct.see_through import choose_background, covers_border, shows_nothing
+from industnerf.reconstruct.sources import Selection, check_count, find_sources
 
-WHITE = (1.0, 1.0, 1.0)
+Triple = tuple[float, float, float]
+ALL = Selection()
 
 
 @dataclass(frozen=True)
@@ -29,105 +26,104 @@ class ImageSet:
     """What was read, and what a user should know of how."""
 
     rgb: UInt8[np.ndarray, "n h w 3"]
-    cameras: Cameras  # in the frame and the unit of the file
+    cameras: Cameras  # in the frame and the unit that were asked for
     background: Float[np.ndarray, "n 3"] | None  # None: unknown
+    center: Float[np.ndarray, "3"]  # of the region of interest
+    radius: float
     image_paths: tuple[Path, ...]
+    names: tuple[str, ...]  # of the photographs, in the camera file
     protected_paths: tuple[Path, ...]  # those of frames that are not used, too
     warnings: tuple[str, ...]
+    is_colmap: bool = False  # the camera file is a model of COLMAP
 
 
 def load_images(
-    transforms: Path,
+    cameras: Path,
     images_dir: Path | None,
     *,
     max_size: int,
-    background: tuple[float, float, float] | None = None,
-    all_frames: bool = False,
+    background: Triple | None = None,
+    selection: Selection = ALL,
+    center: Triple | None = None,
+    radius: float | None = None,
     on_image_loaded: Callable[[int, int], None] = lambda done, total: None,
 ) -> ImageSet:
-    """Read what `transforms` names, no long edge above `max_size` px.
+    """Read what `cameras` names, no long edge above `max_size` px.
 
-    A photograph is looked for in `images_dir`, if that is given, and then beside `transforms`.
+    A photograph is looked for in `images_dir`, if that is given, and then beside `cameras`.
 
-    See-through pixels show `background` (sRGB in [0, 1]; None: white), which counts as known if
-    it was given, or if every photograph is see-through.  `on_image_loaded(done, total)` is
+    See-through and masked pixels show `background` (sRGB in [0, 1]; None: a color that the part
+    has not), which counts as known if it was given, or if every photograph has such pixels.
+    `center` and `radius` override the region of interest.  `on_image_loaded(done, total)` is
     called after each photograph.  Raises BadArtifact that names the file and the frame.
     """
-    used_frames, listed_frames = read_frames(transforms, all_frames=all_frames)
-    if len(used_frames) < 2:
-        raise BadArtifact(f"{transforms}: {len(used_frames)} view to work on, it takes at least 2")
-    # cheap, so before any pixel is read
-    frame_cameras = [parse_camera(frame) for frame in used_frames]
-    folders = (
-        list(dict.fromkeys([images_dir, transforms.parent])) if images_dir else [transforms.parent]
-    )
-    check_images_dir(images_dir)
-    image_paths = find_images(used_frames, folders)
-    outside_paths = images_outside_dir(image_paths, images_dir)
-    color = np.array(background or WHITE)
+    camera_file = read_camera_file(cameras)
+    sources = find_sources(camera_file, images_dir, selection)
     views: list[View] = []
-    for frame_camera, path in zip(frame_cameras, image_paths, strict=True):
-        views.append(read_view(frame_camera, path, color, max_size))
-        _check_same_size(views, image_paths)
-        on_image_loaded(len(views), len(used_frames))
-    has_known_background = background is not None or all(
-        view.info.has_transparency for view in views
-    )
+    for frame_camera, path, mask_path in zip(
+        sources.cameras, sources.image_paths, sources.mask_paths, strict=True
+    ):
+        views.append(read_view(frame_camera, path, max_size, mask_path))
+        on_image_loaded(len(views), len(sources.cameras))
+    is_shown = [not shows_nothing(view) for view in views]
+    views = [view for view, shown in zip(views, is_shown, strict=True) if shown]
+    check_count(cameras, len(views), f"{is_shown.count(False)} masks leave nothing")
+    mask_words = mask_warnings(views, is_shown.count(False))
+    is_known = background is not None or all(view.info.has_transparency for view in views)
+    color = choose_background(views) if background is None else np.array(background)
+    views = [view.over(color) for view in views]
+    names = tuple(view.camera.frame.name for view in views)
+    center, radius = region_of_interest(framing_cameras(views), names, center, radius)
+    windows = views
+    if not have_one_size(views):
+        windows = crop_to_region(views, center, radius, color if is_known else None)
     return ImageSet(
-        np.stack([view.rgb for view in views]),
-        _cameras(views),
-        np.tile(color, (len(views), 1)) if has_known_background else None,
-        tuple(image_paths),
-        tuple(protected_paths(listed_frames, folders)),
+        np.stack([view.rgb for view in windows]),
+        framing_cameras(windows),
+        np.tile(color, (len(views), 1)) if is_known else None,
+        center,
+        radius,
+        tuple(path for path, shown in zip(sources.image_paths, is_shown, strict=True) if shown),
+        names,
+        sources.protected_paths,
         (
-            *outside_dir_warnings(outside_paths, len(image_paths), images_dir),
-            *image_warnings(
-                views,
-                len(listed_frames),
-                color,
-                unlisted_images(image_paths, listed_frames, folders),
-            ),
-            *input_warnings(views, None if background is None else color),
+            *camera_file.warnings,
+            *sources.warnings,
+            *mask_words,
+            *image_warnings(views, windows, color),
+            *input_warnings(windows, None if background is None else color),
         ),
+        camera_file.is_colmap,
     )
 
 
-def _cameras(views: Sequence[View]) -> Cameras:
-    height, width = views[0].rgb.shape[:2]
-    K, c2w = np.stack([view.K for view in views]), np.stack([view.camera.c2w for view in views])
-    return Cameras(K, c2w, width, height)
-
-
-def _check_same_size(views: Sequence[View], image_paths: Sequence[Path]) -> None:
-    first, last = views[0].info.size, views[-1].info.size
-    if first != last:
-        raise BadArtifact(
-            f"{image_paths[0]} is {format_size(first)} and {image_paths[len(views) - 1]} is "
-            f"{format_size(last)}: all photographs must have one size"
+def mask_warnings(views: Sequence[View], num_empty: int) -> list[str]:
+    """Sentences on masks that show nothing, and on those that are no outline of a part."""
+    warnings = []
+    if num_empty:
+        warnings.append(f"{num_empty} photographs are left out, as their masks leave nothing")
+    num_wide = sum(covers_border(view) for view in views)
+    if num_wide:
+        warnings.append(
+            f"{num_wide} of {len(views)} masks keep most of the border of the photograph: a mask "
+            "is white where the part is and black elsewhere; --ignore-masks does without"
         )
-
-
-MAX_NAMED = 3  # of the images that are left out
+    return warnings
 
 
 def image_warnings(
-    views: Sequence[View],
-    num_listed: int,
-    background: Float[np.ndarray, "3"],
-    unlisted: Sequence[Path],
+    views: Sequence[View], windows: Sequence[View], background: Float[np.ndarray, "3"]
 ) -> list[str]:
-    """Sentences on `views`, the frames that are used of `num_listed`.
-
-    `unlisted` are images beside theirs that no frame names.
-    """
-    height, width = views[0].rgb.shape[:2]
+    """Sentences on `views`, and on the `windows` of them that are used."""
+    color = to_hex(background)
     flags_by_message = {
         "have another size than their cameras state: the intrinsics were scaled": [
             view.is_rescaled for view in views
         ],
-        f"are see-through: shown over {to_hex(background)}": [
-            view.info.has_transparency for view in views
+        f"are see-through: shown over {color}": [
+            view.info.has_transparency and not view.info.has_mask for view in views
         ],
+        f"are cut out by their masks: shown over {color}": [view.info.has_mask for view in views],
         "were turned by their EXIF orientation, as their cameras are": [
             view.info.is_rotated for view in views
         ],
@@ -135,40 +131,23 @@ def image_warnings(
             abs(view.camera.scale - 1) > MIN_SCALE_DEVIATION for view in views
         ],
         "were straightened, as their lens bends lines": [view.camera.distortion for view in views],
-        f"were reduced to {format_size((width, height))}": [
-            view.info.size != (width, height) for view in views
-        ],
     }
+    for size in dict.fromkeys(view.size for view in views):
+        flags_by_message[f"were reduced to {format_size(size)}"] = [
+            view.size == size != view.info.size for view in views
+        ]
     warnings = [
         f"{sum(map(bool, flags))} of {len(views)} photographs {text}"
         for text, flags in flags_by_message.items()
         if any(flags)
     ]
-    if unlisted:
-        warnings.insert(0, unlisted_images_warning(unlisted))
-    if len(views) == num_listed:
-        return warnings
-    usage = f"{len(views)} of {num_listed} frames are used, as `train_filenames` says"
-    return [f"{usage}; --all-frames takes every one", *warnings]
-
-
-def outside_dir_warnings(
-    outside_paths: Sequence[Path], total: int, images_dir: Path | None
-) -> list[str]:
-    """A sentence on those of `total` photographs that are not in `images_dir`, if any."""
-    if not outside_paths:
-        return []
-    return [
-        f"{len(outside_paths)} of {total} photographs are not in --images {images_dir}: taken from "
-        f"where the cameras are, the first as {outside_paths[0]}"
-    ]
-
-
-def unlisted_images_warning(unlisted: Sequence[Path]) -> str:
-    """How many they are, and the names of the first."""
-    names = ", ".join(path.name for path in unlisted[:MAX_NAMED])
-    more = ", ..." if len(unlisted) > MAX_NAMED else ""
-    return f"images that no frame names, left out: {len(unlisted)} ({names}{more})"
+    if windows is not views:
+        sizes = len({view.size for view in views})
+        warnings.append(
+            f"photographs have {sizes} sizes: of each a window of {format_size(windows[0].size)} "
+            "about the region of interest is used"
+        )
+    return warnings
 
 
 MAX_BACKGROUND_DIFFERENCE = 255 / 8  # in a channel: more than light that falls off, or compression

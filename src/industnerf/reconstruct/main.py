@@ -1,6 +1,8 @@
 """From the command line's options to files."""
 
+import shutil
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,42 +12,61 @@ from rich.console import Console
 
 from industnerf.artifacts.files import atomic_write, check_writable
 from industnerf.artifacts.ply import write_ply
-from industnerf.errors import BadArtifact
-from industnerf.geometry.cameras import Cameras
+from industnerf.errors import BadArtifact, RegionInsteadOfPart
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
 from industnerf.reconstruct.region import check_float32_precision, region_of_interest
+from industnerf.reconstruct.result_check import RegionShares, ball_warning, region_shares
+from industnerf.reconstruct.scale import Scale
 from industnerf.reconstruct.settings import resolve_config
-from industnerf.reconstruct.silhouette_check import silhouette_warning
+from industnerf.reconstruct.silhouette_check import (
+    agree_once_transposed,
+    plain_silhouettes,
+    silhouette_warning,
+    transpose_rotations,
+)
+from industnerf.reconstruct.sources import Selection
 from industnerf.stage import run_timed
+
+NO_OUTLINES = (
+    "next to no photograph has a plain border, and there are no masks: industnerf_plus finds the "
+    "part by its outline, so expect no part: cut it out (mask_path, or transparent pixels), or use "
+    "--method industnerf"
+)
 
 
 def reconstruct(options: Options, console: Console | None = None) -> None:
-    """Do what `options` ask for; says what it does on `console`, by default the terminal."""
+    """Do what `options` ask for; says what it does on `console`, by default the terminal.
+
+    Raises RegionInsteadOfPart, once all is written, if the result is no part.
+    """
     check_outputs(options)
     with Display(console or Console()) as display:
-        summaries: list[str] = []
+        summaries: list[Summary] = []
         cost = run_timed(lambda out: summaries.append(_run(options, display)), options.out)
-        display.log(f"{summaries[0]}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
+        display.log(f"{summaries[0].text}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
+    if summaries[0].shares.is_ball:
+        raise RegionInsteadOfPart(ball_warning(summaries[0].shares))
 
 
-def _run(options: Options, display: Display) -> str:
+@dataclass(frozen=True)
+class Summary:
+    """What was written, and what it is."""
+
+    text: str
+    shares: RegionShares
+
+
+def _run(options: Options, display: Display) -> Summary:
     config = resolve_config(options.method, options.overrides, options.params)
     if options.print_config:
         for line in config.format_lines():
             display.log(line)
-    image_set = _load_image_set(options, display)
+    image_set = _check_silhouettes(options, _load_image_set(options, display), display)
     check_not_inputs(options, [config.source, *image_set.protected_paths])
-    center, radius = region_of_interest(
-        image_set.cameras, image_set.image_paths, options.center, options.radius
-    )
+    center, radius = image_set.center, image_set.radius
     check_float32_precision(center, radius)
-    warning = silhouette_warning(
-        image_set.rgb, image_set.cameras, image_set.background, center, radius
-    )
-    if warning:
-        display.log(warning)
     display.log(
         f"{len(image_set.image_paths)} photographs of {image_set.cameras.width} x "
         f"{image_set.cameras.height} px; region of interest: "
@@ -59,26 +80,80 @@ def _run(options: Options, display: Display) -> str:
     write_cloud(options, result, image_set.image_paths)
     if options.mesh:
         display.log(f"{options.out} is written")  # whatever becomes of the mesh
-        display.log(write_mesh(options.mesh, result, image_set.cameras, center, radius))
+        display.log(write_mesh(options, result, image_set))
     options.checkpoint.unlink(missing_ok=True)
-    return (
+    return Summary(
         f"{options.out}: {len(result.points)} points, {result.steps} steps, "
-        f"{result.num_parameters} parameters"
+        f"{result.num_parameters} parameters",
+        region_shares(result.points, result.view, center, radius),
     )
 
 
 def _load_image_set(options: Options, display: Display) -> ImageSet:
+    cameras = options.cameras or _find_cameras(options, display)
     image_set = load_images(
-        options.cameras,
+        cameras,
         options.images,
         max_size=options.max_size,
         background=options.background,
-        all_frames=options.all_frames,
+        selection=_selection(options),
+        center=options.center,
+        radius=options.radius,
         on_image_loaded=display.count_images,
     )
     for warning in image_set.warnings:
         display.log(warning)
     return image_set
+
+
+def _check_silhouettes(options: Options, image_set: ImageSet, display: Display) -> ImageSet:
+    """`image_set`, its rotations transposed if it is COLMAP's and only so its silhouettes agree."""
+    silhouettes = plain_silhouettes(image_set.rgb, image_set.cameras, image_set.background)
+    if silhouettes is None:
+        if image_set.background is None and options.method == "industnerf_plus":
+            display.log(NO_OUTLINES)
+        return image_set
+    warning = silhouette_warning(silhouettes, image_set.center, image_set.radius, image_set.names)
+    if warning is None:
+        return image_set
+    if not (image_set.is_colmap and agree_once_transposed(silhouettes)):
+        display.log(warning)
+        return image_set
+    display.log(
+        f"{options.cameras}: the quaternions lead from camera to world, and COLMAP's from world to "
+        "camera: they are read so, as only then the photographs agree on where the part is"
+    )
+    cameras = replace(image_set.cameras, c2w=transpose_rotations(image_set.cameras.c2w))
+    center, radius = region_of_interest(cameras, image_set.names, options.center, options.radius)
+    return replace(image_set, cameras=cameras, center=center, radius=radius)
+
+
+def _find_cameras(options: Options, display: Display) -> Path:
+    from industnerf.reconstruct import sfm  # late: it takes pycolmap
+
+    folder = Path(f"{options.out}.sfm")
+    if options.no_resume:
+        shutil.rmtree(folder, ignore_errors=True)
+    display.log(f"finding the cameras of the photographs in {options.images}: minutes")
+    model, sentence = sfm.find_cameras(options.images, folder)
+    display.log(sentence)
+    return model
+
+
+def _selection(options: Options) -> Selection:
+    return Selection(
+        options.all_frames,
+        options.exclude,
+        options.strict,
+        options.ignore_masks,
+        options.undo_transform,
+        options.scale and Scale(options.scale[:2], options.scale[2]),
+    )
+
+
+def _unit(options: Options) -> str:
+    """In which lengths are, for a message."""
+    return "mm" if options.scale else "the cameras' unit"
 
 
 def write_cloud(options: Options, result: Any, image_paths: Sequence[Path]) -> None:
@@ -90,7 +165,7 @@ def write_cloud(options: Options, result: Any, image_paths: Sequence[Path]) -> N
             colors=result.colors,
             confidence=result.confidence,
             view=result.view,
-            unit="the cameras' unit",
+            unit=_unit(options),
         )
     if options.npz:
         with atomic_write(options.npz) as draft, draft.open("wb") as file:
@@ -104,18 +179,21 @@ def write_cloud(options: Options, result: Any, image_paths: Sequence[Path]) -> N
             )
 
 
-def write_mesh(
-    path: Path, result: Any, cameras: Cameras, center: Float[np.ndarray, "3"], radius: float
-) -> str:
+def write_mesh(options: Options, result: Any, image_set: ImageSet) -> str:
     """Write the surface of the result as triangles; returns a sentence on it."""
-    from industnerf.reconstruct import mesh  # late: it takes trimesh
+    from industnerf.reconstruct import mesh, mesh_pieces  # late: they take trimesh
 
-    triangle_mesh = mesh.extract_mesh(result, cameras, center, radius)
+    path = options.mesh
+    triangle_mesh = mesh.extract_mesh(result, image_set.cameras, image_set.center, image_set.radius)
+    pieces = mesh_pieces.split_pieces(triangle_mesh)
+    if options.mesh_pieces:
+        triangle_mesh = mesh_pieces.keep_largest(triangle_mesh, pieces, options.mesh_pieces)
     with atomic_write(path) as draft:
-        mesh.export_mesh(draft, triangle_mesh, path.suffix.lower())
+        mesh.export_mesh(draft, triangle_mesh, path.suffix.lower(), _unit(options))
     return (
         f"{path}: {len(triangle_mesh.faces)} triangles, area {triangle_mesh.area:.5g}, volume "
-        f"{triangle_mesh.volume:.5g}, in the cameras' unit"
+        f"{triangle_mesh.volume:.5g}, in {_unit(options)}; "
+        f"{mesh_pieces.pieces_sentence(pieces, options.mesh_pieces)}"
     )
 
 
@@ -128,7 +206,7 @@ def check_outputs(options: Options) -> None:
     outputs = _output_paths(options)
     if len({path.resolve() for path in outputs.values()}) < len(outputs):
         raise BadArtifact(f"{', '.join(outputs)} must be different files")
-    check_not_inputs(options, [options.cameras])
+    check_not_inputs(options, [options.cameras] if options.cameras else [])
     overwritten = [path for path in (options.out, options.npz, options.mesh) if path]
     is_resuming = (
         options.checkpoint.exists() and not options.no_resume

@@ -82,7 +82,7 @@ def signed_distances(
     return spacing * off_zero(values / np.float32(spacing))
 
 
-def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:
+def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str, unit: str) -> None:
     """Write `mesh` in the format of `suffix`; PLY and OBJ have its colors, STL cannot."""
     if suffix == ".ply":
         write_ply(
@@ -90,7 +90,7 @@ def export_mesh(path: Path, mesh: trimesh.Trimesh, suffix: str) -> None:
             mesh.vertices,
             colors=mesh.visual.vertex_colors[:, :3],
             faces=mesh.faces.astype(np.int32),
-            unit="the cameras' unit",
+            unit=unit,
         )
     else:
         mesh.export(path, file_type=suffix[1:])

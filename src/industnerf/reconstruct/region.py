@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from industnerf.artifacts.views import OPENGL
 from industnerf.errors import BadArtifact, BadParams
-from industnerf.geometry.cameras import Cameras, common_view_ball, project
+from industnerf.geometry.cameras import Cameras, common_view_ball
+from industnerf.reconstruct.pose_outliers import in_frame, odd_cameras, odd_cameras_error
 
 CONVENTION_ERROR_SHARE = 0.9  # cameras that look away are no accident
 REGION_HINT = (
@@ -19,15 +19,15 @@ REGION_HINT = (
 
 def region_of_interest(
     cameras: Cameras,
-    image_paths: Sequence[Path],
+    names: Sequence[str],
     center: tuple[float, float, float] | None,
     radius: float | None,
 ) -> tuple[Float[np.ndarray, "3"], float]:
     """Center and radius of the region of interest, in the unit of the cameras.
 
-    What is not given is that of `common_view_ball`.  Raises BadArtifact if the cameras do not
-    look at a common point, if fewer than two have the given center in frame, or if one is in the
-    ball.
+    What is not given is that of `common_view_ball`; `names` are those of the frames.  Raises
+    BadArtifact if the cameras do not look at a common point, if fewer than two have the given
+    center in frame, or if one is in the ball.
     """
     if center is not None:
         if radius is None:
@@ -37,7 +37,7 @@ def region_of_interest(
     else:
         _check_axis_spread(cameras)
         ball_center, framed_radius = common_view_ball(cameras)
-        _check_common_point(cameras, image_paths, ball_center)
+        _check_common_point(cameras, names, ball_center)
         radius = framed_radius if radius is None else radius
     _check_cameras_outside(cameras, ball_center, radius)
     return ball_center, radius
@@ -76,14 +76,16 @@ def _check_axis_spread(cameras: Cameras) -> None:
 
 
 def _check_common_point(
-    cameras: Cameras, image_paths: Sequence[Path], center: Float[np.ndarray, "3"]
+    cameras: Cameras, names: Sequence[str], center: Float[np.ndarray, "3"]
 ) -> None:
     missing = np.flatnonzero(~in_frame(cameras, center))
     if len(missing):
+        if odd := odd_cameras(cameras):
+            raise BadArtifact(odd_cameras_error(cameras, names, odd))
         point = ", ".join(f"{x:.4g}" for x in center)
         raise BadArtifact(
             f"the cameras do not look at a common point: {len(missing)} of {len(cameras)}, the "
-            f"first that of {image_paths[missing[0]]}, do not have ({point}) in frame, to which "
+            f"first that of {names[missing[0]]}, do not have ({point}) in frame, to which "
             f"their optical axes come nearest; {_suggest_fix(cameras, len(missing))}"
         )
 
@@ -96,16 +98,6 @@ def _suggest_fix(cameras: Cameras, num_missing: int) -> str:
 
 
 MIN_AXIS_SPREAD = np.radians(2.0)  # optical axes that spread less give no point where they meet
-
-
-def in_frame(cameras: Cameras, point: Float[np.ndarray, "3"]) -> Bool[np.ndarray, "n"]:
-    """Which cameras have `point` before them and in their image."""
-    visible = np.zeros(len(cameras), bool)
-    for i, (K, c2w) in enumerate(zip(cameras.K, cameras.c2w, strict=True)):
-        if (point - c2w[:3, 3]) @ c2w[:3, 2] > 0:
-            u, v = project(point[None], K, c2w)[0][0]
-            visible[i] = 0 <= u <= cameras.width and 0 <= v <= cameras.height
-    return visible
 
 
 def axis_spread(cameras: Cameras) -> float:

@@ -5,16 +5,25 @@ hull of all, if each shows all of the part so.  Where a photograph loses some of
 it is as light as the background, the hull loses it too, and the others show more than the hull.
 """
 
-import numpy as np
-from jaxtyping import Bool, Float, UInt8
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
-from industnerf.geometry.cameras import Cameras, nested_view_subset, project
+import numpy as np
+from jaxtyping import Bool, Float, Int64, UInt8
+
+from industnerf.geometry.cameras import (
+    Cameras,
+    common_view_ball,
+    nested_view_subset,
+    project,
+)
 from industnerf.geometry.silhouettes import (
     border,
     differs_from_background,
     distance_to_mask,
     foreground_mask,
 )
+from industnerf.reconstruct.pose_outliers import exclude_option
 
 TOLERANCE = 0.02  # in [0, 1]; as method.industnerf_plus.background_tolerance
 LONG_EDGE_PX = 128  # of the images that are looked at
@@ -23,16 +32,24 @@ MARGIN_PX = 1.5  # beyond half a voxel's diagonal: an outline covers pixels, not
 MIN_PLAIN_SHARE = 0.75  # of a border within TOLERANCE of its median, for a plain background
 MIN_VIEWS, MAX_VIEWS = 3, 24  # before a plain background; of more, so many that are far apart
 MAX_LOST_SHARE = 0.02  # of what differs from the background: more is warned of
+MAX_SUSPECTS = 3  # photographs that are left out, each alone, to see if the others agree
 
 
-def silhouette_warning(
+@dataclass(frozen=True)
+class Silhouettes:
+    """What differs from the background in the photographs before a plain one, reduced."""
+
+    masks: Bool[np.ndarray, "n h w"]
+    cameras: Cameras
+    views: Int64[np.ndarray, "n"]  # which photographs they are of
+
+
+def plain_silhouettes(
     rgb: UInt8[np.ndarray, "n h w 3"],
     cameras: Cameras,
     background: Float[np.ndarray, "n 3"] | None,
-    center: Float[np.ndarray, "3"],
-    radius: float,
-) -> str | None:
-    """A sentence if more than MAX_LOST_SHARE of the silhouettes lie outside their visual hull.
+) -> Silhouettes | None:
+    """Those of up to MAX_VIEWS photographs, or None if fewer than MIN_VIEWS are plain.
 
     `background` is that of each photograph, in [0, 1]; None: the median of its border.
     """
@@ -47,16 +64,73 @@ def silhouette_warning(
     positions = cameras.centers[views]
     views = views[nested_view_subset(positions, min(len(views), MAX_VIEWS))]
     images, cameras = _reduce(rgb[views], cameras[views])
-    masks = foreground_mask(images, background[views], TOLERANCE)
-    share = lost_share(masks, cameras, center, radius)
+    return Silhouettes(foreground_mask(images, background[views], TOLERANCE), cameras, views)
+
+
+def silhouette_warning(
+    silhouettes: Silhouettes,
+    center: Float[np.ndarray, "3"],
+    radius: float,
+    names: Sequence[str] = (),
+) -> str | None:
+    """A sentence if more than MAX_LOST_SHARE of the silhouettes lie outside their visual hull.
+
+    It names the photograph, of `names`, without which they would not.
+    """
+    share = lost_share(silhouettes.masks, silhouettes.cameras, center, radius)
     if share <= MAX_LOST_SHARE:
         return None
-    return (
+    text = (
         f"{share:.0%} of what differs from the background lies where another photograph shows the "
-        "background: the part is as light as what is behind it, or cameras are wrong, or something "
+        "background: "
+    )
+    odd = odd_silhouette(silhouettes, center, radius) if names else None
+    if odd is not None:
+        return (
+            f"{text}it is {names[odd]} that contradicts all others: a wrong pose? Leave it out by "
+            f"{exclude_option(names, [odd])}"
+        )
+    return (
+        f"{text}the part is as light as what is behind it, or cameras are wrong, or something "
         "else is in view; the part comes out eroded (photograph it before another color, or cut "
         "it out, with --background)"
     )
+
+
+def odd_silhouette(
+    silhouettes: Silhouettes, center: Float[np.ndarray, "3"], radius: float
+) -> int | None:
+    """The one photograph without which the others agree, if there is one.
+
+    Those that alone see most of the region empty are tried: MAX_SUSPECTS of them.
+    """
+    masks, cameras = silhouettes.masks, silhouettes.cameras
+    sees_empty = ~_sees_solid(masks, cameras, center, radius)
+    alone = (sees_empty & (sees_empty.sum(axis=0) == 1)).sum(axis=1)
+    for suspect in np.argsort(-alone, kind="stable")[:MAX_SUSPECTS]:
+        others = np.delete(np.arange(len(masks)), suspect)
+        if len(others) < MIN_VIEWS:
+            return None
+        if lost_share(masks[others], cameras[others], center, radius) <= MAX_LOST_SHARE:
+            return int(silhouettes.views[suspect])
+    return None
+
+
+def agree_once_transposed(silhouettes: Silhouettes) -> bool:
+    """Whether the silhouettes agree where all cameras are as `transpose_rotations` has them."""
+    cameras = silhouettes.cameras
+    cameras = replace(cameras, c2w=transpose_rotations(cameras.c2w))
+    region = common_view_ball(cameras)
+    return lost_share(silhouettes.masks, cameras, *region) <= MAX_LOST_SHARE
+
+
+def transpose_rotations(c2w: Float[np.ndarray, "n 4 4"]) -> Float[np.ndarray, "n 4 4"]:
+    """Poses of a file whose world-to-camera translations are right and rotations transposed."""
+    swapped = c2w.copy()
+    swapped[:, :3, :3] = c2w[:, :3, :3].transpose(0, 2, 1)
+    turned = swapped[:, :3, :3] @ swapped[:, :3, :3]
+    swapped[:, :3, 3] = np.einsum("nij,nj->ni", turned, c2w[:, :3, 3])
+    return swapped
 
 
 def _is_plain(image: UInt8[np.ndarray, "h w 3"], background: Float[np.ndarray, "3"]) -> bool:
@@ -87,10 +161,7 @@ def lost_share(
 ) -> float:
     """Of the `masks` within the region of interest, the share that their visual hull leaves out."""
     voxels, half_diagonal = _region_voxels(center, radius)
-    is_in_hull = np.ones(len(voxels), bool)
-    for mask, K, c2w in zip(masks, cameras.K, cameras.c2w, strict=True):
-        u, v, in_frame, reach_px = _to_pixels(voxels, K, c2w, cameras, half_diagonal)
-        is_in_hull &= ~in_frame | (distance_to_mask(mask)[v, u] <= reach_px)
+    is_in_hull = _sees_solid(masks, cameras, center, radius).all(axis=0)
     shown = lost = 0
     for mask, K, c2w in zip(masks, cameras.K, cameras.c2w, strict=True):
         u, v, in_frame, reach_px = _to_pixels(voxels, K, c2w, cameras, half_diagonal)
@@ -102,6 +173,21 @@ def lost_share(
         shown += int((mask & covered[0]).sum())
         lost += int((mask & covered[0] & ~covered[1]).sum())
     return lost / max(shown, 1)
+
+
+def _sees_solid(
+    masks: Bool[np.ndarray, "n h w"],
+    cameras: Cameras,
+    center: Float[np.ndarray, "3"],
+    radius: float,
+) -> Bool[np.ndarray, "n voxels"]:
+    """Whether each mask leaves each voxel of the region, or does not show it."""
+    voxels, half_diagonal = _region_voxels(center, radius)
+    rows = []
+    for mask, K, c2w in zip(masks, cameras.K, cameras.c2w, strict=True):
+        u, v, in_frame, reach_px = _to_pixels(voxels, K, c2w, cameras, half_diagonal)
+        rows.append(~in_frame | (distance_to_mask(mask)[v, u] <= reach_px))
+    return np.stack(rows)
 
 
 def _region_voxels(
