@@ -18,6 +18,7 @@ from industnerf.reconstruct.load_images import ImageSet, load_images
 from industnerf.reconstruct.region import check_float32_precision, region_of_interest
 from industnerf.reconstruct.settings import resolve_config
 from industnerf.reconstruct.silhouette_check import silhouette_warning
+from industnerf.splats import save_preview
 from industnerf.stage import run_timed
 
 
@@ -57,6 +58,7 @@ def _run(options: Options, display: Display) -> str:
 
     result = run_reconstruction(options, image_set, center, radius, config, display)
     write_cloud(options, result, image_set.image_paths)
+    save_preview(Path(f"{options.out}.png"), result.points, result.colors)
     if options.mesh:
         display.log(f"{options.out} is written")  # whatever becomes of the mesh
         display.log(write_mesh(options.mesh, result, image_set.cameras, center, radius))
