@@ -208,9 +208,13 @@ def _cloud_caption(scores: Scores, part: Part, name: str, caption: str) -> str:
 
 def color_maps_base64(names: dict[str, str]) -> dict[str, str]:
     """The 256 colors of each of matplotlib's color maps, three bytes each, base64."""
+    return {
+        key: base64.b64encode(color_map(name).tobytes()).decode() for key, name in names.items()
+    }
+
+
+def color_map(name: str) -> UInt8[np.ndarray, "256 3"]:
+    """The colors of one of matplotlib's color maps."""
     from matplotlib import colormaps
 
-    def colors(name: str) -> bytes:
-        return colormaps[name](np.arange(256), bytes=True)[:, :3].tobytes()
-
-    return {key: base64.b64encode(colors(name)).decode() for key, name in names.items()}
+    return np.ascontiguousarray(colormaps[name](np.arange(256), bytes=True)[:, :3])
