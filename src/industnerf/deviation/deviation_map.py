@@ -203,7 +203,7 @@ def summary_lines(statistics: DeviationStatistics) -> dict[str, str]:
         "within tolerance": f"{s.within_tolerance:.1%} within {s.tolerance_mm:g} mm; "
         f"{s.above:.1%} above, {s.below:.1%} below",
         "mean": f"{s.mean_mm:+.4f} mm, standard deviation {s.std_mm:.4f} mm, RMS {s.rms_mm:.4f} mm",
-        "size of the deviation": f"median {s.median_abs_mm:.4f} mm, 95 % below {s.p95_abs_mm:.4f} mm",
+        "its size": f"median {s.median_abs_mm:.4f} mm, 95 % below {s.p95_abs_mm:.4f} mm",
         "extremes": f"{s.min_mm:+.4f} mm to {s.max_mm:+.4f} mm",
         "points": f"{s.points - s.strays} of {s.points}; {s.strays} are strays, farther than "
         f"{s.stray_mm:.3g} mm",

@@ -19,6 +19,7 @@ OFFSETS = (-0.1, 0.0, 0.1)  # diagonals, along each axis: a partial cloud has an
 SEARCH_POINTS, REFINE_POINTS, FINAL_POINTS = 256, 1024, 20_000
 STARTS, FINALISTS = 24, 5  # poses that are refined, and those of them that are refined further
 MIN_ANGLE = np.deg2rad(15.0)  # between starts
+SCALE_RANGE = (0.8, 1.25)  # of a fitted scale, over that of the spreads
 AXIS_TURNS = 120  # tried about each principal axis
 GRID = 64  # cells of the grid of distances along each axis
 GRID_MARGIN = 0.5  # of the diagonal, around the box
@@ -210,7 +211,9 @@ def _refine(
         ]
         step = np.linalg.lstsq(system / units, target, rcond=1e-6)[0] / units
         turn = Rotation.from_rotvec(step[:3]).as_matrix()
-        growth = 1 + step[6] if with_scale else 1.0
+        # bounded: shrunk to a point on the surface, any cloud would fit
+        bounds = np.array(SCALE_RANGE) * start.scale / move.scale
+        growth = float(np.clip(1 + step[6], *bounds)) if with_scale else 1.0
         shift = growth * turn @ (move.shift - center) + center + step[3:6]
         move = Similarity(turn @ move.rotation, shift, growth * move.scale)
         if np.abs(step * units).max() < CONVERGED * surface.diagonal:

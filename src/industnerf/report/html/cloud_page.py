@@ -96,7 +96,7 @@ def _scene(clouds: Sequence[ShownCloud], unit: str, max_error: float) -> dict[st
     low, high = core_box(np.concatenate([cloud.points for cloud in clouds]))
     diagonal = float(np.linalg.norm(high - low)) or 1.0
     box = Box((low + high) / 2, diagonal)
-    spacing = min(_spacing(cloud.points) for cloud in clouds)
+    spacing = max(_spacing(cloud.points) for cloud in clouds)
     return {
         "unit": unit,
         "diagonal_mm": diagonal,
