@@ -51,7 +51,7 @@ def main() -> None:
     parser.add_argument("views", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--steps", type=int, default=120)
-    parser.add_argument("--budget", type=float, default=600, help="processor seconds, and no more")
+    parser.add_argument("--minutes", type=float, default=20, help="by the clock, and no more")
     parser.add_argument("--batch", type=int, default=2, help="views a step")
     parser.add_argument("--size", type=int, default=192, help="px")
     parser.add_argument("--spp", type=int, default=12, help="samples a pixel")
@@ -150,7 +150,7 @@ def optimize(
     optimizer.set_learning_rate({"latent": RATES["vertices"], light: RATES["environment"]})
     integrator = mi.load_dict({"type": "direct_projective", "hide_emitters": True})
     sensors = [sensor_of(views, pose) for pose in views.poses]
-    order = np.random.default_rng(0)
+    order, end = np.random.default_rng(0), time.perf_counter() + 60 * arguments.minutes
     for step in range(arguments.steps):
         parameters[position] = steps.from_differential(optimizer["latent"])
         parameters[color] = dr.clip(optimizer[color], 0, 1)
@@ -174,8 +174,8 @@ def optimize(
         optimizer.step()
         if step % 10 == 0:
             print(f"step {step}: loss {np.array(loss).item():.5f}", flush=True)
-        if time.process_time() > arguments.budget:
-            print(f"ends after {step + 1} steps: the budget is used up")
+        if time.perf_counter() > end:
+            print(f"ends after {step + 1} steps: the time is used up")
             break
     return np.array(steps.from_differential(optimizer["latent"])).reshape(3, -1).T
 

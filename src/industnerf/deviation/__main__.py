@@ -2,8 +2,8 @@
 
 python -m industnerf.deviation cloud.ply part.step --tolerance 0.2
 
-The cloud is moved onto the CAD file, wherever it lies; --in-place leaves it.  Written beside where
-you are: a page with the map and a histogram, the points with their deviation as CSV, and the
+The cloud is moved onto the CAD file, wherever it lies; --in-place leaves it.  Written into the
+current folder: a page with map and histogram, the points with their deviation as CSV, and the
 numbers and the move as JSON.  A deviation is positive where the cloud is outside the CAD surface.
 """
 

@@ -1,6 +1,6 @@
 """Look at clouds and meshes: one page with a 3-D viewer that opens offline.
 
-python -m industnerf.view cloud.ply               writes cloud.ply.html beside where you are
+python -m industnerf.view cloud.ply               writes cloud.ply.html into the current folder
 python -m industnerf.view a.ply b.step --open     side by side under one camera, in the browser
 
 Every format that `pipeline.score` takes is read.  Of several clouds each is also colored by its
