@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Float64, UInt8
 from industnerf.errors import BadPart
 
 MAX_COORDINATE = float(np.finfo(np.float32).max)  # clouds are kept as float32
+FAINT = 0.1  # opacity below which a splat is hardly seen
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,3 @@ def drop_transparent(content: CloudContent, min_opacity: float) -> CloudContent:
         f"Gaussian splats: the centers of {int(opaque.sum())} of {count} are taken as points"
         + (hint if not min_opacity and faint else "")
     )
-
-
-FAINT = 0.1  # opacity below which a splat is hardly seen
