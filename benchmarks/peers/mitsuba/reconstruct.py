@@ -2,12 +2,12 @@
 
 python benchmarks/peers/mitsuba/reconstruct.py data/views/enclosure-120x80x40 out.ply
 
-Needs `pip install mitsuba cholespy` and LLVM's shared library (Debian: `apt install libllvm15`),
-which DRJIT_LIBLLVM_PATH names.  It is given the training photographs and the background, from which
-it takes the silhouettes.  A pixel is diffuse reflectance under an environment map; vertices,
-reflectance and environment are optimized together, vertices by large steps (Nicolet et al., 2021:
-Large steps in inverse rendering of geometry).  Discontinuities are by projective sampling (Zhang
-et al., 2023: Projective sampling for differentiable rendering of geometry).
+Needs `pip install mitsuba cholespy` and LLVM 19, whose libLLVM-19.so DRJIT_LIBLLVM_PATH names
+(Debian: libllvm19; LLVM 15 fails on its code).  It is given the training photographs and the
+background, from which it takes the silhouettes.  A pixel is diffuse reflectance under an
+environment map; vertices, reflectance and environment are optimized together, vertices by large
+steps (Nicolet et al., 2021: Large steps in inverse rendering of geometry).  Discontinuities are by
+projective sampling (Zhang et al., 2023: Projective sampling for differentiable rendering).
 """
 
 import argparse
@@ -166,13 +166,12 @@ def optimize(
                 spp=arguments.spp,
                 seed=step * len(sensors) + int(view),
             )
-            # premultiplied: the background counts by the mask
-            mask = views.masks[view][..., None]
-            target = mi.TensorXf(np.concatenate([views.images[view] * mask, mask], -1))
+            # on black, which the hidden environment leaves; the integrator's alpha is 1 everywhere
+            target = mi.TensorXf(views.images[view] * views.masks[view][..., None])
             loss += dr.mean(dr.square(image - target), axis=None)
         dr.backward(loss)
         optimizer.step()
-        if step % 10 == 0:
+        if step % 5 == 0:
             print(f"step {step}: loss {np.array(loss).item():.5f}", flush=True)
         if time.perf_counter() > end:
             print(f"ends after {step + 1} steps: the time is used up")
@@ -209,7 +208,7 @@ def sensor_of(views: Views, pose: np.ndarray) -> mi.Sensor:
                 "type": "hdrfilm",
                 "width": views.size,
                 "height": views.size,
-                "pixel_format": "rgba",
+                "pixel_format": "rgb",
                 "rfilter": {"type": "box"},
             },
         }
