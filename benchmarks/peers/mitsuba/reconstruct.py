@@ -176,7 +176,7 @@ def optimize(
         if time.perf_counter() > end:
             print(f"ends after {step + 1} steps: the time is used up")
             break
-    return np.array(steps.from_differential(optimizer["latent"])).reshape(3, -1).T
+    return np.array(steps.from_differential(optimizer["latent"])).reshape(-1, 3)
 
 
 def scene_of(vertices: np.ndarray, faces: np.ndarray) -> dict:
