@@ -1,13 +1,20 @@
-"""Score clouds that were made elsewhere, as the study scores its own (docs/reference/protocol.md).
+"""Score clouds that were made elsewhere, as the study scores its own.
 
 python -m pipeline.score clouds/                       files named after parts: gear-spur-m2-z24.ply
 python -m pipeline.score cloud.ply gear-spur-m2-z24    one cloud of a part of the suite
 python -m pipeline.score cloud.ply bracket.step        one cloud of a CAD file of your own
+    --min-opacity 0.5    of Gaussian splats, the least that counts (0)
 
-Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, XYZ, or npz with
-`points_mm`; of a mesh (PLY, OBJ, STL, OFF) points are drawn.  A file without points is a failure,
-and counts as one; a part without a file does not count.  Where all fail, the exit code is 1.
-Resumable; the truth is in the store.
+The protocol, P1 (docs/reference/protocol.md):
+  EMD: 4096 farthest points of the cloud against 4096 of the true surface, both as far as a rig of
+       40 cameras sees them; exact, the mean distance of the best one-to-one match, in diagonals.
+  floor: the same of a second sample of the true surface, which is what a perfect cloud scores.
+
+Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, PCD, npz with
+`points_mm`, npy, and text (XYZ, CSV, TXT, PTS, ASC).  Of a mesh, in any format that `parts check`
+reads, points are drawn evenly by area.  Points that are not finite do not count.  A file without
+points is a failure, and counts as one; a part without a file does not count.  Where all fail, the
+exit code is 1.  Resumable; the truth is in the store.
 """
 
 from collections.abc import Sequence
@@ -24,7 +31,7 @@ from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.scores import PartScore, load_method_scores
 from industnerf.cli import run_command
 from industnerf.config import StageParams, load_params, load_stage, read_yaml
-from industnerf.errors import PartsFailed
+from industnerf.errors import BadParams, PartsFailed
 from industnerf.external.files import cad_file, find_clouds, select_catalogue, user_cad
 from industnerf.external.points import import_points
 from industnerf.external.report_folders import report_folder, start_report
@@ -42,7 +49,8 @@ from pipeline.stages import evaluate, parts, solids, truth
 OUT, STUDY = Path("runs/score"), Path("results/study")
 
 
-def main(path: str, part: str = "") -> None:
+def main(path: str, part: str = "", *, min_opacity: str = "0") -> None:
+    opacity = _parse_opacity(min_opacity)
     cad_path = cad_file(part)
     params, clouds = resolve_inputs(load_params(), Path(path), part, cad_path)
     cloud_path = Path(path).resolve()
@@ -51,9 +59,19 @@ def main(path: str, part: str = "") -> None:
         OUT, cloud_path, subject, (cloud_path, Path(params.parts.path), *clouds.values())
     )
     start_report(out, cloud_path, subject)
-    score_clouds(params, clouds, out)
+    score_clouds(params, clouds, out, opacity)
     print_scores(params, out)
     require_scored(out)
+
+
+def _parse_opacity(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 1:
+        raise BadParams(f"--min-opacity {text}: must be a number from 0 to 1")
+    return value
 
 
 def resolve_inputs(
@@ -72,10 +90,13 @@ def resolve_inputs(
     return replace(params, parts=parts_params), clouds
 
 
-def score_clouds(params: Params, clouds: dict[str, Path], out: Path) -> None:
+def score_clouds(
+    params: Params, clouds: dict[str, Path], out: Path, min_opacity: float = 0.0
+) -> None:
     """The stages of the study up to its scores, with the files in the place of a method.
 
-    `out` holds no report; of what was scored before, the store has the results.
+    `out` holds no report; of what was scored before, the store has the results.  Gaussian splats
+    below `min_opacity` do not count.
     """
     source, solids_dir, parts_dir, truth_dir, clouds_dir = (
         params.parts.path,
@@ -84,12 +105,12 @@ def score_clouds(params: Params, clouds: dict[str, Path], out: Path) -> None:
     solids.main(stage_params(params, "solids"), source, solids_dir)
     parts.main(stage_params(params, "parts"), source, solids_dir, parts_dir)
     truth.main(stage_params(params, "truth"), parts_dir, truth_dir)
-    cap = params.evaluate.max_points
+    settings = (params.evaluate.max_points, params.evaluate.points, min_opacity, params.seed)
     tasks = [
         Task(
             part_id,
-            partial(import_points, clouds[part_id], Path(parts_dir) / part_id, cap, params.seed),
-            [cap, params.seed, part_id],
+            partial(import_points, clouds[part_id], Path(parts_dir) / part_id, *settings),
+            [*settings, part_id],
             (
                 clouds[part_id],
                 *(Path(parts_dir) / part_id / name for name in ("mesh.npz", "part.json")),

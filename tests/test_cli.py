@@ -61,3 +61,18 @@ def test_help_prints_what_the_command_takes(module, monkeypatch, capsys):
     printed = capsys.readouterr()
     assert f"python -m {module.__name__}" in printed.out
     assert not printed.err
+
+
+def test_keyword_parameters_are_options_wherever_they_stand(monkeypatch, capsys):
+    calls = []
+
+    def main(path, *, min_opacity="0"):
+        calls.append((path, min_opacity))
+
+    for arguments in (["a"], ["--min-opacity", "0.5", "a"], ["a", "--min-opacity=0.7"]):
+        monkeypatch.setattr(sys, "argv", ["score", *arguments])
+        run_command(main)
+    assert calls == [("a", "0"), ("a", "0.5"), ("a", "0.7")]
+    monkeypatch.setattr(sys, "argv", ["score", "a", "--max-opacity=1"])
+    with pytest.raises(SystemExit):
+        run_command(main)

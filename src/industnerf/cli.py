@@ -43,6 +43,7 @@ def _check_arguments(main: Callable[..., None], name: str, arguments: list[str])
 def run_command(main: Callable[..., None]) -> None:
     """Run `main(*arguments of the command line)`; --help prints what its module says.
 
+    Keyword-only parameters are options: `min_opacity` is given as `--min-opacity VALUE`.
     Raises BadParams with the same text for another number of arguments.
     """
     arguments = sys.argv[1:]
@@ -52,13 +53,36 @@ def run_command(main: Callable[..., None]) -> None:
         if "--help" in arguments or "-h" in arguments:
             print(usage)
             return
+        signature = inspect.signature(main)
+        positional, options = _split_options(arguments, signature)
         try:
-            inspect.signature(main).bind(*arguments)
+            signature.bind(*positional, **options)
         except TypeError:
-            raise BadParams(f"{len(arguments)} arguments were given.\n\n{usage}") from None
-        main(*arguments)
+            raise BadParams(f"{len(positional)} arguments were given.\n\n{usage}") from None
+        main(*positional, **options)
 
     exit_with_message(job)
+
+
+def _split_options(
+    arguments: list[str], signature: inspect.Signature
+) -> tuple[list[str], dict[str, str]]:
+    """The arguments without options, and the options by the names of their parameters."""
+    flags = {
+        f"--{name.replace('_', '-')}": name
+        for name, parameter in signature.parameters.items()
+        if parameter.kind is parameter.KEYWORD_ONLY
+    }
+    positional: list[str] = []
+    options: dict[str, str] = {}
+    rest = iter(arguments)
+    for argument in rest:
+        flag, _, value = argument.partition("=")
+        if flag in flags:
+            options[flags[flag]] = value or next(rest, "")
+        else:
+            positional.append(argument)
+    return positional, options
 
 
 def require_dvc() -> None:

@@ -25,14 +25,31 @@ def folder(tmp_path):
 
 
 def test_files_of_a_folder_are_named_after_their_parts(folder, capsys):
-    (folder / "scan.pcd").touch()
+    (folder / "scan.las").touch()
+    (folder / "sizes.csv").write_text("name,size\ngear,24\n")
+    (folder / "rack-m2-z16.csv").write_text("id,x,y,z\n7,1,2,3\n")
     clouds = find_clouds(folder, "")
     assert {part: path.name for part, path in clouds.items()} == {
         GEAR: f"{GEAR}.ply",
         "nut-square-din557-m12": "nut-square-din557-m12.xyz",
+        "rack-m2-z16": "rack-m2-z16.csv",
     }
-    printed = capsys.readouterr().out
-    assert printed == "left out, for they are no clouds that are read: notes.txt, scan.pcd\n"
+    assert capsys.readouterr().out == (
+        "left out, for they are no clouds that are read: notes.txt, scan.las, sizes.csv\n"
+        "scan.las: it is LAS, which is not read: `pdal translate scan.las scan.ply`\n"
+    )
+
+
+def test_a_format_that_is_not_read_is_named_with_its_converter(tmp_path):
+    (tmp_path / "scan.laz").touch()
+    with pytest.raises(BadParams, match=r"scan\.laz: it is LAZ, .* `pdal translate scan\.laz scan"):
+        find_clouds(tmp_path / "scan.laz", "")
+    (tmp_path / "scan.ply").write_bytes(b"ASTM-E57\1")  # whatever it is called
+    with pytest.raises(BadParams, match=r"it is E57, .*`CloudCompare -SILENT -O scan\.ply -C_EXP"):
+        find_clouds(tmp_path / "scan.ply", "")
+    (tmp_path / "scan.ply").unlink()
+    with pytest.raises(BadParams, match=r"no file ends in \.ply.*\nscan\.laz: it is LAZ"):
+        find_clouds(tmp_path, "")
 
 
 def test_a_single_file_may_be_named_otherwise(folder):
@@ -41,12 +58,13 @@ def test_a_single_file_may_be_named_otherwise(folder):
 
 
 def test_what_cannot_be_meant_is_refused(folder):
+    (folder / "notes.doc").touch()
     with pytest.raises(BadParams, match="does not exist"):
         find_clouds(folder / "nowhere", "")
     with pytest.raises(BadParams, match="is a folder"):
         find_clouds(folder, GEAR)
     with pytest.raises(BadParams, match=r"no file ends in \.ply"):
-        find_clouds(folder / "notes.txt", "")
+        find_clouds(folder / "notes.doc", "")
     (folder / f"{GEAR}.npz").touch()
     with pytest.raises(BadParams, match="of one part"):
         find_clouds(folder, "")

@@ -6,7 +6,7 @@ import trimesh
 
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact
-from industnerf.external.points import read_points
+from industnerf.external.points import read_cloud
 
 POINTS = np.random.default_rng(0).normal(size=(20_000, 3))
 CORNER = "0 0 0\n1 0 0\n0 1 0\n"
@@ -16,8 +16,12 @@ PLY = (
 )
 
 
+DRAWN = "500 points are drawn of it, evenly by area"
+
+
 def read_file(path):
-    return read_points(path, 500, np.random.default_rng(0))
+    content = read_cloud(path, 500, np.random.default_rng(0))
+    return content.points, list(content.warnings)
 
 
 def write_obj(path, faces):
@@ -54,7 +58,10 @@ def test_a_mesh_with_a_vertex_too_many_is_a_mesh(tmp_path):
     (tmp_path / "a.off").write_text(f"OFF\n4 1 0\n{CORNER}9 9 9\n3 0 1 2\n")
     points, warnings = read_file(tmp_path / "a.off")
     assert (len(points), points.max() < 1) == (500, True)
-    assert warnings == ["1 of its 4 vertices belong to no face and do not count"]
+    assert warnings == [
+        "1 of its 4 vertices belong to no face and do not count",
+        f"a mesh of 1 faces: {DRAWN}",
+    ]
 
 
 def test_what_is_the_matter_with_a_mesh_is_said_by_name(tmp_path):
@@ -111,5 +118,6 @@ def test_what_a_reader_remarks_on_is_said(tmp_path):
     text = (tmp_path / "a.stl").read_text()
     (tmp_path / "a.stl").write_text(text.replace("endsolid", ""))
     assert read_file(tmp_path / "a.stl")[1] == [
-        "the text does not end with `endsolid`: it may be cut short"
+        "the text does not end with `endsolid`: it may be cut short",
+        f"a mesh of 12 faces: {DRAWN}",
     ]

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from industnerf.errors import BadArtifact
-from industnerf.external.points import read_points
+from industnerf.external.points import read_cloud
 
 POINTS = np.arange(12.0).reshape(4, 3)
 
 
 def read_file(path):
-    return read_points(path, 10, np.random.default_rng(0))[0]
+    return read_cloud(path, 10, np.random.default_rng(0)).points
 
 
 @pytest.mark.parametrize("dtype", ["f2", "f4", ">f8", "i4", "u1"])
@@ -61,3 +61,38 @@ def test_what_is_no_npz_is_called_what_it_is(tmp_path):
         ("objects", "Python objects, which are not read"),
     ):
         assert reason in error_text(tmp_path / f"{name}.npz")
+
+
+@pytest.mark.parametrize("dtype", ["f2", ">f8", "i4"])
+def test_a_single_array_is_taken_with_a_word_on_further_columns(tmp_path, dtype):
+    np.save(tmp_path / "a.npy", POINTS.astype(dtype))
+    np.testing.assert_array_equal(read_file(tmp_path / "a.npy"), POINTS)
+    np.save(tmp_path / "a.npy", np.hstack([POINTS, POINTS]).astype(dtype))
+    content = read_cloud(tmp_path / "a.npy", 10, np.random.default_rng(0))
+    np.testing.assert_array_equal(content.points, POINTS)
+    assert content.warnings == ("of its 6 columns the first three are taken as x, y, z",)
+
+
+def test_fields_are_taken_by_their_names(tmp_path):
+    table = np.zeros(4, [("i", "u1"), ("z", "f4"), ("y", "f4"), ("x", "f4")])
+    table["x"], table["y"], table["z"] = POINTS.T
+    np.save(tmp_path / "a.npy", table)
+    np.testing.assert_array_equal(read_file(tmp_path / "a.npy"), POINTS)
+
+
+def test_what_is_no_array_of_points_is_called_what_it_is(tmp_path):
+    np.save(tmp_path / "flat.npy", POINTS.ravel())
+    np.save(tmp_path / "objects.npy", np.array([datetime.min, None]))
+    (tmp_path / "text.npy").write_text("1 2 3\n")
+    (tmp_path / "empty.npy").touch()
+    np.savez(tmp_path / "a.npz", points=POINTS)
+    (tmp_path / "several.npy").write_bytes((tmp_path / "a.npz").read_bytes())
+    for name, reason in (
+        ("flat", r"the array is of shape \(12,\), must be n x 3"),
+        ("objects", "Python objects, which are not read"),
+        ("text", "torn"),
+        ("empty", "torn"),
+        ("several", "it is an npz, named .npy"),
+    ):
+        with pytest.raises(BadArtifact, match=rf"{name}\.npy cannot be read: .*{reason}"):
+            read_file(tmp_path / f"{name}.npy")

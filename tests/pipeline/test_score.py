@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.ply import write_ply
 from industnerf.config import load_params
 from industnerf.errors import BadParams, MetricError, PartsFailed
+from industnerf.external.density import density_warnings
+from industnerf.external.points import read_cloud
 from pipeline import score
 from pipeline.stages import evaluate
 from tests.conftest import ROOT
@@ -184,3 +187,57 @@ def test_a_part_that_is_not_known_is_refused_before_anything_is_done(folder):
     with pytest.raises(BadParams, match="no part is called 'a'"):
         score.main("a.ply")
     assert not (folder / "runs").exists()
+
+
+def test_what_is_remarked_on_is_printed_and_splats_are_left_out_on_request(folder, capsys):
+    """400 points of a block, some of which are not finite, some hardly opaque."""
+    points = trimesh.creation.box(SIDES).sample(400, seed=1)
+    table = np.hstack([points, np.full((400, 2), 5.0)]).astype("<f4")
+    table[:100, 4] = -5  # the logit of an opacity of 0.007
+    table[-3:, 1] = np.nan
+    names = ("x", "y", "z", "scale_0", "opacity")
+    properties = "".join(f"property float {name}\n" for name in names)
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex 400\n{properties}end_header\n"
+    (folder / "splats.ply").write_bytes(head.encode() + table.tobytes())
+    score.main("splats.ply", "block.stl")
+    output = capsys.readouterr().out
+    assert "block: 3 of its 400 points are not finite and are left out" in output
+    assert "the centers of 400 of 400 are taken as points; 100 of them have an opacity" in output
+    assert "397 points, of which the 128 most evenly spread are compared" in output
+    score.main("splats.ply", "block.stl", min_opacity="0.5")
+    assert "the centers of 300 of 400 are taken as points\n" in capsys.readouterr().out
+    with pytest.raises(BadParams, match=r"--min-opacity most: must be a number from 0 to 1"):
+        score.main("splats.ply", "block.stl", min_opacity="most")
+
+
+CASES = ROOT.parent / "shared" / "cases"
+
+
+@pytest.mark.skipif(not CASES.is_dir(), reason="needs ../shared/cases")
+@pytest.mark.parametrize(
+    ("case", "remark"),
+    [
+        ("50-cloud-control/in/c.xyz", ""),
+        ("54-cloud-nan-rows/in/c.ply", "are not finite and are left out"),
+        ("57-mesh-glb/in/m.glb", "are drawn of it, evenly by area"),
+    ],
+)
+def test_the_shared_cases_are_scored_with_their_remarks(folder, capsys, case, remark):
+    path = CASES / case
+    score.main(str(path), str(path.parents[1] / "plate.stl"))
+    assert remark in capsys.readouterr().out
+    value, floor, status = emd(folder, path.stem)
+    assert (status, value < 2.5 * floor) == ("ok", True)
+
+
+@pytest.mark.skipif(not CASES.is_dir(), reason="needs ../shared/cases")
+def test_of_the_shared_cloud_of_4000_points_the_few_are_remarked_on(tmp_path):
+    """It scored 1.70 floors, being perfect."""
+    case = CASES / "50-cloud-control"
+    plate = trimesh.load(case / "plate.stl")
+    mesh = Mesh.with_one_appearance(plate.vertices, plate.faces.astype(np.int32))
+    content = read_cloud(case / "in" / "c.xyz", 1, np.random.default_rng(0))
+    compared = load_params(ROOT / "params.yaml").evaluate.points
+    (warning,) = density_warnings(content.points, mesh, compared, np.random.default_rng(0))
+    assert "4000 points, fewer than the 4096 that are compared: so many perfect points" in warning
+    assert "score about 1.7 floors; write 16384 or more" in warning

@@ -5,13 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from industnerf.errors import BadParams
+from industnerf.external.converters import converter_hint
+from industnerf.external.points import CLOUD_READERS, TEXT_SUFFIXES
+from industnerf.external.xyz import looks_like_points
 from industnerf.parts.catalogue.catalogues import CATALOGUE_FOLDERS
 from industnerf.parts.catalogue.entries import read_catalogue
 from industnerf.parts.io.cad_files import find_cad_files, name_files
 from industnerf.parts.io.readers.formats import SUFFIXES as CAD
 from industnerf.schema.parts import PartsParams
 
-SUFFIXES = (".ply", ".npz", ".xyz", ".obj", ".stl", ".off")
+SUFFIXES = tuple(dict.fromkeys((".ply", *CLOUD_READERS, *CAD)))
 
 
 def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
@@ -23,14 +26,21 @@ def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
         raise BadParams(f"{path} does not exist; give a cloud, or a folder of clouds")
     if path.is_dir() and part_id:
         raise BadParams(f"{path} is a folder: its files are named after their parts, not {part_id}")
+    if path.is_file() and (hint := converter_hint(path)):
+        raise BadParams(f"{path}: {hint}")
     files = [path] if path.is_file() else visible_files(path)
-    cloud_files = [file for file in files if file.suffix.lower() in SUFFIXES]
+    cloud_files = [file for file in files if _is_cloud(file, named=path.is_file())]
     others = [file for file in files if file not in cloud_files]
+    hints = [f"{file.name}: {hint}" for file in others if (hint := converter_hint(file))]
     if not cloud_files:
         found = f"; it has {name_files(others)}" if path.is_dir() and others else ""
-        raise BadParams(f"{path}: no file ends in {', '.join(SUFFIXES)}{found}")
+        raise BadParams(
+            "\n".join([f"{path}: no file ends in {', '.join(SUFFIXES)}{found}", *hints])
+        )
     if others:
         print(f"left out, for they are no clouds that are read: {name_files(others)}")
+    for hint in hints:
+        print(hint)
     clouds: dict[str, Path] = {}
     for file in cloud_files:
         name = part_id or file.stem
@@ -38,6 +48,14 @@ def find_clouds(path: Path, part_id: str) -> dict[str, Path]:
             raise BadParams(f"{path}: {clouds[name].name} and {file.name} are of one part")
         clouds[name] = file
     return clouds
+
+
+def _is_cloud(file: Path, named: bool) -> bool:
+    """Whether `file` may be a cloud; text that the user did not name must begin with a point."""
+    suffix = file.suffix.lower()
+    if suffix in TEXT_SUFFIXES and suffix != ".xyz" and not named:
+        return looks_like_points(file)
+    return suffix in SUFFIXES
 
 
 def visible_files(folder: Path) -> list[Path]:

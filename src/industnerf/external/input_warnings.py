@@ -3,12 +3,13 @@
 import numpy as np
 from jaxtyping import Float
 
+from industnerf.splats import core_box
+
 SIDE_TOLERANCE = 0.05  # of the diagonal, by which sides of boxes may differ that are the same
 SIZE_RATIO_RANGE = (
     0.5,
     2.0,
 )  # ratio of the boxes' diagonals beyond which a unit is wrong, most likely
-CORE_SHARE = 0.99  # of the points, along each axis: what lies far beyond them is stray
 MAX_ROUNDING = 1e-5  # of the diagonal: a thousandth of what a perfect cloud scores
 
 
@@ -58,13 +59,9 @@ def _placement_warnings(points: np.ndarray, truth: np.ndarray) -> list[str]:
 
 
 def _without_outliers(points: np.ndarray) -> np.ndarray:
-    """The points within the box of the middle 99 % along each axis, grown by half of itself.
-
-    Grown, because the outermost half percent of a face is no stray.
-    """
-    low, high = np.quantile(points, [(1 - CORE_SHARE) / 2, (1 + CORE_SHARE) / 2], axis=0)
-    margin = np.linalg.norm(high - low) / 2
-    return points[((points >= low - margin) & (points <= high + margin)).all(axis=1)]
+    """The points within their core box: the outermost half percent of a face is no stray."""
+    low, high = core_box(points)
+    return points[((points >= low) & (points <= high)).all(axis=1)]
 
 
 def _diagonal(points: np.ndarray) -> float:

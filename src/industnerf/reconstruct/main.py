@@ -27,6 +27,7 @@ from industnerf.reconstruct.silhouette_check import (
     transpose_rotations,
 )
 from industnerf.reconstruct.sources import Selection
+from industnerf.splats import save_preview
 from industnerf.stage import run_timed
 
 NO_OUTLINES = (
@@ -78,6 +79,7 @@ def _run(options: Options, display: Display) -> Summary:
 
     result = run_reconstruction(options, image_set, center, radius, config, display)
     write_cloud(options, result, image_set.image_paths)
+    save_preview(Path(f"{options.out}.png"), result.points, result.colors)
     if options.mesh:
         display.log(f"{options.out} is written")  # whatever becomes of the mesh
         display.log(write_mesh(options, result, image_set))

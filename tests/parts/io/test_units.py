@@ -32,6 +32,7 @@ def test_only_units_that_make_the_size_likely_are_offered():
         ("mm, assumed", 5.0),
         ("mm, assumed", 5000.0),
         ("mm, stated", 2e4),
+        ("m, stated", 5000.0),
         ("mm, overridden", 2e4),
     ],
 )
@@ -44,6 +45,8 @@ def test_an_absurd_size_is_warninged_upon_whoever_states_the_unit():
     assert unit_note("m, stated", 743e3) == (
         f"its largest side is 7.43e+05 mm if its numbers are m, as stated; it is 743 if mm {knob}"
     )
+    # mm in glTF, which is in meters by its standard: a pin of 6 mm
+    assert "; it is 6 if mm, 60 if cm, 152.4 if inch (parts.o" in unit_note("m, stated", 6e3)
     assert "are mm, as stated; it is 10 if m (parts.o" in unit_note("mm, stated", 0.01)
     assert "; it is 60 if mm, 600 if cm" in unit_note("m, overridden", 6e4)
     assert unit_note("m, overridden", 6e4).endswith("(parts.units, --units)")

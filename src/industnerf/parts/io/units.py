@@ -19,8 +19,9 @@ def unit_note(unit: str, largest_mm: float) -> str:
     its unit may mean.
     """
     name, _, source = unit.partition(", ")
-    is_assumed = source == ASSUMED[2:]
-    low, high = LIKELY_SIZE_MM if is_assumed else POSSIBLE_SIZE_MM
+    low, high = LIKELY_SIZE_MM if source == ASSUMED[2:] else POSSIBLE_SIZE_MM
+    if name == "m":  # glTF and COLLADA: many programs write mm, and the format says m
+        high = LIKELY_SIZE_MM[1]
     if not source or low <= largest_mm <= high:
         return ""
     size = f"its largest side is {largest_mm:.4g} mm if its numbers are {name}, as {source}"

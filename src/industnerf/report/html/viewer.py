@@ -38,8 +38,14 @@ COLORINGS = {
     "view": "contributing view",
     "photo": "photo color",
 }
-LIMITS = (0.005, 0.01, 0.02, 0.05)  # ends of the color scale, in diagonals
+LIMITS, DEFAULT_LIMIT = (0.005, 0.01, 0.02, 0.05), 0.02  # ends of the color scale, in diagonals
 COLOR_MAPS = {"error": "turbo", "confidence": "viridis"}  # matplotlib's names
+NOTE = (
+    "Both sides share one camera. Error is the distance to the true surface. On the side of the "
+    "truth it is the distance to the nearest point of the other side's cloud: what that one "
+    f"misses. Points are spread evenly, up to {SHOWN_POINTS} a cloud. Of several predictions of a "
+    "network the first that has points is shown; its EMD is the mean over all of them."
+)
 
 
 @dataclass(frozen=True)
@@ -47,7 +53,7 @@ class ViewerScene:
     """One part in the viewer; `clouds` holds what viewer.js decodes, by method."""
 
     part: Part
-    facts: dict[str, float]
+    facts: dict[str, float | str]
     clouds: dict[str, dict]
 
 
@@ -71,6 +77,7 @@ def pack_scene(study: Study, part: Part) -> ViewerScene:
             reason = study.failures.get(method, {}).get(part.part_id, "it made no cloud")
             clouds[method] = {"failed": reason, "count": 0, "caption": "", "arrays": {}}
     facts = {
+        "unit": "mm",
         "diagonal_mm": part.diagonal_mm,
         "span": SPAN,
         "max_error_mm": MAX_ERROR * part.diagonal_mm,
@@ -104,7 +111,7 @@ def _pack_truth(truth: Truth, indices: np.ndarray, box: Box) -> dict:
         "visible": truth.visible[indices].astype(np.uint8),
     }
     caption = f"{len(indices)} of {len(truth.points_mm)} samples of the true surface"
-    return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
+    return {"count": len(indices), "caption": caption, "arrays": to_base64(arrays)}
 
 
 def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box, seed: int) -> dict:
@@ -124,7 +131,7 @@ def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box,
     num_outside = len(inside) - len(indices)
     if num_outside:
         caption += f"; {num_outside} more lie outside the viewer"
-    return {"count": len(indices), "caption": caption, "arrays": _to_base64(arrays)}
+    return {"count": len(indices), "caption": caption, "arrays": to_base64(arrays)}
 
 
 def _point_attributes(cloud: Cloud, indices: np.ndarray) -> dict[str, np.ndarray]:
@@ -152,7 +159,7 @@ def _even_subset(
     return np.unique(indices)  # fpsample repeats itself where points coincide
 
 
-def _to_base64(arrays: dict[str, np.ndarray]) -> dict[str, str]:
+def to_base64(arrays: dict[str, np.ndarray]) -> dict[str, str]:
     """Little-endian bytes in base64."""
     return {
         name: base64.b64encode(values.astype(values.dtype.newbyteorder("<")).tobytes()).decode()
@@ -166,11 +173,18 @@ def viewer_context(study: Study, scores: Scores, scenes: Sequence[ViewerScene]) 
         "names": ["truth", *study.methods],
         "colorings": COLORINGS,
         "limits": LIMITS,
-        "max_points": SHOWN_POINTS,
-        "color_maps": {name: _color_map_base64(kind) for name, kind in COLOR_MAPS.items()}
-        if scenes
-        else {},
-        "scenes": [{"part": scene.part, "data": _scene_data(scores, scene)} for scene in scenes],
+        "default_limit": DEFAULT_LIMIT,
+        "note": NOTE,
+        "is_single": False,
+        "color_maps": color_maps_base64(COLOR_MAPS) if scenes else {},
+        "scenes": [
+            {
+                "part_id": scene.part.part_id,
+                "designation": scene.part.designation,
+                "data": _scene_data(scores, scene),
+            }
+            for scene in scenes
+        ],
     }
 
 
@@ -192,9 +206,15 @@ def _cloud_caption(scores: Scores, part: Part, name: str, caption: str) -> str:
     return f"{emd}{ratio}; {caption}"
 
 
-def _color_map_base64(name: str) -> str:
-    """The 256 colors of a color map, three bytes each, base64."""
+def color_maps_base64(names: dict[str, str]) -> dict[str, str]:
+    """The 256 colors of each of matplotlib's color maps, three bytes each, base64."""
+    return {
+        key: base64.b64encode(color_map(name).tobytes()).decode() for key, name in names.items()
+    }
+
+
+def color_map(name: str) -> UInt8[np.ndarray, "256 3"]:
+    """The colors of one of matplotlib's color maps."""
     from matplotlib import colormaps
 
-    colors = colormaps[name](np.arange(256), bytes=True)[:, :3]
-    return base64.b64encode(colors.tobytes()).decode()
+    return np.ascontiguousarray(colormaps[name](np.arange(256), bytes=True)[:, :3])

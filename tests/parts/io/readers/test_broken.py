@@ -21,6 +21,13 @@ def off_of_eight(corners):
     return "\n".join(["OFF", "8 1", *rows, f"8 {corners}"]).encode()
 
 
+def glb_of_points():
+    """The corners of a box, and no face."""
+    tree, data = samples.gltf_tree()
+    tree["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 0}]}]
+    return samples.glb(tree, data)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "expected"),
     [
@@ -60,6 +67,12 @@ def off_of_eight(corners):
             samples.ply(text=True, faces=0, vertices=8),
             "PLY: no face in the file, but 8 points: it is a cloud, no mesh",
         ),
+        (
+            "points.glb",
+            glb_of_points(),
+            "GLB: no face in the file, but 8 points: it is a cloud, no mesh; points and lines",
+        ),
+        ("scan.pcd", b"# .PCD v0.7\n", ".pcd is a cloud of points, which has no face and is no"),
         ("bare.off", b"OFF\n", "list index out of range"),
         ("empty.ply", samples.ply(text=True, faces=0, vertices=0), "PLY: no face in the file"),
         (

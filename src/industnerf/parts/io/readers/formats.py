@@ -33,6 +33,7 @@ ZAE = Format("zipped COLLADA", (".zae",))
 THREEDXML = Format("3DXML", (".3dxml",))
 FORMATS = (STEP, IGES, BREP, STL, OBJ, PLY, OFF, GLB, GLTF, THREEMF, DAE, ZAE, THREEDXML)
 SUFFIXES = {suffix: form for form in FORMATS for suffix in form.suffixes}
+CLOUD_SUFFIXES = (".xyz", ".pcd", ".pts", ".ptx", ".asc", ".las", ".laz", ".e57")
 
 
 def detect_format(path: Path) -> tuple[Format, tuple[str, ...]]:
@@ -49,6 +50,11 @@ def detect_format(path: Path) -> tuple[Format, tuple[str, ...]]:
     if not head:
         raise BadPart("the file is empty (0 bytes)")
     expected, detected = SUFFIXES.get(path.suffix.lower()), detect_by_content(path, head, size)
+    if detected is None and path.suffix.lower() in CLOUD_SUFFIXES:
+        raise BadPart(
+            f"{path.suffix} is a cloud of points, which has no face and is no part; "
+            "`python -m industnerf.view` shows it, `python -m pipeline.score` scores it"
+        )
     if detected is None and expected is None:
         suffixes = ", ".join(sorted(SUFFIXES))
         raise BadPart(

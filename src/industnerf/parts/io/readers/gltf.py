@@ -32,7 +32,7 @@ from industnerf.parts.io.readers.sidecars import resolve_sidecar
 MM_PER_METER = 1000.0
 TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-TRIANGLES, STRIP, FAN = 4, 5, 6
+POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 
 
 class Buffers:
@@ -114,9 +114,22 @@ def _read_content(path: Path, text: bytes, blob: bytes | None) -> MeshContent:
         warnings: list[str] = []
         buffers = Buffers(tree, _make_loader(path, blob))
         bodies = tuple(_bodies(tree, buffers, warnings))
+        num_points = 0 if bodies else _count_points(tree)
     except (ValueError, KeyError, IndexError, TypeError, AttributeError, RecursionError) as error:
         raise BadPart(f"glTF: {type(error).__name__}: {error}") from None
-    return MeshContent(bodies, MM_PER_METER, "m", True, tuple(dict.fromkeys(warnings)))
+    return MeshContent(
+        bodies, MM_PER_METER, "m", True, tuple(dict.fromkeys(warnings)), num_points=num_points
+    )
+
+
+def _count_points(tree: dict[str, Any]) -> int:
+    """The points of all primitives that are drawn as points."""
+    pieces = [piece for mesh in tree.get("meshes", []) for piece in mesh["primitives"]]
+    return sum(
+        tree["accessors"][piece["attributes"]["POSITION"]]["count"]
+        for piece in pieces
+        if piece.get("mode") == POINTS
+    )
 
 
 def _make_loader(path: Path, blob: bytes | None) -> Callable[[str | None], bytes]:

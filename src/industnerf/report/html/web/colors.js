@@ -42,6 +42,23 @@ const COLORINGS = {
     of: (cloud, scene, settings) => (i) =>
       fromMap(settings.maps.error, millimeters(cloud.error[i], scene.max_error_mm) / settings.limit_mm),
   },
+  // Signed: 0 is in the middle of the map.  16 bits, from -max_error_mm to max_error_mm.
+  deviation: {
+    needs: "deviation", lacks: "what is deviated from",
+    of: (cloud, scene, settings) => (i) => {
+      const mm = (cloud.deviation[i] / 32767.5 - 1) * scene.max_error_mm;
+      return fromMap(settings.maps.deviation, 0.5 + mm / (2 * settings.limit_mm));
+    },
+  },
+  height: {
+    needs: "positions", lacks: "",
+    of: (cloud, scene, settings) => {
+      const z = (i) => cloud.positions[3 * i + 2];
+      let [low, high] = [Infinity, -Infinity];
+      for (let i = 0; i < cloud.count; i++) [low, high] = [Math.min(low, z(i)), Math.max(high, z(i))];
+      return (i) => fromMap(settings.maps.confidence, (z(i) - low) / (high - low || 1));
+    },
+  },
   confidence: {
     needs: "confidence", lacks: "it states no confidence that differs between points",
     of: (cloud, scene, settings) => (i) => fromMap(settings.maps.confidence, cloud.confidence[i] / 255),
@@ -55,6 +72,7 @@ const COLORINGS = {
     of: (cloud) => (i) => cloud.color.subarray(3 * i, 3 * i + 3),
   },
 };
+COLORINGS.own = COLORINGS.photo; // of a file of anybody's
 
 // Colors of `cloud`, and why they are gray where they are.
 function colorsOf(cloud, scene, settings) {
@@ -78,11 +96,17 @@ function spot([r, g, b], text) {
 }
 
 function legendOf(settings) {
-  const truth = `truth: ${spot(SEEN, "seen by the reference rig")} ${spot(HIDDEN, "hidden from it")}`;
-  return {
-    error: `0 ${ramp(settings.maps.error)} ${settings.limit_mm.toPrecision(3)} mm and more`,
-    confidence: `confidence 0 ${ramp(settings.maps.confidence)} 1; ${truth}`,
-    view: `each view has a color of its own, ${spot(GRAY, "view unknown")}; ${truth}`,
-    photo: `as in the photographs; ${truth}`,
-  }[settings.coloring];
+  const truth = settings.has_truth
+    ? `; truth: ${spot(SEEN, "seen by the reference rig")} ${spot(HIDDEN, "hidden from it")}` : "";
+  const end = `${settings.limit_mm.toPrecision(3)} ${settings.unit}`;
+  const named = {
+    error: () => `0 ${ramp(settings.maps.error)} ${end} and more`,
+    deviation: () => `-${end} ${ramp(settings.maps.deviation)} ${end}: outside the surface`,
+    height: () => `bottom ${ramp(settings.maps.confidence)} top`,
+    confidence: () => `confidence 0 ${ramp(settings.maps.confidence)} 1${truth}`,
+    view: () => `each view has a color of its own, ${spot(GRAY, "view unknown")}${truth}`,
+    photo: () => `as in the photographs${truth}`,
+    own: () => "as the file has them",
+  };
+  return named[settings.coloring]();
 }

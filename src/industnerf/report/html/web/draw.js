@@ -132,11 +132,11 @@ function deletePoints({ gl }, points) {
   gl.deleteBuffer(points.colors);
 }
 
-// Draw two sets of points, either of which may be null, side by side; `size` of a disc in diagonals.
-function draw(renderer, pair, camera, size) {
+// Draw sets of points, each of which may be null, side by side; `size` of a disc in diagonals.
+function draw(renderer, panes, camera, size) {
   const { gl, width, height } = renderer;
-  const half = Math.floor(width / 2);
-  const matrix = matrixOf(camera, half / height);
+  const part = Math.floor(width / panes.length);
+  const matrix = matrixOf(camera, part / height);
   gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.frame);
   gl.viewport(0, 0, width, height);
   gl.clearColor(0, 0, 0, 0);
@@ -144,13 +144,13 @@ function draw(renderer, pair, camera, size) {
   gl.enable(gl.DEPTH_TEST);
   gl.useProgram(renderer.disc);
   gl.uniformMatrix4fv(gl.getUniformLocation(renderer.disc, "camera"), false, matrix);
-  const pixels = (size * height * Math.min(1, half / height)) / (2 * OPENING);
+  const pixels = (size * height * Math.min(1, part / height)) / (2 * OPENING);
   gl.uniform1f(gl.getUniformLocation(renderer.disc, "disc"), pixels);
   gl.enable(gl.SCISSOR_TEST); // a disc may reach over the edge of its pane
-  pair.forEach((points, i) => {
+  panes.forEach((points, i) => {
     if (!points) return;
-    gl.viewport(i * half, 0, half, height);
-    gl.scissor(i * half, 0, half, height);
+    gl.viewport(i * part, 0, part, height);
+    gl.scissor(i * part, 0, part, height);
     gl.bindVertexArray(points.layout);
     gl.drawArrays(gl.POINTS, 0, points.count);
   });

@@ -1,12 +1,12 @@
 "use strict";
-// The linked viewer: two clouds of one part under one camera.  Clouds lie in the page as base64,
-// a JSON element a part, and are decoded when the part is chosen.
+// The linked viewer: clouds of one part side by side under one camera, most often two.  Clouds lie
+// in the page as base64, a JSON element a part, and are decoded when the part is chosen.
 
 function decodeBase64(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
-const WIDE = new Set(["positions", "view"]); // 16 bits a number, the others have 8
+const WIDE = new Set(["positions", "view", "deviation"]); // 16 bits a number, the others have 8
 
 function decode(packed, scene) {
   const cloud = { caption: packed.caption, failed: packed.failed, count: packed.count };
@@ -25,16 +25,18 @@ function startViewer(root) {
   const renderer = newRenderer(canvas);
   if (!renderer) {
     root.querySelector("#legend").textContent =
-      "This browser draws no WebGL 2: the contact sheet below shows the same clouds.";
+      "This browser draws no WebGL 2: the pictures beside or below show the same clouds.";
     return;
   }
-  const settings = { maps: {}, coloring: "error" };
+  const first = root.querySelector("[name=coloring]:checked").value;
+  const settings = { maps: {}, coloring: first };
   const colorMaps = JSON.parse(document.getElementById("color-maps").textContent);
   for (const [name, text] of Object.entries(colorMaps)) settings.maps[name] = decodeBase64(text);
   const camera = newCamera();
-  const sides = ["left", "right"].map((name) => root.querySelector(`.pane.${name}`));
+  const sides = [...root.querySelectorAll(".pane")];
+  const limit = root.querySelector("[name=limit]");
   let scene = null;
-  let shown = [null, null];
+  let shown = sides.map(() => null);
 
   const redraw = () => {
     resize(renderer, canvas);
@@ -56,7 +58,9 @@ function startViewer(root) {
   };
 
   const show = () => {
-    settings.limit_mm = Number(root.querySelector("[name=limit]").value) * scene.diagonal_mm;
+    settings.limit_mm = Number(limit.value) * scene.diagonal_mm;
+    settings.unit = scene.unit;
+    settings.has_truth = "truth" in scene.packed;
     const names = sides.map((side) => side.querySelector("select").value);
     for (const points of shown) if (points) deletePoints(renderer, points);
     shown = sides.map((side, i) => {
@@ -78,11 +82,12 @@ function startViewer(root) {
   const open = (id) => {
     scene = JSON.parse(document.getElementById(`scene=${id}`).textContent);
     scene.clouds = {};
-    for (const option of root.querySelector("[name=limit]").options) {
-      option.textContent = `${(option.value * scene.diagonal_mm).toPrecision(3)} mm`;
+    for (const option of limit.options) {
+      option.textContent = `${(option.value * scene.diagonal_mm).toPrecision(3)} ${scene.unit}`;
     }
     root.querySelector("[name=part]").value = id;
-    root.querySelector("#more").href = `#part=${encodeURIComponent(id)}`;
+    const more = root.querySelector("#more");
+    if (more) more.href = `#part=${encodeURIComponent(id)}`;
     show();
   };
 

@@ -1,0 +1,1 @@
+"""A quick look at clouds and meshes of anybody's: `python -m industnerf.view`."""
