@@ -8,7 +8,7 @@
 import math
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from industnerf.code_hash import library_versions
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
-from industnerf.store import Cost, Store, store_key
+from industnerf.store import Cost, Store, content_digest, store_key
 from industnerf.timing import NO_TIME, Timing
 
 SCHEMA = 1
@@ -103,6 +103,26 @@ def run_stage(
         raise _failure_error(stage, out, failures, len(index), lost, is_empty)
 
 
+def run_methods(stage: str, methods: Iterable[str], run: Callable[[str], None], out: Path) -> None:
+    """`run(method)` fills `<out>/<method>` by `run_stage`; `<out>/index.json` then stands for all.
+
+    Raises PartsFailed with what `run` raised so, after all methods have run.
+    """
+    names, refusals = list(methods), []
+    for name in names:
+        try:
+            run(name)
+        except PartsFailed as error:
+            refusals.append(f"{name}: {error}")
+    records = {
+        name: [out / name / f"{kind}.json" for kind in ("index", "failures")] for name in names
+    }
+    digests = {name: content_digest(paths) for name, paths in records.items()}
+    write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "methods": digests})
+    if refusals:
+        raise PartsFailed("\n".join(refusals))
+
+
 def read_index(folder: Path) -> dict[str, str]:
     """Part id -> key in the store of each result in the stage output `folder`.
 
@@ -121,10 +141,15 @@ def _read_record(path: Path) -> Any:
 
 
 def stage_of_output(folder: Path) -> str:
-    """The name that dvc.yaml has for the stage with this output."""
-    stages_by_folder = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
-    stage = stages_by_folder.get(folder.parent.name)
-    return f"{stage}@{folder.name}" if stage else folder.name
+    """The name that dvc.yaml has for the stage with this output, or with this method's in it."""
+    stages_by_folder = {
+        "weights": "pretrain",
+        "states": "train",
+        "clouds": "reconstruct",
+        "scores": "evaluate",
+    }
+    own_stage = stages_by_folder.get(folder.name, folder.name)
+    return stages_by_folder.get(folder.parent.name, own_stage)
 
 
 def _store_key(stage: str, task: Task) -> str:
