@@ -98,8 +98,9 @@ class Store:
 
     @staticmethod
     def from_environment() -> "Store":
-        """The store in INDUSTNERF_STORE, else in `.store` of the current folder."""
-        return Store(Path(environment.get_str("INDUSTNERF_STORE") or ".store").absolute())
+        """The store in INDUSTNERF_STORE, else in `.store`; both relative to the main checkout."""
+        name = environment.get_str("INDUSTNERF_STORE") or ".store"
+        return Store(environment.main_checkout() / name)
 
     def result_path(self, stage: str, key: str) -> Path:
         """Where the result is, if it is there."""
