@@ -135,6 +135,7 @@ def test_costs_stay_out_of_what_is_hashed(workdir):
         "schema",
         "step",
         "keys",
+        "contents",
     }
 
 

@@ -1,7 +1,8 @@
 """One stage over all parts: reuse what is stored, make the rest, place the results, say so.
 
 <out>/<part id>/...      the results
-<out>/index.json         part id -> key in the store, so that costs can be looked up
+<out>/index.json         part id -> key in the store, so that costs can be looked up; and
+                         digests of the results, by which later stages know what they are given
 <out>/failures.json      part id -> why
 """
 
@@ -17,10 +18,11 @@ from typing import Any
 from industnerf import resume_time
 from industnerf.artifacts.files import read_json, write_json
 from industnerf.code_hash import library_versions
+from industnerf.content import RECORD, RecordedDigests, content_digest
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
-from industnerf.store import Cost, Store, content_digest, store_key
+from industnerf.store import Cost, Store, store_key
 from industnerf.timing import NO_TIME, Timing
 
 SCHEMA = 1
@@ -69,7 +71,8 @@ def run_stage(
     Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
-    keys = [_store_key(stage, task) for task in tasks]
+    recorded = RecordedDigests()
+    keys = [_store_key(stage, task, recorded) for task in tasks]
     pending = [i for i, key in enumerate(keys) if not store.has(stage, key)]
     failures, lost = dict(earlier_failures or {}), set[str]()
     work_items = [
@@ -95,7 +98,9 @@ def run_stage(
             failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
             lost.add(task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
-    write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "keys": index})
+    contents = {part_id: store.contents(stage, key) for part_id, key in index.items()}
+    record = {"schema": SCHEMA, "step": stage, "keys": index, "contents": contents}
+    write_json(out / RECORD, record)
     ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
     write_json(out / "failures.json", {"schema": SCHEMA, "failures": ordered})
     is_empty = needs_one and not index
@@ -118,7 +123,7 @@ def run_methods(stage: str, methods: Iterable[str], run: Callable[[str], None], 
         name: [out / name / f"{kind}.json" for kind in ("index", "failures")] for name in names
     }
     digests = {name: content_digest(paths) for name, paths in records.items()}
-    write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "methods": digests})
+    write_json(out / RECORD, {"schema": SCHEMA, "step": stage, "methods": digests})
     if refusals:
         raise PartsFailed("\n".join(refusals))
 
@@ -128,7 +133,7 @@ def read_index(folder: Path) -> dict[str, str]:
 
     Raises BadArtifact if the stage was not run, as does `read_failures`.
     """
-    return _read_record(folder / "index.json")["keys"]
+    return _read_record(folder / RECORD)["keys"]
 
 
 def read_failures(folder: Path) -> dict[str, str]:
@@ -152,8 +157,8 @@ def stage_of_output(folder: Path) -> str:
     return stages_by_folder.get(folder.parent.name, own_stage)
 
 
-def _store_key(stage: str, task: Task) -> str:
-    return store_key(stage, task.settings, _modules(task), task.inputs)
+def _store_key(stage: str, task: Task, recorded: RecordedDigests) -> str:
+    return store_key(stage, task.settings, _modules(task), task.inputs, recorded)
 
 
 def _modules(task: Task) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ CORE_MODULES = {
         "resume_time",
         "timing",
         "store",
+        "content",
         "manifest",
         "origin",
         "code_hash",

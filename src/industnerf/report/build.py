@@ -21,6 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_json, write_text
+from industnerf.content import content_digest
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
 from industnerf.report.figures.pareto import plot_pareto
 from industnerf.report.figures.sparsification import plot_sparsification
@@ -42,7 +43,6 @@ from industnerf.report.tables.strata import strata_csv, strata_md
 from industnerf.report.tables.table1_format import COLUMNS, format_row, table1_csv, table1_md
 from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
-from industnerf.store import content_digest
 
 # What fits into 80 characters; the files have the rest.
 CONSOLE_COLUMNS = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")

@@ -111,8 +111,10 @@ def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(st
     )
     assert without_renderings == {"mesh.npz", WORKING_PART, "cloud.npz"}
     assert rendered - without_renderings == {
-        "renderings",
+        "renderings.zip",
         "candidates.npz",
         "cameras.json",
-        "006.png",
+        "rgb",
+        "mask",
+        "depth",
     }
