@@ -26,7 +26,7 @@ from industnerf.report.publish.provenance import commit_stamp
 from industnerf.report.sweeps.preset_table import TABLES
 from industnerf.report.sweeps.sweep_report import write_sweep_report
 from industnerf.schema import Params
-from industnerf.tracking import log_report, prepare_database, save_tags
+from industnerf.tracking import log_report, log_sweep, prepare_database, save_tags
 from pipeline.in_process import run_pipeline
 
 CONF_DIR = Path(__file__).parents[1] / "conf"
@@ -35,8 +35,8 @@ GROUPS = ("experiment", "reading", "ablation")  # folders of conf
 
 
 class SweepCallback(Callback):
-    """Before a sweep the tracking database is made, and its commit noted; after it stand a table
-    and a plot.
+    """Before a sweep the tracking database is made, and its commit noted; after it stand a table,
+    a plot, and a run in the database.
     """
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
@@ -50,11 +50,13 @@ class SweepCallback(Callback):
         prepare_database()
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
+        folder = Path(config.hydra.sweep.dir)
         try:
-            failed = write_sweep_report(Path(config.hydra.sweep.dir))
+            failed = write_sweep_report(folder)
         except Exception:  # of which Hydra would make a warning, and end as if all were well
             traceback.print_exc()
             failed = True
+        log_sweep(folder)
         if failed:
             sys.exit(1)
 
