@@ -1,4 +1,4 @@
-"""MLflow: a run per study and one below it per method; a run per sweep and one per point and method.
+"""MLflow: a run per study, below it one per method; one per sweep, below it one per point.
 
 Never fatal: the result is safe on disk before it is logged.  One run per distinct result.
 

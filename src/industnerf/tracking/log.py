@@ -9,8 +9,9 @@ from typing import Any
 from industnerf.config import read_yaml
 from industnerf.tracking import sweep
 from industnerf.tracking.database import is_enabled, open_locked
+from industnerf.tracking.report import Report
 from industnerf.tracking.run import Run
-from industnerf.tracking.study import Report, study_run
+from industnerf.tracking.study import study_run
 from industnerf.tracking.views import sweep_view, view_tag
 from industnerf.tracking.write import delete_run, runs_below, write_run
 

@@ -64,9 +64,9 @@ def read_table1(report: Path) -> Any:
 
 
 def mean_scores(rows: Any) -> dict[str, float]:
-    """The means over `rows` of `read_part_scores`, all of one method, with six digits as in Table 1.
+    """The means over `rows` of `read_part_scores`, all of one method.
 
-    `emd_ratio` is that of the means, as there; `peak_mb` is the largest.
+    Six digits, and `emd_ratio` that of the means, as in Table 1; `peak_mb` is the largest.
     """
     means = rows.drop(columns=[*INDEX, "status"]).mean()
     means["emd_ratio"] = means["emd"] / means["floor"]
@@ -78,15 +78,18 @@ def mean_scores(rows: Any) -> dict[str, float]:
 
 def _first(table: Any, names: Sequence[str]) -> Any:
     """`table` with the entries or columns `names` before the others: MLflow shows those first."""
-    known = [name for name in names if name in table]
-    return table[[*known, *(name for name in table.keys() if name not in known)]]
+    first = [name for name in names if name in table]
+    return table[[*first, *table.keys().difference(first, sort=False)]]
 
 
-def part_table(rows: Any) -> Any:
-    """`rows` of one method as JSON can hold them: None where something is not known.
+def part_table(*rows: Any) -> Any:
+    """All `rows` of one method as JSON can hold them: None where something is not known.
 
-    `step` is where the part stands in the charts.
+    `step` is where the parts that come first stand in the charts.
     """
-    table = rows.assign(step=range(len(rows))).drop(columns=["method", "scope"])
+    import pandas as pd
+
+    table = pd.concat(rows).drop(columns=["method", "scope"])
+    table["step"] = range(len(table))
     table = _first(table.dropna(axis="columns", how="all"), ("part_id", *MAIN))
     return table.astype(object).where(table.notna(), None)

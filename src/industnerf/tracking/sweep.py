@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from industnerf.config import flatten, read_yaml
+from industnerf.tracking.report import Report
 from industnerf.tracking.run import Run
-from industnerf.tracking.study import Report, method_run
+from industnerf.tracking.study import method_run
 
 MARK = "multirun.yaml"  # which Hydra writes into the folder of a sweep
 FILES = (MARK, "sweep.csv", "steps.csv", "trend.csv", "sweep.png")

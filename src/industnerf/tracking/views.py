@@ -78,7 +78,7 @@ def _charts(params: Sequence[str]) -> list[dict[str, Any]]:
             "type": "PARALLEL",
             "displayName": "Parallel coordinates",
             "selectedParams": list(params) or ["method"],
-            "selectedMetrics": ["seconds", "peak_mb", "emd_ratio", "emd"],
+            "selectedMetrics": ["seconds", "peak_mb", "emd"],
             "showAllRuns": True,
         },
         _bars("emd_ratio"),
