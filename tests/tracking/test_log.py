@@ -1,4 +1,4 @@
-"""Logging: once per distinct result, safe under concurrency, never fatal, nothing left half done."""
+"""Logging: once per distinct result, safe under concurrency, never fatal, never by half."""
 
 import fcntl
 import os
@@ -33,6 +33,12 @@ import sys
 from pathlib import Path
 from industnerf.tracking import log_sweep
 log_sweep(Path(sys.argv[1]))
+"""
+BACKFILL = """
+import sys
+from pathlib import Path
+from industnerf.tracking import backfill
+backfill(Path(sys.argv[1]))
 """
 RUNS = """
 import sys, mlflow
@@ -131,9 +137,10 @@ def test_a_sweep_takes_the_place_of_what_was_logged_of_its_first_points(tmp_path
     assert len([one for one in runs(mlflow) if "|sweep|" in one]) == 2
 
 
-def test_a_point_is_logged_with_its_sweep_alone(tmp_path, mlflow):
+def test_a_point_is_logged_with_its_sweep_alone(tmp_path, mlflow, monkeypatch):
     sweep = write_sweep(tmp_path / "sweep", (4,))
-    log_report(sweep / "0" / "reports", {})
+    monkeypatch.chdir(sweep / "0")
+    log_report(Path("reports"), {})
     assert not mlflow.exists()
 
 
@@ -170,14 +177,9 @@ def test_settings_that_cannot_be_read_keep_no_other_report_from_being_logged(tmp
     write_report(tmp_path / "runs" / "demo")
     broken = write_report(tmp_path / "runs" / "broken")
     (broken.parent / "params.yaml").write_text("seed: [")
-    script = (
-        "from pathlib import Path; from industnerf.tracking import backfill; backfill(Path('.'))"
-    )
-    process = subprocess.run(
-        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
-    )
-    assert "MLflow: not logged (BadParams: " in process.stderr
-    assert "safe in runs/broken/reports" in process.stderr
+    output = run(BACKFILL, tmp_path)
+    assert "MLflow: not logged (BadParams: " in output
+    assert f"safe in {broken}" in output
     assert runs(mlflow) == STUDY
 
 

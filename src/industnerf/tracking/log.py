@@ -22,7 +22,7 @@ def log_report(report: Path, params: Mapping[str, Any]) -> None:
     Not that of a point of a sweep, which `log_sweep` logs: where the points run on a cluster, many
     machines would write to one SQLite.
     """
-    if (report.parents[1] / sweep.MARK).exists():
+    if (report.absolute().parent.parent / sweep.MARK).exists():
         return
     _log_safely(report, lambda: study_run(Report(report, params)))
 
