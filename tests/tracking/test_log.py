@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -113,13 +114,16 @@ def test_what_was_logged_by_half_is_logged_anew_and_the_half_removed(report, mlf
 
 
 @pytest.mark.slow
-def test_earlier_runs_of_a_study_each_stay_beside(report, mlflow):
+def test_earlier_runs_of_a_study_each_stay_beside_and_their_artifacts_can_be_logged(report, mlflow):
     mlflow.mkdir()
     run(OLDER, mlflow)
-    assert "stay in the experiment 'industnerf (one run per study)'" in run(LOG, report)
+    shutil.copytree(report, mlflow / "mlruns" / "0a1b" / "artifacts" / "report")
+    output = run(BACKFILL, mlflow / "mlruns")
+    assert "stay in the experiment 'industnerf (one run per study)'" in output
     older = ["industnerf (one run per study)|None|demo|FINISHED"]
     assert runs(mlflow) == older + STUDY
     assert run(LOG, report) == ""
+    assert runs(mlflow) == older + STUDY
 
 
 @pytest.mark.slow
