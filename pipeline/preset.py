@@ -26,6 +26,7 @@ from industnerf.renamed import check_overrides, flatten_preset
 from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
+from industnerf.suggestions import did_you_mean
 from industnerf.tracking import database_dir, is_enabled
 
 HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
@@ -43,7 +44,8 @@ def main(preset: str) -> None:
     root = Path.cwd()
     presets = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
     if preset not in presets:
-        raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(presets)}")
+        advice = did_you_mean(preset, presets) or ","
+        raise BadParams(f"preset {preset!r} is unknown{advice} known are {', '.join(presets)}")
     settings = read_preset(root / "conf/experiment" / f"{preset}.yaml")
     if settings.get("hydra", {}).get("mode") == "MULTIRUN":
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
