@@ -34,6 +34,7 @@ CORE_MODULES = {
         "device",
         "environment",
         "renamed",
+        "suggestions",
         "runner",
         "progress",
         "mlflow_artifacts",
