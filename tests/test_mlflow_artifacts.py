@@ -1,7 +1,6 @@
 """What MLflow is given: curves, one table, pictures."""
 
 import json
-import shutil
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from industnerf.mlflow_artifacts import (
     per_part_table,
     preview_image,
 )
+from tests.archives import opened
 
 SIDE = 8
 SCORES = """\
@@ -146,7 +146,7 @@ def test_the_photograph_stands_beside_the_rendering_of_the_same_camera(study):
 
 def test_without_renderings_the_points_are_drawn(study):
     for folder in (study / "clouds").iterdir():
-        shutil.rmtree(folder / "renderings")
+        (folder / "renderings.zip").unlink()
     image = preview_image(study / "clouds", study / "views")
     assert image.shape == (4 * SIDE, 2 * SIDE, 3)
     assert tuple(image[SIDE // 2, SIDE + SIDE // 2]) == (200, 0, 0)
@@ -154,8 +154,10 @@ def test_without_renderings_the_points_are_drawn(study):
 
 
 def test_without_a_held_out_camera_there_is_no_picture(study):
-    for path in (study / "views").glob("*/cameras.json"):
-        path.write_text(path.read_text().replace("true", "false"))
+    for archive in (study / "views").glob("*/photographs.zip"):
+        with opened(archive) as folder:
+            path = folder / "cameras.json"
+            path.write_text(path.read_text().replace('"held_out": true', '"held_out": false'))
     assert preview_image(study / "clouds", study / "views") is None
 
 

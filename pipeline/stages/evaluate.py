@@ -10,18 +10,21 @@ from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_files
 from industnerf.metrics.protocol import score_failure, score_part
-from industnerf.stage import Task, read_failures, read_index, run_stage
+from industnerf.stage import Task, read_failures, read_index, run_methods, run_stage
 
 
-def main(
-    cfg: StageParams, method: str, parts: str, views: str, truth: str, clouds: str, out: str
-) -> None:
-    folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
-    failed = set(read_failures(Path(clouds)))
-    tasks = evaluation_tasks(cfg, folders, part_ids, failed)
-    # What cannot be scored says nothing of the method: without its score there is no mean at all.
-    run_stage("evaluate", tasks, Path(out), "strict", failures_are_losses=True)
-    gather_scores(Path(out), method)
+def main(cfg: StageParams, parts: str, views: str, truth: str, clouds: str, out: str) -> None:
+    part_ids = read_index(Path(truth))
+
+    def run(name: str) -> None:
+        folders = tuple(map(Path, (parts, truth, views, f"{clouds}/{name}")))
+        tasks = evaluation_tasks(cfg, folders, part_ids, set(read_failures(folders[-1])))
+        target = Path(out) / name
+        # What cannot be scored says nothing of the method: without its score there is no mean.
+        run_stage("evaluate", tasks, target, "strict", failures_are_losses=True)
+        gather_scores(target, name)
+
+    run_methods("evaluate", cfg.methods, run, Path(out))
 
 
 def evaluation_tasks(

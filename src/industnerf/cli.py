@@ -17,16 +17,14 @@ BROKEN_PIPE = 141  # as a shell reports SIGPIPE
 def run_as_stage(main: Callable[..., None], name: str) -> None:
     """Run `main(cfg, *arguments of the command line)` as the DVC stage `name`.
 
-    `cfg` holds the parameters that dvc.yaml lists for the stage, and no others.  The first
-    argument of a matrix stage is its method.
+    `cfg` holds the parameters that dvc.yaml lists for the stage, and no others.
     """
     die_with_parent()
     arguments = sys.argv[1:]
 
     def job() -> None:
         _check_arguments(main, name, arguments)
-        stage = config.load_stage(name, arguments[0] if config.is_matrix(name) else None)
-        main(stage.select_params(config.load_params()), *arguments)
+        main(config.load_stage(name).select_params(config.load_params()), *arguments)
 
     exit_with_message(job)
 

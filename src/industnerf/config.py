@@ -6,7 +6,7 @@ those, so it reruns exactly when something it reads changes.
 
 import dataclasses
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -86,35 +86,11 @@ def load_stages(path: Path = PIPELINE) -> dict[str, dict[str, Any]]:
     return read_yaml(path)["stages"]
 
 
-def is_matrix(name: str, path: Path = PIPELINE) -> bool:
-    """Whether the stage runs once per method."""
-    return "matrix" in load_stages(path)[name]
-
-
-def matrix_methods(name: str, methods: list[str], path: Path = PIPELINE) -> Sequence[str | None]:
-    """The methods that the stage runs for, [None] if for none of them alone.
-
-    `methods` stands for `${methods}`.
-    """
-    items = load_stages(path)[name].get("matrix", {"method": [None]})["method"]
-    return methods if items == "${methods}" else items
-
-
-def load_stage(name: str, item: str | None = None, path: Path = PIPELINE) -> Stage:
-    """The stage `name`; of a matrix, the one of method `item`."""
+def load_stage(name: str, path: Path = PIPELINE) -> Stage:
+    """The stage `name`."""
     raw = load_stages(path)[name]
-
-    def interpolate(texts: list[Any]) -> tuple[str, ...]:
-        templates = [next(iter(text)) if isinstance(text, dict) else text for text in texts]
-        return tuple(text.replace("${item.method}", item or "") for text in templates)
-
-    return Stage(
-        name,
-        interpolate([raw["cmd"]])[0],
-        interpolate(raw.get("params", [])),
-        interpolate(raw.get("deps", [])),
-        interpolate(raw.get("outs", [])),
-    )
+    lists = (tuple(raw.get(key, [])) for key in ("params", "deps", "outs"))
+    return Stage(name, raw["cmd"], *lists)
 
 
 def flatten(values: Any, prefix: str = "", *, split_lists: bool = False) -> dict[str, Any]:

@@ -12,8 +12,7 @@ from jaxtyping import Float, UInt8
 
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.history import FILE, History
-from industnerf.artifacts.png import read_png
-from industnerf.artifacts.renderings import FOLDER
+from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.views import load_views
 from industnerf.splats import splat
 
@@ -100,10 +99,8 @@ def preview_image(clouds: Path, views: Path) -> UInt8[np.ndarray, "h w 3"] | Non
 def _side_by_side(cloud: Path, views: Path) -> UInt8[np.ndarray, "h w 3"]:
     view_set = load_views(views)
     cameras, first = view_set.cameras, np.flatnonzero(view_set.held_out)[:1]
-    rendering_path = cloud / FOLDER / "rgb" / "000.png"
-    if rendering_path.exists():
-        rendering = read_png(rendering_path, cameras.height, cameras.width, "reconstruct")
-    else:
+    rendering = Renderings.load_first_rgb(cloud)
+    if rendering is None:
         loaded_cloud = Cloud.load(cloud)
         rendering = splat(
             loaded_cloud.points_mm, loaded_cloud.colors, cameras, int(first[0]), cameras.height

@@ -1,14 +1,15 @@
 """One stage over all parts: reuse what is stored, make the rest, place the results, say so.
 
 <out>/<part id>/...      the results
-<out>/index.json         part id -> key in the store, so that costs can be looked up
+<out>/index.json         part id -> key in the store, so that costs can be looked up; and
+                         digests of the results, by which later stages know what they are given
 <out>/failures.json      part id -> why
 """
 
 import math
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from typing import Any
 from industnerf import resume_time
 from industnerf.artifacts.files import read_json, write_json
 from industnerf.code_hash import library_versions
+from industnerf.content import RECORD, RecordedDigests, content_digest
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
 from industnerf.runner import runner_from_environment
@@ -69,7 +71,8 @@ def run_stage(
     Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
     store = Store.from_environment()
-    keys = [_store_key(stage, task) for task in tasks]
+    recorded = RecordedDigests()
+    keys = [_store_key(stage, task, recorded) for task in tasks]
     pending = [i for i, key in enumerate(keys) if not store.has(stage, key)]
     failures, lost = dict(earlier_failures or {}), set[str]()
     work_items = [
@@ -95,7 +98,9 @@ def run_stage(
             failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
             lost.add(task.part_id)
     index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
-    write_json(out / "index.json", {"schema": SCHEMA, "step": stage, "keys": index})
+    contents = {part_id: store.contents(stage, key) for part_id, key in index.items()}
+    record = {"schema": SCHEMA, "step": stage, "keys": index, "contents": contents}
+    write_json(out / RECORD, record)
     ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
     write_json(out / "failures.json", {"schema": SCHEMA, "failures": ordered})
     is_empty = needs_one and not index
@@ -103,12 +108,32 @@ def run_stage(
         raise _failure_error(stage, out, failures, len(index), lost, is_empty)
 
 
+def run_methods(stage: str, methods: Iterable[str], run: Callable[[str], None], out: Path) -> None:
+    """`run(method)` fills `<out>/<method>` by `run_stage`; `<out>/index.json` then stands for all.
+
+    Raises PartsFailed with what `run` raised so, after all methods have run.
+    """
+    names, refusals = list(methods), []
+    for name in names:
+        try:
+            run(name)
+        except PartsFailed as error:
+            refusals.append(f"{name}: {error}")
+    records = {
+        name: [out / name / f"{kind}.json" for kind in ("index", "failures")] for name in names
+    }
+    digests = {name: content_digest(paths) for name, paths in records.items()}
+    write_json(out / RECORD, {"schema": SCHEMA, "step": stage, "methods": digests})
+    if refusals:
+        raise PartsFailed("\n".join(refusals))
+
+
 def read_index(folder: Path) -> dict[str, str]:
     """Part id -> key in the store of each result in the stage output `folder`.
 
     Raises BadArtifact if the stage was not run, as does `read_failures`.
     """
-    return _read_record(folder / "index.json")["keys"]
+    return _read_record(folder / RECORD)["keys"]
 
 
 def read_failures(folder: Path) -> dict[str, str]:
@@ -121,14 +146,19 @@ def _read_record(path: Path) -> Any:
 
 
 def stage_of_output(folder: Path) -> str:
-    """The name that dvc.yaml has for the stage with this output."""
-    stages_by_folder = {"states": "train", "clouds": "reconstruct", "scores": "evaluate"}
-    stage = stages_by_folder.get(folder.parent.name)
-    return f"{stage}@{folder.name}" if stage else folder.name
+    """The name that dvc.yaml has for the stage with this output, or with this method's in it."""
+    stages_by_folder = {
+        "weights": "pretrain",
+        "states": "train",
+        "clouds": "reconstruct",
+        "scores": "evaluate",
+    }
+    own_stage = stages_by_folder.get(folder.name, folder.name)
+    return stages_by_folder.get(folder.parent.name, own_stage)
 
 
-def _store_key(stage: str, task: Task) -> str:
-    return store_key(stage, task.settings, _modules(task), task.inputs)
+def _store_key(stage: str, task: Task, recorded: RecordedDigests) -> str:
+    return store_key(stage, task.settings, _modules(task), task.inputs, recorded)
 
 
 def _modules(task: Task) -> tuple[str, ...]:

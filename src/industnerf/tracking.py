@@ -32,7 +32,7 @@ TAGS_FILE = "label.json"  # of a report: the tags of its run, whenever it is log
 
 def database_dir() -> Path:
     """Where the tracking database lives: an absolute path, or a run elsewhere would start anew."""
-    return Path(environment.get_str("INDUSTNERF_MLFLOW") or ".").absolute()
+    return environment.main_checkout() / (environment.get_str("INDUSTNERF_MLFLOW") or ".")
 
 
 def prepare_database() -> None:

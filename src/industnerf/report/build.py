@@ -8,7 +8,8 @@ strata.csv .md             methods by stratum of the parts
 contact_sheet.png
 sparsification.png         if a method returns candidates
 summary.json               the means, for MLflow
-cost.csv cost.md table1.md goals.csv goals.md pareto.png report.html
+metrics/ plots/            what `dvc metrics` and `dvc plots` show
+cost.csv cost.md table1.md goals.csv goals.md pareto.png report.html metrics/ plots/pareto.csv
                            with timings, so they differ from run to run
 origins.md                 machines and versions
 """
@@ -20,6 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from industnerf.artifacts.files import write_json, write_text
+from industnerf.content import content_digest
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
 from industnerf.report.figures.pareto import plot_pareto
 from industnerf.report.figures.sparsification import plot_sparsification
@@ -31,6 +33,7 @@ from industnerf.report.results import Results
 from industnerf.report.statistics.comparisons import comparisons_csv, comparisons_md
 from industnerf.report.study import Study
 from industnerf.report.tables.costs import cost_table_md, costs_csv, read_costs
+from industnerf.report.tables.dvc_files import CURVES, curves_csv, dvc_file_texts
 from industnerf.report.tables.formats import label_intervals
 from industnerf.report.tables.goals import goals_csv, goals_md
 from industnerf.report.tables.inspection import inspection_csv, inspection_md
@@ -40,7 +43,6 @@ from industnerf.report.tables.strata import strata_csv, strata_md
 from industnerf.report.tables.table1_format import COLUMNS, format_row, table1_csv, table1_md
 from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
-from industnerf.store import content_digest
 
 # What fits into 80 characters; the files have the rest.
 CONSOLE_COLUMNS = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")
@@ -57,6 +59,7 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     write_text(out / "cost.csv", costs_csv(costs))
     write_text(out / "origins.md", origins_md(origins))
     write_tables(results, out)
+    write_text(out / CURVES, curves_csv(study))
     viewer_parts = select_viewer_parts(study, settings.contact_sheet_parts)
     sheet_png = draw_contact_sheet(study, viewer_parts)
     pareto_png = plot_pareto(results.table1, results.table1_extras)
@@ -98,6 +101,7 @@ def table_texts(results: Results) -> dict[str, str]:
         "goals.md": goals_md(results.goals),
         "cost.md": cost_table_md(results.costs),
         "scores.csv": scores_csv(results.study),
+        **dvc_file_texts(results),
     }
 
 

@@ -41,6 +41,7 @@ def tasks_of(tmp_path, monkeypatch):
     """`tasks_of(method, hold_out, folds)`: what the stage would do, by the name of the network."""
     tasks = []
     monkeypatch.setattr(train, "run_stage", lambda stage, made, *_, **__: tasks.extend(made))
+    monkeypatch.setattr(train, "run_methods", lambda _, names, run, out: [*map(run, names)])
     monkeypatch.setattr(
         train, "load_parts", lambda folder: [unit_part(*pair) for pair in FAMILIES.items()]
     )
@@ -61,7 +62,7 @@ def tasks_of(tmp_path, monkeypatch):
         )
         paths = ("parts", tmp_path, tmp_path / "split.json", tmp_path / "solids", "weights", "out")
         tasks.clear()
-        train.main(cfg, method, *map(str, paths))
+        train.main(cfg, *map(str, paths))
         return {task.part_id: task for task in tasks}
 
     return tasks_of
