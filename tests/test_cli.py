@@ -54,7 +54,9 @@ def test_without_the_environment_dvc_is_asked_for(monkeypatch):
         require_dvc()
 
 
-@pytest.mark.parametrize("module", [check, grid, preset, score, publish, publish_weights, sweep_docs])
+@pytest.mark.parametrize(
+    "module", [check, grid, preset, score, publish, publish_weights, sweep_docs]
+)
 def test_help_prints_what_the_command_takes(module, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", [module.__name__, "--help"])
     run_command(module.main)

@@ -14,7 +14,13 @@ import pytest
 
 from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadParams, BadPart, ReconstructionFailed
-from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
+from industnerf.runner import (
+    GroupedWork,
+    ProcessRunner,
+    SerialRunner,
+    processes,
+    runner_from_environment,
+)
 from industnerf.runner.base import run_work_item
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
@@ -284,3 +290,16 @@ def test_an_unknown_runner_or_count_is_named(monkeypatch):
     monkeypatch.setenv("INDUSTNERF_WORKERS", "many")
     with pytest.raises(BadParams, match="INDUSTNERF_WORKERS is 'many'"):
         runner_from_environment()
+
+
+def test_no_process_does_pieces_of_two_groups(tmp_path):
+    """What a method leaves in memory would count for the next one."""
+    groups = ["hull", "hull", "nerf", "nerf", "hull"]
+    pieces = [
+        GroupedWork(partial(note_process, tmp_path / str(i)), group)
+        for i, group in enumerate(groups)
+    ]
+    assert [result.error for result in ProcessRunner(1).map(pieces, 60.0)] == [None] * 5
+    a, b, c, d, e = ((tmp_path / str(i)).read_text() for i in range(5))
+    assert (a, c) == (b, d)
+    assert len({a, c, e}) == 3

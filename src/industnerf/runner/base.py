@@ -13,6 +13,26 @@ from industnerf.errors import SuiteError
 
 WorkItem = Callable[[], None]
 
+
+@dataclass(frozen=True)
+class GroupedWork:
+    """A piece of work whose process does no piece of another group, nor did.
+
+    What one method leaves in memory must not count for another.
+    """
+
+    run: WorkItem
+    group: str
+
+    def __call__(self) -> None:
+        self.run()
+
+
+def group_of(work_item: WorkItem) -> str:
+    """The group of `work_item`; pieces without one are of one group."""
+    return work_item.group if isinstance(work_item, GroupedWork) else ""
+
+
 # What is wrong with the machine, whatever the piece: a disk is full, read-only or does not answer,
 # or no more files can be open.
 MACHINE_ERRNOS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.ENFILE}

@@ -11,7 +11,7 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from industnerf.runner.base import WorkError, WorkItem, WorkResult, run_work_item
+from industnerf.runner.base import WorkError, WorkItem, WorkResult, group_of, run_work_item
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 POLL_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
@@ -111,6 +111,7 @@ class _Worker:
     connection: Connection
     index: int
     deadline: float
+    group: str
 
     @staticmethod
     def start(item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
@@ -121,7 +122,8 @@ class _Worker:
             process.start()
         child_end.close()
         own_end.send((item[1], limits.memory_mb))
-        return _Worker(process, own_end, item[0], time.monotonic() + limits.seconds)
+        deadline = time.monotonic() + limits.seconds
+        return _Worker(process, own_end, item[0], deadline, group_of(item[1]))
 
     def collect(self, limits: _Limits) -> WorkError | None:
         """What ended the current piece of work, or None."""
@@ -143,7 +145,12 @@ class _Worker:
             )
 
     def reassign(self, item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
-        """This worker at another piece of work, or a fresh one if it is dead."""
+        """This worker at another piece of work, or a fresh one if that is of another group, or if
+        it is dead.
+        """
+        if group_of(item[1]) != self.group:
+            self.stop()
+            return _Worker.start(item, limits)
         try:
             self.connection.send((item[1], limits.memory_mb))
         except OSError:  # nobody is at the other end
