@@ -53,9 +53,9 @@ def test_a_terminal_shows_what_every_worker_is_at(monkeypatch):
     console = Console(force_terminal=True, record=True, width=100)
     monkeypatch.setattr(progress, "Console", lambda: console)
     with Progress("reconstruct", PENDING, reused=0, workers=2) as shown:
-        assert running(shown) == ["  hull gear", "  hull screw"]
+        assert running(shown) == ["  hull gear", "  nerf gear"]
         shown.advance(0, None, cost(1.0))
-        assert running(shown) == ["  hull screw", "  nerf gear"]
+        assert running(shown) == ["  nerf gear", "  hull screw"]
         shown.advance(1, None, cost(1.0))
         assert running(shown) == ["  nerf gear"]
 

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
+from industnerf.runner.base import next_piece
 from industnerf.store import Cost
 
 LINES = 5  # of a stage, where nobody looks at a terminal ...
@@ -17,8 +18,8 @@ MAX_SILENCE_S = 15.0  # ... and a line more for a part that ends so long after t
 class Progress:
     """Counts made, reused and failed parts of one stage, and says what each method took.
 
-    `pending` are method, or empty, and part of all that is to be made, in the order in which
-    `workers` at a time begin it.  A stage of no part at all says nothing.
+    `pending` are method, or empty, and part of all that is to be made, by `workers` at a time.
+    A stage of no part at all says nothing.
     """
 
     def __init__(
@@ -42,14 +43,14 @@ class Progress:
             transient=True,
         )
         self._running: dict[int, TaskID] = {}
-        self._num_begun = 0
+        self._waiting = list(range(len(pending)))
 
     def __enter__(self) -> "Progress":
         self._bar.start()
         # reused parts take no time, so they stay out of the bar
         self._total = self._bar.add_task(self._stage, total=len(self._pending))
-        for _ in range(self._workers):
-            self._begin_next()
+        for _ in range(min(self._workers, len(self._pending))):
+            self._begin_next(None)
         return self
 
     def advance(self, index: int, error: str | None, cost: Cost | None) -> None:
@@ -63,7 +64,8 @@ class Progress:
         self._bar.update(self._total, advance=1)
         if (task := self._running.pop(index, None)) is not None:
             self._bar.remove_task(task)
-        self._begin_next()
+        if self._waiting:
+            self._begin_next(label)
         name = f"{self._stage} {label}".rstrip()
         if error is not None:
             self._print(f"{name}: {part_id} failed: {error}")
@@ -90,14 +92,14 @@ class Progress:
         costs = _costs_text(self._seconds, self._peak_mb)
         self._print(f"{self._stage}: {outcome}, {counts}, {seconds:.1f} s{costs}")
 
-    def _begin_next(self) -> None:
-        """Show what a worker that is free now is at."""
-        if self._num_begun == len(self._pending):
-            return
-        label, part_id = self._pending[self._num_begun]
-        text = f"  {label} {part_id}".rstrip()
-        self._running[self._num_begun] = self._bar.add_task(text, total=None)
-        self._num_begun += 1
+    def _begin_next(self, own: str | None) -> None:
+        """Show what the worker begins that has done a part of the method `own`, as runners do."""
+        labels = [label for label, _ in self._pending]
+        busy = {labels[i] for i in self._running}
+        index = next_piece(self._waiting, labels, own, busy)
+        self._waiting.remove(index)
+        text = f"  {' '.join(filter(None, self._pending[index]))}"
+        self._running[index] = self._bar.add_task(text, total=None)
 
     def _print(self, text: str) -> None:
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)

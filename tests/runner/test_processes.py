@@ -21,7 +21,7 @@ from industnerf.runner import (
     processes,
     runner_from_environment,
 )
-from industnerf.runner.base import run_work_item
+from industnerf.runner.base import next_piece, run_work_item
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
 
@@ -302,4 +302,13 @@ def test_no_process_does_pieces_of_two_groups(tmp_path):
     assert [result.error for result in ProcessRunner(1).map(pieces, 60.0)] == [None] * 5
     a, b, c, d, e = ((tmp_path / str(i)).read_text() for i in range(5))
     assert (a, c) == (b, d)
-    assert len({a, c, e}) == 3
+    assert a == e != c  # it does all pieces of a group before it begins another
+
+
+def test_processes_divide_groups_before_they_share_one():
+    groups = ["hull", "hull", "nerf", "nerf", "carve"]
+    assert next_piece([0, 1, 2, 3, 4], groups, None, set()) == 0
+    assert next_piece([1, 2, 3, 4], groups, None, {"hull"}) == 2
+    assert next_piece([1, 3, 4], groups, "hull", {"nerf"}) == 1
+    assert next_piece([3, 4], groups, "hull", {"nerf"}) == 4
+    assert next_piece([3], groups, "hull", {"nerf"}) == 3

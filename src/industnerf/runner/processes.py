@@ -11,8 +11,17 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from industnerf.runner.base import WorkError, WorkItem, WorkResult, group_of, run_work_item
+from industnerf.runner.base import (
+    WorkError,
+    WorkItem,
+    WorkResult,
+    group_of,
+    next_piece,
+    run_work_item,
+)
 
+# POT imports torch where it finds it, which takes a second; it is given NumPy's arrays alone.
+NUMPY_ALONE = {"POT_BACKEND_DISABLE_PYTORCH": "1"}
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 POLL_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
 KILL_GRACE_S = 1.0  # within it, whoever kills every process of a job has come to this one too
@@ -50,13 +59,19 @@ class ProcessRunner:
         self, work_items: Sequence[WorkItem], limit_s: float, memory_mb: int | None = None
     ) -> Iterator[WorkResult]:
         # inherited by the workers, before they import numpy
-        os.environ.update(dict.fromkeys(THREADS, "1"))
+        os.environ.update(dict.fromkeys(THREADS, "1") | NUMPY_ALONE)
         limits = _Limits(limit_s, memory_mb, self.blocked_signals)
-        pending = list(enumerate(work_items))[::-1]
+        pending, groups = list(range(len(work_items))), [group_of(item) for item in work_items]
         workers: dict[Connection, _Worker] = {}
+
+        def take(own: str | None) -> tuple[int, WorkItem]:
+            index = next_piece(pending, groups, own, {worker.group for worker in workers.values()})
+            pending.remove(index)
+            return index, work_items[index]
+
         try:
             for _ in range(min(self.workers, len(work_items))):
-                worker = _Worker.start(pending.pop(), limits)
+                worker = _Worker.start(take(None), limits)
                 workers[worker.connection] = worker
             while workers:
                 next_deadline = min(worker.deadline for worker in workers.values())
@@ -75,7 +90,7 @@ class ProcessRunner:
                         worker.stop()
                     yield WorkResult.from_error(worker.index, error)
                     if pending:
-                        worker = worker.reassign(pending.pop(), limits)
+                        worker = worker.reassign(take(worker.group), limits)
                         workers[worker.connection] = worker
                     else:
                         worker.stop()
