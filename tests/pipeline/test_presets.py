@@ -73,6 +73,12 @@ def test_a_preset_names_itself_and_is_valid(preset, monkeypatch):
     assert compose_preset(preset, monkeypatch).preset == preset
 
 
+def test_a_misspelled_preset_gets_the_one_that_was_meant(monkeypatch):
+    monkeypatch.chdir(CONF.parent)
+    with pytest.raises(BadParams, match=r"'demmo' is unknown, did you mean `demo`\? known are abl"):
+        run_preset("demmo")
+
+
 def test_a_sweep_is_no_preset_to_be_run_once(monkeypatch):
     monkeypatch.chdir(CONF.parent)
     with pytest.raises(BadParams, match=r"pipeline\.sweep experiment=sweep-noise"):
@@ -154,6 +160,19 @@ def wait_until(condition: Callable[[], object]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+def test_the_demo_has_the_rows_to_know_first_as_in_the_study_and_trains_nothing(monkeypatch):
+    demo = compose_preset("demo", monkeypatch)
+    study = load_params(CONF.parent / "params.yaml")
+    rows = {"industnerf", "industnerf_plus", "nerf", "carve", "hull", "retrieval", "oracle", *NETS}
+    assert set(demo.methods) == rows
+    assert demo.procedural.solids == 0  # to make them takes longer than to answer
+    assert demo.pretrain.weights == "shipped"
+    assert {getattr(demo.method, name).training.max_steps for name in NETS} == {0}
+    assert (demo.views, demo.evaluate, demo.split) == (study.views, study.evaluate, study.split)
+    for name in rows - set(NETS):
+        assert getattr(demo.method, name) == getattr(study.method, name)
 
 
 def reading_settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
