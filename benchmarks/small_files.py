@@ -88,9 +88,9 @@ def sample_truth(part: Path, target: Path, *, settings: Any, seed: int) -> None:
 def guess_cloud(method: Any, part: Path, views: Path, state: Any, target: Path, **_: Any) -> None:
     """A few points, with no regard to the photographs."""
     with OwnTime():
-        gray, sure = np.full((POINTS, 3), 128, np.uint8), np.ones(POINTS, np.float32)
+        gray, certain = np.full((POINTS, 3), 128, np.uint8), np.ones(POINTS, np.float32)
         view = np.full(POINTS, -1, np.int16)
-        Cloud(part.name, _points(part), gray, sure, view, 0, 0).save(target)
+        Cloud(part.name, _points(part), gray, certain, view, 0, 0).save(target)
 
 
 def draw_scores(part: Path, truth: Path, views: Path, cloud: Path, target: Path, **_: Any) -> None:

@@ -123,5 +123,5 @@ def test_dvc_is_told_of_every_file_and_of_columns_that_it_has():
         for path, column in plot["y"].items():
             name = path.removeprefix("reports/").removeprefix("results/study/")
             columns = texts[name].splitlines()[0].split(",")
-            fields = set(re.findall(r'"field": "(\w+)"', template)) - {"rev", "filename"}
+            fields = set(re.findall(r'"field": "(\w+)"', template)) - {"rev", "run"}
             assert {plot["x"], column, *fields} - {"DVC_METRIC_X", "DVC_METRIC_Y"} <= set(columns)
