@@ -4,6 +4,11 @@ Paths and names are here, arithmetic is in src/.
 """
 
 import sys
+from pathlib import Path
+
+# A checkout beside the one that is installed, as DVC makes for a queued experiment, runs its own
+# code; and the code is part of every key.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
 from industnerf.renamed import COMMANDS
 

@@ -16,11 +16,7 @@ def run_pipeline(params: Params, folder: Path) -> None:
     dvc.yaml stays the only place that knows the wiring: its commands are taken apart, and what
     any stage writes is moved below `folder`.
     """
-    stages = [
-        config.load_stage(name, method)
-        for name in config.load_stages()
-        for method in config.matrix_methods(name, params.methods)
-    ]
+    stages = [config.load_stage(name) for name in config.load_stages()]
     outs = {out for stage in stages for out in stage.outs}
     for stage in stages:
         module, *arguments = shlex.split(stage.command.removeprefix("python -m "))

@@ -118,12 +118,12 @@ def test_a_missing_or_torn_file_is_named(tmp_path, monkeypatch):
 
 
 def test_a_stage_reads_what_dvc_yaml_lists_and_nothing_else(root):
-    stage = config.load_stage("reconstruct", "hull", root / "dvc.yaml")
+    stage = config.load_stage("train", root / "dvc.yaml")
     cfg = stage.select_params(config.load_params(root / "params.yaml"))
-    assert cfg.method.hull.points > 0
-    with pytest.raises(UndeclaredParameter, match=r"stage 'reconstruct' reads 'method\.ball'"):
+    assert cfg.method.retrieval.points > 0
+    with pytest.raises(UndeclaredParameter, match=r"stage 'train' reads 'method\.ball'"):
         cfg.method.ball  # noqa: B018
-    with pytest.raises(UndeclaredParameter, match="stage 'reconstruct' reads 'views'"):
+    with pytest.raises(UndeclaredParameter, match="stage 'train' reads 'views'"):
         cfg.views  # noqa: B018
 
 

@@ -1,11 +1,14 @@
 """The local file of variables, and numbers among them."""
 
 import os
+import subprocess
 
 import pytest
 
 from industnerf import environment
 from industnerf.errors import BadParams
+from industnerf.store import Store
+from industnerf.tracking import database_dir
 
 
 @pytest.fixture
@@ -33,6 +36,43 @@ def test_no_file_changes_nothing(tmp_path):
     before = dict(os.environ)
     environment.read_local_file(tmp_path / "absent")
     assert dict(os.environ) == before
+
+
+def git(folder, *command):
+    names = ("-c", "user.name=n", "-c", "user.email=e@example.org")
+    subprocess.run(["git", *names, *command], cwd=folder, check=True)
+
+
+def test_a_checkout_beside_the_main_one_has_its_store_and_its_file(tmp_path, monkeypatch):
+    """DVC runs queued experiments in temporary ones; without the store they would start anew."""
+    main, worktree = tmp_path / "main", tmp_path / "worktree"
+    temporary = main / ".dvc/tmp/exps/standalone/tmp1"
+    temporary.mkdir(parents=True)
+    git(main, "init", "-q")
+    git(main, "commit", "-q", "--allow-empty", "-m", "first")
+    git(main, "worktree", "add", "-q", str(worktree))
+    git(temporary, "init", "-q")
+    (main / ".industnerf.env").write_text("INDUSTNERF_SLURM_GRES=gpu:7")
+    monkeypatch.delenv("INDUSTNERF_STORE", raising=False)
+    monkeypatch.delenv("INDUSTNERF_MLFLOW", raising=False)
+    for folder in (main, worktree, temporary):
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr(os, "environ", dict(os.environ))
+        environment.read_local_file()
+        assert os.environ.pop("INDUSTNERF_SLURM_GRES") == "gpu:7"
+        assert Store.from_environment().root == main / ".store"
+        assert database_dir() == main
+    monkeypatch.setenv("INDUSTNERF_STORE", "other")
+    assert Store.from_environment().root == main / "other"
+    monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "absolute"))
+    assert Store.from_environment().root == tmp_path / "absolute"
+
+
+def test_a_folder_of_its_own_is_its_own_main_checkout(tmp_path):
+    git(tmp_path, "init", "-q")
+    (tmp_path / "runs/demo").mkdir(parents=True)
+    for folder in (tmp_path, tmp_path / "runs/demo"):
+        assert environment.main_checkout(folder) == folder
 
 
 @pytest.mark.parametrize(

@@ -135,6 +135,7 @@ def test_costs_stay_out_of_what_is_hashed(workdir):
         "schema",
         "step",
         "keys",
+        "contents",
     }
 
 
@@ -142,8 +143,9 @@ def test_costs_stay_out_of_what_is_hashed(workdir):
     ("folder", "name"),
     [
         ("data/views", "views"),
-        ("data/clouds/hull", "reconstruct@hull"),
-        ("data/states/r2n2", "train@r2n2"),
+        ("data/clouds/hull", "reconstruct"),
+        ("data/states", "train"),
+        ("data/weights/r2n2", "pretrain"),
     ],
 )
 def test_a_stage_that_was_not_run_is_named_as_dvc_has_it(tmp_path, folder, name):

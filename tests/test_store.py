@@ -11,7 +11,8 @@ import textwrap
 import pytest
 
 from industnerf import code_hash, manifest, processor
-from industnerf.store import Cost, Store, content_digest, store_key
+from industnerf.content import content_digest
+from industnerf.store import Cost, Store, store_key
 
 COST = Cost(1.0, 2.0, "cpu")
 

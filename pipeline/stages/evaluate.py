@@ -10,18 +10,20 @@ from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_files
 from industnerf.metrics.protocol import score_failure, score_part
-from industnerf.stage import Task, read_failures, read_index, run_stage
+from industnerf.stage import Batch, Task, read_failures, read_index, run_methods
 
 
-def main(
-    cfg: StageParams, method: str, parts: str, views: str, truth: str, clouds: str, out: str
-) -> None:
-    folders, part_ids = tuple(map(Path, (parts, truth, views, clouds))), read_index(Path(truth))
-    failed = set(read_failures(Path(clouds)))
-    tasks = evaluation_tasks(cfg, folders, part_ids, failed)
-    # What cannot be scored says nothing of the method: without its score there is no mean at all.
-    run_stage("evaluate", tasks, Path(out), "strict", failures_are_losses=True)
-    gather_scores(Path(out), method)
+def main(cfg: StageParams, parts: str, views: str, truth: str, clouds: str, out: str) -> None:
+    part_ids, batches = read_index(Path(truth)), {}
+    for name in cfg.methods:
+        folders = tuple(map(Path, (parts, truth, views, f"{clouds}/{name}")))
+        tasks = evaluation_tasks(cfg, folders, part_ids, set(read_failures(folders[-1])))
+        batches[name] = Batch(tasks, Path(out) / name)
+    # What cannot be scored says nothing of the method: without its score there is no mean.
+    options = {"failures_are_losses": True, "shares_processes": True}
+    run_methods("evaluate", batches, Path(out), "strict", **options)
+    for name, batch in batches.items():
+        gather_scores(batch.out, name)
 
 
 def evaluation_tasks(

@@ -1,6 +1,7 @@
 """The command line of every stage: paths in, one clear message out."""
 
 import inspect
+import os
 import shutil
 import sys
 from collections.abc import Callable
@@ -10,20 +11,20 @@ from industnerf import config, environment
 from industnerf.errors import BadParams, SuiteError
 from industnerf.runner import die_with_parent
 
+BROKEN_PIPE = 141  # as a shell reports SIGPIPE
+
 
 def run_as_stage(main: Callable[..., None], name: str) -> None:
     """Run `main(cfg, *arguments of the command line)` as the DVC stage `name`.
 
-    `cfg` holds the parameters that dvc.yaml lists for the stage, and no others.  The first
-    argument of a matrix stage is its method.
+    `cfg` holds the parameters that dvc.yaml lists for the stage, and no others.
     """
     die_with_parent()
     arguments = sys.argv[1:]
 
     def job() -> None:
         _check_arguments(main, name, arguments)
-        stage = config.load_stage(name, arguments[0] if config.is_matrix(name) else None)
-        main(stage.select_params(config.load_params()), *arguments)
+        main(config.load_stage(name).select_params(config.load_params()), *arguments)
 
     exit_with_message(job)
 
@@ -75,6 +76,9 @@ def exit_with_message(job: Callable[[], Any]) -> None:
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
+    except BrokenPipeError:  # `... --help | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python's end says so
+        sys.exit(BROKEN_PIPE)
     except KeyboardInterrupt:
         print("interrupted; finished parts are kept, the same command goes on", file=sys.stderr)
         sys.exit(130)

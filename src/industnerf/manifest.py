@@ -2,31 +2,55 @@
 
 Without it a result is not whole.  On use, names, sizes and times are compared; a file of another
 time is read.  Files are linked to where they are used, and whoever writes through such a link, as
-root can, changes its time.
+root can, changes its time.  `archives` has the digests of what is in the zip archives among them.
 """
 
-import hashlib
 import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from industnerf.content import ARCHIVE_SUFFIX, archive_digests, file_digest, top_digests
+
 FILE = "manifest.json"
 SCHEMA = 1
+RESULT = "out/"
 
 
 def write_manifest(folder: Path) -> None:
     """Make all files of `folder` read-only, force them to disk, and note what they are."""
-    files = {}
+    files, archives = {}, {}
     for name, path in sorted(_files(folder)):
         path.chmod(0o444)
         fsync(path)
         status = path.stat()
-        files[name] = [status.st_size, status.st_mtime_ns, _sha256(path)]
+        files[name] = [status.st_size, status.st_mtime_ns, file_digest(path)]
+        if path.suffix == ARCHIVE_SUFFIX:
+            archives[name] = archive_digests(path)
     manifest = folder / FILE
-    manifest.write_text(json.dumps({"schema": SCHEMA, "files": files}, indent=0))
+    content = {"schema": SCHEMA, "files": files, "archives": archives}
+    manifest.write_text(json.dumps(content, indent=0))
     manifest.chmod(0o444)
     fsync(manifest)
+
+
+def read_contents(folder: Path) -> dict[str, str]:
+    """The digest of each file and folder of the result in `folder`, and of each in its archives.
+
+    Raises OSError or ValueError if there is no result, or its manifest is torn.
+    """
+    content = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    files = {
+        name.removeprefix(RESULT): digest
+        for name, (_, _, digest) in content["files"].items()
+        if name.startswith(RESULT)
+    }
+    members = {
+        f"{name.removeprefix(RESULT)}/{member}": digest
+        for name, digests in content.get("archives", {}).items()
+        for member, digest in digests.items()
+    }
+    return top_digests(files) | members
 
 
 def find_damage(folder: Path, *, read_all: bool = False) -> str:
@@ -73,12 +97,7 @@ def _differs(path: Path, size: int, mtime_ns: int, digest: str, *, read_always: 
     status = path.stat()
     if status.st_size != size:
         return True
-    return (read_always or status.st_mtime_ns != mtime_ns) and _sha256(path) != digest
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return (read_always or status.st_mtime_ns != mtime_ns) and file_digest(path) != digest
 
 
 def _files(folder: Path) -> Iterator[tuple[str, Path]]:

@@ -28,7 +28,8 @@ from typing import Any
 
 from industnerf import environment
 from industnerf.code_hash import code_digest, library_versions
-from industnerf.manifest import find_damage, fsync, write_manifest
+from industnerf.content import RecordedDigests, content_digest
+from industnerf.manifest import find_damage, fsync, read_contents, write_manifest
 from industnerf.origin import Origin
 
 
@@ -61,29 +62,24 @@ class Cost:
 KEY_PATTERN = re.compile(r"[0-9a-f]{32}")
 
 
-def content_digest(paths: Iterable[Path]) -> str:
-    """A digest of files and folders by relative name and content."""
-    digest = hashlib.sha256()
-    for path in paths:
-        files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-        for file in files:
-            header = f"{file.relative_to(path.parent)}\n{file.stat().st_size}\n"
-            digest.update(header.encode(errors="surrogateescape"))  # names of files are any bytes
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
-def store_key(stage: str, settings: Any, modules: tuple[str, ...], inputs: Iterable[Path]) -> str:
+def store_key(
+    stage: str,
+    settings: Any,
+    modules: tuple[str, ...],
+    inputs: Iterable[Path],
+    recorded: RecordedDigests | None = None,
+) -> str:
     """The key of the result that the code of `modules` makes from `settings` and `inputs`.
 
-    Builds of one version of a library, such as those for a CPU and for a GPU, are not told apart.
+    Of inputs whose digest is `recorded` nothing is read.  Builds of one version of a library, such
+    as those for a CPU and for a GPU, are not told apart.
     """
     code = [code_digest(name) for name in modules]
     libraries = {
         name: version.partition("+")[0] for name, version in library_versions(modules).items()
     }
     text = json.dumps(
-        [stage, settings, code, libraries, content_digest(inputs)],
+        [stage, settings, code, libraries, content_digest(inputs, recorded)],
         sort_keys=True,
         default=asdict,
     )
@@ -98,8 +94,9 @@ class Store:
 
     @staticmethod
     def from_environment() -> "Store":
-        """The store in INDUSTNERF_STORE, else in `.store` of the current folder."""
-        return Store(Path(environment.get_str("INDUSTNERF_STORE") or ".store").absolute())
+        """The store in INDUSTNERF_STORE, else in `.store`; both relative to the main checkout."""
+        name = environment.get_str("INDUSTNERF_STORE") or ".store"
+        return Store(environment.main_checkout() / name)
 
     def result_path(self, stage: str, key: str) -> Path:
         """Where the result is, if it is there."""
@@ -136,6 +133,10 @@ class Store:
     def origin(self, stage: str, key: str) -> Origin | None:
         """With what the result was made, or None where that is not known here."""
         return Origin.load(self.root / stage / key)
+
+    def contents(self, stage: str, key: str) -> dict[str, str]:
+        """The digest of each file and folder of the result, and of each in an archive of it."""
+        return read_contents(self.root / stage / key)
 
     def put(
         self,

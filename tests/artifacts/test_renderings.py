@@ -1,5 +1,6 @@
 """Renderings: what is written is what is read, or an error that names the file."""
 
+import io
 import json
 from pathlib import Path
 
@@ -7,8 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from industnerf.artifacts.renderings import Renderings
+from industnerf.artifacts.renderings import ARCHIVE, Renderings
 from industnerf.errors import BadArtifact
+from tests.archives import members, opened
 
 COUNT, HIGH, WIDE = 3, 10, 14
 FARTHEST = 700.0  # mm
@@ -71,7 +73,8 @@ def test_images_are_what_their_names_say(saved):
     """Read by pillow alone: 8-bit color, 16-bit depth, 8-bit opacity."""
     modes = {}
     for kind in ("rgb", "depth", "opacity"):
-        with Image.open(saved / "renderings" / kind / "000.png") as image:
+        png = members(saved / ARCHIVE)[f"{kind}/000.png"]
+        with Image.open(io.BytesIO(png)) as image:
             modes[kind] = image.mode
             assert image.size == (WIDE, HIGH)
     assert modes == {"rgb": "RGB", "depth": "I;16", "opacity": "L"}
@@ -80,40 +83,50 @@ def test_images_are_what_their_names_say(saved):
 def test_equal_content_is_equal_bytes(renderings, saved, tmp_path_factory):
     again = tmp_path_factory.mktemp("again")
     renderings.save(again)
-    files = [path for path in sorted(saved.rglob("*")) if path.is_file()]
-    assert len(files) == 1 + 3 * COUNT
-    for path in files:
-        assert path.read_bytes() == (again / path.relative_to(saved)).read_bytes()
+    assert len(members(saved / ARCHIVE)) == 1 + 3 * COUNT
+    assert (saved / ARCHIVE).read_bytes() == (again / ARCHIVE).read_bytes()
+
+
+def test_the_first_colors_are_read_alone(renderings, saved):
+    np.testing.assert_array_equal(Renderings.load_first_rgb(saved), renderings.rgb[0])
+    blank = np.zeros((0, HIGH, WIDE), np.uint8)
+    no_views = Renderings(np.zeros((0, HIGH, WIDE, 3), np.uint8), blank.astype(np.float32), blank)
+    no_views.save(saved)
+    assert Renderings.load_first_rgb(saved) is None
 
 
 def test_a_method_that_does_not_render_has_none(tmp_path):
     assert Renderings.load(tmp_path) is None
+    assert Renderings.load_first_rgb(tmp_path) is None
 
 
 @pytest.mark.parametrize("name", ["renderings.json", "rgb/000.png", "depth/001.png"])
 @pytest.mark.parametrize("num_bytes", [None, 0, 40])
 def test_a_missing_or_torn_file_is_named(saved, name, num_bytes):
-    path = saved / "renderings" / name
-    content = path.read_bytes()
-    path.unlink()
-    if num_bytes is not None:
-        path.write_bytes(content[:num_bytes])
+    with opened(saved / ARCHIVE) as folder:
+        path = folder / name
+        content = path.read_bytes()
+        path.unlink()
+        if num_bytes is not None:
+            path.write_bytes(content[:num_bytes])
     with pytest.raises(BadArtifact, match=rf"{name}.*dvc repro"):
         Renderings.load(saved)
 
 
 def test_an_image_of_another_size_or_kind_is_refused(saved):
-    path = saved / "renderings" / "opacity" / "001.png"
-    Image.new("L", (WIDE, HIGH + 1)).save(path)
+    with opened(saved / ARCHIVE) as folder:
+        Image.new("L", (WIDE, HIGH + 1)).save(folder / "opacity/001.png")
     with pytest.raises(BadArtifact, match=r"opacity/001\.png has \(11, 14\) rows and columns"):
         Renderings.load(saved)
-    Image.new("RGB", (WIDE, HIGH)).save(path)
+    with opened(saved / ARCHIVE) as folder:
+        Image.new("RGB", (WIDE, HIGH)).save(folder / "opacity/001.png")
     with pytest.raises(BadArtifact, match=r"opacity/001\.png holds uint8 in \(3,\) channels"):
         Renderings.load(saved)
 
 
 def test_another_schema_is_refused(saved):
-    path = saved / "renderings" / "renderings.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"schema": 99}))
+    with opened(saved / ARCHIVE) as folder:
+        path = folder / "renderings.json"
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"schema": 99}))
     with pytest.raises(BadArtifact, match="schema 99, this code reads 1"):
         Renderings.load(saved)

@@ -9,10 +9,11 @@ import trimesh
 
 from industnerf.artifacts.part import Appearance, Mesh, save_part
 from industnerf.artifacts.part_warnings import load_part_warnings
-from industnerf.artifacts.views import load_views
+from industnerf.artifacts.views import ARCHIVE, load_views
 from industnerf.capture.backgrounds import COLORS, Likeness, contrasting_color
 from industnerf.capture.render import background_warning, render_part
 from industnerf.geometry.silhouettes import foreground_mask
+from tests.archives import members
 from tests.samples import unit_part
 
 RING = trimesh.creation.annulus(5, 15, 40, sections=64)
@@ -73,7 +74,7 @@ def test_the_background_is_declared_for_methods_and_other_tools(photograph):
     views = photograph("contrast", 0.9)
     np.testing.assert_array_equal(views.background, np.zeros((6, 3)))
     np.testing.assert_array_equal(views.rgb(VIEWS)[:, 0, 0], np.zeros((6, 3)))
-    transforms = json.loads((views.folder / "transforms.json").read_text())
+    transforms = json.loads(members(views.folder / ARCHIVE)["transforms.json"])
     assert transforms["background"] == [0.0, 0.0, 0.0]
 
 

@@ -8,13 +8,14 @@ import pytest
 import trimesh
 
 from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh, save_part
-from industnerf.artifacts.views import load_true_cameras, load_views
+from industnerf.artifacts.views import ARCHIVE, load_true_cameras, load_views
 from industnerf.capture.backgrounds import backgrounds
 from industnerf.capture.render import render_part
 from industnerf.capture.rng import random_streams
 from industnerf.errors import BadArtifact, BadParams
 from industnerf.geometry.cameras import pixel_centers, unproject
 from industnerf.schema import CalibrationParams, JitterParams, SensorParams, ViewsParams
+from tests.archives import members
 from tests.samples import unit_part
 
 RING = trimesh.creation.annulus(5, 15, 40, sections=64)
@@ -76,10 +77,10 @@ def test_pictures_show_the_background_around_the_part_and_nothing_saturated(
 def test_the_same_part_gives_the_same_bytes(block, tmp_path, settings):
     for name in ("one", "two"):
         render_part(block, tmp_path / name, settings, 0)
-    files = sorted(path.relative_to(tmp_path / "one") for path in tmp_path.glob("one/**/*.*"))
-    assert len(files) == 2 + 3 * 6
-    for file in files:
-        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+    assert [path.name for path in (tmp_path / "one").iterdir()] == [ARCHIVE]
+    assert len(members(tmp_path / "one" / ARCHIVE)) == 2 + 3 * 6
+    one, two = (tmp_path / name / ARCHIVE for name in ("one", "two"))
+    assert one.read_bytes() == two.read_bytes()
 
 
 # --- knobs -----------------------------------------------------------------------------------
@@ -100,8 +101,7 @@ def with_all_randomness(settings: ViewsParams) -> ViewsParams:
 
 
 def files_below(folder: Path) -> dict[str, bytes]:
-    paths = (path for path in folder.rglob("*.*") if path.is_file())
-    return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
+    return members(folder / ARCHIVE)
 
 
 def test_with_every_knob_the_same_seed_gives_the_same_bytes_and_another_others(

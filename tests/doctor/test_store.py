@@ -91,7 +91,7 @@ def test_the_stage_that_took_a_torn_result_is_named(dvc_copy: WorkingCopy):
     (entry / "cost.json").unlink()
     (finding,) = dvc_copy.check("store")
     store = dvc_copy.paths.store
-    rerun = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct@hull)` makes it anew"
+    rerun = f"`(cd . && INDUSTNERF_STORE={store} dvc repro -f -s reconstruct)` makes it anew"
     assert finding.message.endswith(f"; once it is gone, {rerun}")
     assert finding.fix.startswith(f"mv {dvc_copy.paths.shell_words(entry)} store/views/.damaged-")
 

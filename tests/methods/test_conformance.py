@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.state import ModelState
+from industnerf.artifacts.views import ARCHIVE
 from industnerf.code_hash import import_closure
 from industnerf.config import build
 from industnerf.errors import BadParams, ReconstructionFailed, UndeclaredInput
@@ -25,6 +26,7 @@ from industnerf.methods.base import Example, Input, MethodInputs, Scope, load_in
 from industnerf.methods.checks import check_reconstruction
 from industnerf.methods.run_method import input_files
 from industnerf.schema import Params
+from tests.archives import opened
 from tests.methods.conftest import OFFSET, SIZE, a_part, save_as_part
 from tests.methods.industnerf.synthetic_scenes import settings as industnerf_settings
 
@@ -179,14 +181,14 @@ def move(source: Path, target: Path, scale: float, shift: np.ndarray) -> None:
         target / "part", Mesh.with_one_appearance(scale * mesh.vertices + shift, mesh.faces)
     )
     shutil.copytree(source / "views", target / "views")
-    path = target / "views" / "cameras.json"
-    content = json.loads(path.read_text())
-    content["depth_scale_mm"] *= scale
-    for camera in content["cameras"]:
-        c2w = np.array(camera["c2w"])
-        c2w[:3, 3] = scale * c2w[:3, 3] + shift
-        camera["c2w"] = c2w.tolist()
-    path.write_text(json.dumps(content))
+    with opened(target / "views" / ARCHIVE) as folder:
+        content = json.loads((folder / "cameras.json").read_text())
+        content["depth_scale_mm"] *= scale
+        for camera in content["cameras"]:
+            c2w = np.array(camera["c2w"])
+            c2w[:3, 3] = scale * c2w[:3, 3] + shift
+            camera["c2w"] = c2w.tolist()
+        (folder / "cameras.json").write_text(json.dumps(content))
 
 
 @every_method

@@ -12,7 +12,7 @@ from industnerf.artifacts.history import History
 from industnerf.artifacts.part import load_mesh
 from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.state import ModelState
-from industnerf.artifacts.views import load_views
+from industnerf.artifacts.views import ARCHIVE, load_views
 from industnerf.errors import ReconstructionFailed, UndeclaredInput
 from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.geometry.cameras import nested_view_order
@@ -173,7 +173,11 @@ def test_a_net_depends_on_what_is_declared_of_its_parts(rendered_part):
     mesh = part / "mesh.npz"
     assert training_files(Example("p", "p", part, views, INPUTS)) == (mesh,)
     with_rgb = Example("p", "p", part, views, INPUTS | {Input.RGB})
-    assert training_files(with_rgb) == (views / "cameras.json", views / "rgb", mesh)
+    assert training_files(with_rgb) == (
+        views / ARCHIVE / "cameras.json",
+        views / ARCHIVE / "rgb",
+        mesh,
+    )
 
 
 def first_pixel_view(inputs, settings, state, seed):

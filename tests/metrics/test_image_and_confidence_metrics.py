@@ -123,13 +123,15 @@ def test_renderings_of_other_views_are_refused(views, images, tmp_path):
         scores_of(views, tmp_path / "cloud")
 
 
-def test_files_are_the_renderings_and_the_held_out_photographs(views, images, tmp_path):
+def test_files_are_the_renderings_and_the_photographs(views, images, tmp_path):
     cloud = tmp_path / "cloud"
     save_renderings(images, cloud)
     Candidates(np.zeros((2, 3), np.float32), np.ones(2, np.float32)).save(cloud)
     names = {str(path.relative_to(tmp_path)) for path in image_and_confidence_files(views, cloud)}
-    image_files = {f"views/{k}/00{i}.png" for k in ("rgb", "mask", "depth") for i in (1, 3)}
-    assert names == image_files | {"views/cameras.json", "cloud/renderings", "cloud/candidates.npz"}
+    photographs = {
+        f"views/photographs.zip/{name}" for name in ("cameras.json", "rgb", "mask", "depth")
+    }
+    assert names == photographs | {"cloud/renderings.zip", "cloud/candidates.npz"}
 
 
 def save_shell_candidates(cloud: Path, decay: float) -> None:

@@ -31,6 +31,7 @@ TIMING_FILES = {
     "goals.csv",
     "goals.md",
     "origins.md",
+    "pareto.csv",
     "pareto.png",
     "report.html",
     "table1.md",
@@ -97,7 +98,9 @@ class Project:
         return {
             str(path.relative_to(self.folder)): path.read_bytes()
             for path in files
-            if path.is_file() and path.name not in TIMING_FILES and "embedded" not in path.parts
+            if path.is_file()
+            and path.name not in TIMING_FILES
+            and not {"embedded", "metrics"} & set(path.parts)
         }
 
     def set(self, **changes: object) -> dict[str, object]:

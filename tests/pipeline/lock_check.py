@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from industnerf.config import load_stage, load_stages, matrix_methods, read_yaml
+from industnerf.config import Stage, load_stages, read_yaml
 
 
 def lock_mismatches(folder: Path, name: str = "dvc") -> list[str]:
@@ -35,11 +35,23 @@ def lock_mismatches(folder: Path, name: str = "dvc") -> list[str]:
     return mismatches + _inconsistent_files(locked)
 
 
-def _declared(path: Path, methods: list[str]) -> Iterator[tuple[str, Any]]:
-    """Every stage of dvc.yaml, one of a matrix for each method, by its name in dvc.lock."""
-    for name in load_stages(path):
-        for method in matrix_methods(name, methods, path):
-            yield f"{name}@{method}" if method else name, load_stage(name, method, path)
+def _declared(path: Path, methods: list[str]) -> Iterator[tuple[str, Stage]]:
+    """Every stage of dvc.yaml by its name in dvc.lock.
+
+    Of a matrix, as published studies of older code have, one for each method.
+    """
+    for name, raw in load_stages(path).items():
+        items = raw.get("matrix", {"method": [None]})["method"]
+        for item in methods if items == "${methods}" else items:
+            command, params, deps, outs = (
+                [text.replace("${item.method}", item or "") for text in texts]
+                for texts in (
+                    [raw["cmd"]],
+                    *(raw.get(key, []) for key in ("params", "deps", "outs")),
+                )
+            )
+            stage = Stage(name, command[0], tuple(params), tuple(deps), tuple(outs))
+            yield f"{name}@{item}" if item else name, stage
 
 
 def _interpolate(text: str, params: dict[str, Any]) -> str:

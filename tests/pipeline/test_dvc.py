@@ -17,6 +17,7 @@ from industnerf.methods.base import Input, Scope
 from industnerf.report.study import failures_of
 from industnerf.schema import MethodSettings, TrainingSettings
 from pipeline.preset import DVC_CONFIG
+from pipeline.stages.pretrain import NETWORKS
 
 # Corridors that move results about and log them: they are no dependency of any result.
 CORE_MODULES = {
@@ -28,20 +29,22 @@ CORE_MODULES = {
         "resume_time",
         "timing",
         "store",
+        "content",
         "manifest",
         "origin",
         "code_hash",
         "device",
         "environment",
         "renamed",
+        "suggestions",
         "runner",
         "progress",
         "tracking",
     )
 }
 STAGES = config.load_stages(Path(__file__).parents[2] / "dvc.yaml")
-PRETRAIN_STAGES = {f"pretrain@{name}" for name in STAGES["pretrain"]["matrix"]["method"]}
-TRAIN_STAGES = {f"train@{name}" for name in STAGES["train"]["matrix"]["method"]}
+MAX_DAG_COLUMNS, MAX_DAG_ROWS = 200, 45  # of a screen
+METHOD_STAGES = ("pretrain", "train", "reconstruct", "evaluate")
 RESULT_FILES = (
     "index",
     "failures",
@@ -50,7 +53,7 @@ RESULT_FILES = (
 
 @pytest.mark.parametrize("name", STAGES)
 def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
-    deps = config.load_stage(name, "hull", root / "dvc.yaml").deps
+    deps = config.load_stage(name, root / "dvc.yaml").deps
     dep_paths = [root / dep for dep in deps]
     needed = code_hash.import_closure(f"pipeline.stages.{name}") - CORE_MODULES
     needed = {
@@ -59,7 +62,7 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
         if not module.startswith(("industnerf.runner.", "industnerf.tracking."))
     }
     if name in ("pretrain", "train", "reconstruct"):
-        methods = STAGES[name]["matrix"]["method"] if name == "pretrain" else MODULES
+        methods = NETWORKS if name == "pretrain" else MODULES
         closures = (code_hash.import_closure(MODULES[method]) for method in methods)
         needed |= set().union(*closures) - CORE_MODULES
     for module in sorted(needed):
@@ -71,7 +74,7 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
 
 @pytest.mark.parametrize("name", STAGES)
 def test_what_a_stage_reads_of_those_before_it_is_among_its_deps(name, root):
-    stage = config.load_stage(name, "hull", root / "dvc.yaml")
+    stage = config.load_stage(name, root / "dvc.yaml")
     _, *names = inspect.signature(import_module(f"pipeline.stages.{name}").main).parameters
     arguments = dict(zip(names, stage.command.split()[3:], strict=True))
     source = (root / "pipeline/stages" / f"{name}.py").read_text()
@@ -81,14 +84,18 @@ def test_what_a_stage_reads_of_those_before_it_is_among_its_deps(name, root):
 
 
 def test_the_report_depends_on_the_failures_that_it_lists(root):
-    deps = config.load_stage("report", "hull", root / "dvc.yaml").deps
+    deps = config.load_stage("report", root / "dvc.yaml").deps
     for folder in re.findall(r"read_failures\(folders\.(\w+)\)", inspect.getsource(failures_of)):
         assert f"data/{folder}/failures.json" in deps
 
 
-def test_train_runs_over_the_methods_that_learn_from_other_parts():
+def method_params(stage):
+    return [name.removeprefix("method.") for name in STAGES[stage]["params"] if "method." in name]
+
+
+def test_train_reads_the_settings_of_the_methods_that_learn_from_other_parts():
     learning = {name for name in MODULES if load_method(name).scope == Scope.DATASET}
-    assert set(STAGES["train"]["matrix"]["method"]) == learning
+    assert set(method_params("train")) == learning
 
 
 def test_pretrain_runs_over_the_networks_that_are_trained_twice():
@@ -98,7 +105,7 @@ def test_pretrain_runs_over_the_networks_that_are_trained_twice():
         for name in MODULES
         if isinstance(getattr(getattr(settings, name), "pretraining", None), TrainingSettings)
     }
-    assert set(STAGES["pretrain"]["matrix"]["method"]) == pretrained
+    assert set(NETWORKS) == set(method_params("pretrain")) == pretrained
     assert all(Input.PROCEDURAL_SOLIDS in load_method(name).inputs for name in pretrained)
 
 
@@ -161,17 +168,17 @@ def outdated_stages(here):
         ("parts.units", "cm", {"solids"}),
         ("parts.pattern", "*.stl", {"solids", "parts"}),
         ("split.folds", 5, {"split"}),
-        ("split.hold_out", "part", {"split", "report", *TRAIN_STAGES}),
+        ("split.hold_out", "part", {"split", "report", "train"}),
         ("procedural.solids", 7, {"procedural"}),
-        ("pretrain.weights", "none", PRETRAIN_STAGES),
-        ("method.r2n2.max_views", 2, {"pretrain@r2n2", "train@r2n2", "report"}),
-        ("methods", ["oracle", "hull"], {*PRETRAIN_STAGES, *TRAIN_STAGES, "report"}),
-        ("train.time_limit_s", 5.0, TRAIN_STAGES),
-        ("method.hull.cell_px", 1.0, {"reconstruct@hull"}),
-        ("method.retrieval.points", 5, {"train@retrieval"}),
-        ("method.box.points", 5, set()),
-        ("reconstruct.time_limit_s", 5.0, {"reconstruct@hull", "reconstruct@oracle"}),
-        ("evaluate.fscore_threshold", 0.02, {"truth", "evaluate@hull", "evaluate@oracle"}),
+        ("pretrain.weights", "none", {"pretrain"}),
+        ("method.r2n2.max_views", 2, {"pretrain", "train", "reconstruct", "report"}),
+        ("methods", ["oracle", "hull"], {*METHOD_STAGES, "report"}),
+        ("train.time_limit_s", 5.0, {"train"}),
+        ("method.hull.cell_px", 1.0, {"reconstruct"}),
+        ("method.retrieval.points", 5, {"train", "reconstruct"}),
+        ("method.box.points", 5, {"reconstruct"}),
+        ("reconstruct.time_limit_s", 5.0, {"reconstruct"}),
+        ("evaluate.fscore_threshold", 0.02, {"truth", "evaluate"}),
         ("report.bootstrap_resamples", 5, {"report"}),
         ("preset", "mine", {"report"}),
     ],
@@ -190,7 +197,7 @@ def test_another_library_outdates_what_is_keyed_by_its_version(project):
     before = constraints.read_text()
     constraints.write_text(before.replace("torch==", "torch==99."))
     try:
-        assert {name.partition("@")[0] for name in outdated_stages(project)} == {
+        assert outdated_stages(project) == {
             *("solids", "parts", "views", "truth", "procedural", "pretrain", "train"),
             *("reconstruct", "evaluate"),
         }
@@ -200,6 +207,13 @@ def test_another_library_outdates_what_is_keyed_by_its_version(project):
 
 def test_nothing_is_outdated_after_a_run(project):
     assert outdated_stages(project) == set()
+
+
+def test_the_graph_of_stages_fits_on_a_screen(project):
+    dag = subprocess.run(["dvc", "dag"], cwd=project, check=True, capture_output=True, text=True)
+    lines = [line.rstrip() for line in dag.stdout.splitlines()]
+    assert len(lines) <= MAX_DAG_ROWS
+    assert max(map(len, lines)) <= MAX_DAG_COLUMNS
 
 
 PLACING = """
@@ -217,15 +231,17 @@ stages:
 
 def test_what_root_writes_into_an_output_is_never_taken_for_the_result(tmp_path, root):
     """With links DVC would hand it out of its cache, and say that nothing changed."""
-    cache_type = DVC_CONFIG["cache.type"]
-    assert f'type = "{cache_type}"' in (root / ".dvc/config").read_text()
+    line = 'type = "reflink,copy"'
+    assert line in DVC_CONFIG
+    assert line in (root / ".dvc/config").read_text()
     (tmp_path / "dvc.yaml").write_text(PLACING)
     (tmp_path / "source").touch()
     (tmp_path / "stored").write_text("hello")
     (tmp_path / "stored").chmod(0o444)
     repro = ["repro", "-q"]
-    for command in (["init", "--no-scm", "-q"], ["config", "cache.type", cache_type], repro):
-        subprocess.run(["dvc", *command], cwd=tmp_path, check=True)
+    subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=tmp_path, check=True)
+    (tmp_path / ".dvc/config").write_text(DVC_CONFIG)
+    subprocess.run(["dvc", *repro], cwd=tmp_path, check=True)
     (tmp_path / "data/out").chmod(0o644)
     (tmp_path / "data/out").write_text("HELLO")
     subprocess.run(["dvc", *repro], cwd=tmp_path, check=True)

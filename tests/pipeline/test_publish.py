@@ -114,9 +114,9 @@ def test_the_lock_of_a_run_belongs_to_its_params_and_pipeline(locked):
     [
         ("params.yaml", "seed: 0", "seed: 1", "views: ran with seed 0"),
         ("params.yaml", "count: 6", "count: 7", "report: ran with views.count 6"),
-        ("params.yaml", "- hull\n", "", "reconstruct@hull: in one file alone"),
+        ("params.yaml", "- hull\n", "", "reconstruct: ran with methods"),
         ("params.yaml", "path: data/embedded", "path: mine", "parts: other deps"),
-        ("dvc.yaml", "data/views data/truth data/clouds", "data/truth", "evaluate@hull: ran "),
+        ("dvc.yaml", "data/views data/truth data/clouds", "data/truth", "evaluate: ran "),
         ("dvc.yaml", "params: [split]", "params: [split, seed]", "split: ran with seed None"),
         ("dvc.yaml", "outs: [data/truth]", "outs: [data/t]", "truth: other outs"),
     ],

@@ -27,8 +27,10 @@ REPORT_FILES = {
     "inspection.csv",
     "inspection.md",
     "label.json",
+    "metrics",
     "origins.md",
     "pareto.png",
+    "plots",
     "report.html",
     "scores.csv",
     "strata.csv",
@@ -73,6 +75,16 @@ def test_a_run_ends_with_the_report(finished_run):
     assert {path.name for path in reports.iterdir()} == REPORT_FILES
     headers = {
         name: (reports / name).read_text().splitlines()[0] for name in REPORT_FILES if "csv" in name
+    }
+    assert {path.stem for path in (reports / "metrics").iterdir()} == {
+        "hull",
+        "mean_shape",
+        "oracle",
+    }
+    assert {path.name for path in (reports / "plots").iterdir()} == {
+        "curves.csv",
+        "emd.csv",
+        "pareto.csv",
     }
     assert headers == {
         "table1.csv": TABLE1,
@@ -201,24 +213,25 @@ def test_a_cloud_that_cannot_be_scored_is_a_loss_and_no_failure_of_the_method(
     A torn file stands for whatever a score cannot be had of.
     """
     data, clouds, out = finished_run.folder / "data", tmp_path / "clouds", tmp_path / "scores"
-    shutil.copytree(data / "clouds" / "hull", clouds)
-    torn, *others = sorted(path.name for path in clouds.iterdir() if path.is_dir())
-    for file in (clouds / torn).glob("*.npz"):
+    shutil.copytree(data / "clouds", clouds)
+    torn, *others = sorted(path.name for path in (clouds / "hull").iterdir() if path.is_dir())
+    for file in (clouds / "hull" / torn).glob("*.npz"):
         file.unlink()
         file.write_bytes(b"torn")
     folders = [
         str(folder) for folder in (data / "parts", data / "views", data / "truth", clouds, out)
     ]
-    command = [sys.executable, "-m", "pipeline.stages.evaluate", "hull", *folders]
+    command = [sys.executable, "-m", "pipeline.stages.evaluate", *folders]
     environment = finished_run.environment | {"INDUSTNERF_STORE": str(tmp_path / "store")}
     ended = subprocess.run(
         command, cwd=finished_run.folder, env=environment, capture_output=True, text=True
     )
     assert ended.returncode == 1
     assert "1 were lost by the machine, the cluster or a metric" in ended.stderr
-    assert list(read_failures(out)) == [torn]
-    assert list(read_index(out)) == others
-    assert not (out / "scores.csv").exists()
+    assert list(read_failures(out / "hull")) == [torn]
+    assert list(read_index(out / "hull")) == others
+    assert not (out / "hull" / "scores.csv").exists()
+    assert (out / "oracle" / "scores.csv").exists()  # of what comes behind it
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """The picture that MLflow shows of a method: photographs beside what was made of them."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,7 @@ from industnerf.geometry.cameras import Cameras, look_at, pinhole
 from industnerf.geometry.sphere import fibonacci_sphere
 from industnerf.tracking import preview
 from industnerf.tracking.preview import preview_image
+from tests.archives import opened
 
 SIDE = 8
 
@@ -51,7 +50,7 @@ def test_the_photograph_stands_beside_the_rendering_of_the_same_camera(study):
 
 def test_without_renderings_the_points_are_drawn(study):
     for folder in (study / "clouds").iterdir():
-        shutil.rmtree(folder / "renderings")
+        (folder / "renderings.zip").unlink()
     image = preview_image(study / "clouds", study / "views")
     assert image.shape == (4 * SIDE, 2 * SIDE, 3)
     assert tuple(image[SIDE // 2, SIDE + SIDE // 2]) == (200, 0, 0)
@@ -59,8 +58,10 @@ def test_without_renderings_the_points_are_drawn(study):
 
 
 def test_without_a_held_out_camera_there_is_no_picture(study):
-    for path in (study / "views").glob("*/cameras.json"):
-        path.write_text(path.read_text().replace("true", "false"))
+    for archive in (study / "views").glob("*/photographs.zip"):
+        with opened(archive) as folder:
+            path = folder / "cameras.json"
+            path.write_text(path.read_text().replace('"held_out": true', '"held_out": false'))
     assert preview_image(study / "clouds", study / "views") is None
 
 

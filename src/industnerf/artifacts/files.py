@@ -53,7 +53,12 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, content: Any) -> None:
     """Write `content` as indented JSON, byte-equal for equal content."""
-    write_text(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+    write_text(path, json_text(content))
+
+
+def json_text(content: Any) -> str:
+    """`content` as indented JSON."""
+    return json.dumps(content, indent=1, allow_nan=False) + "\n"
 
 
 def corrupt_error(path: Path, what: str, stage: str) -> BadArtifact:
@@ -83,10 +88,19 @@ def read_json(path: Path, schema: int, stage: str) -> Any:
     Raises BadArtifact that names the file and how `stage` writes it anew.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        data = path.read_bytes()
     except FileNotFoundError:
         raise missing_error(path, stage) from None
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise corrupt_error(path, f"is not readable JSON ({error})", stage) from None
+    return parse_json(data, path, schema, stage)
+
+
+def parse_json(data: bytes, path: Path, schema: int, stage: str) -> Any:
+    """As `read_json`, of what `path` holds."""
+    try:
+        content = json.loads(data)
+    except ValueError as error:
         raise corrupt_error(path, f"is not readable JSON ({error})", stage) from None
     found_schema = content.get("schema") if isinstance(content, dict) else None
     if found_schema != schema:

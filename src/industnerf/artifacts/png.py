@@ -1,5 +1,6 @@
 """PNG images between stages, and the error of one that cannot be read."""
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -18,16 +19,18 @@ def quantize_depth(
     return np.maximum(np.rint(depth_mm / step_mm), depth_mm > 0).astype(np.uint16)
 
 
-def write_png(path: Path, pixels: np.ndarray) -> None:
-    """Write 8- or 16-bit gray, 8-bit color, or truth values."""
+def encode_png(pixels: np.ndarray) -> bytes:
+    """8- or 16-bit gray, 8-bit color, or truth values as a PNG."""
+    png = io.BytesIO()
     # Of a part's views, level 2 writes a megabyte more than 6, in half the time or less.
-    Image.fromarray(pixels).save(path, compress_level=2)
+    Image.fromarray(pixels).save(png, "png", compress_level=2)
+    return png.getvalue()
 
 
-def read_png(path: Path, height: int, width: int, stage: str) -> np.ndarray:
-    """The pixels in `path`; raises BadArtifact if it is missing, torn or of another size."""
+def decode_png(png: bytes, path: Path, height: int, width: int, stage: str) -> np.ndarray:
+    """The pixels of `png`, which `path` holds; raises BadArtifact if torn or of another size."""
     try:
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(png)) as image:
             pixels = np.asarray(image)
     except (OSError, SyntaxError, ValueError) as error:  # pillow raises all three
         raise corrupt_error(path, f"cannot be read ({error})", stage) from None

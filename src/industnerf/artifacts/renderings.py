@@ -1,7 +1,7 @@
-"""A method's renderings from the held-out cameras, beside its cloud.
+"""A method's renderings from the held-out cameras: the archive `renderings.zip` beside its cloud.
 
-    <cloud>/renderings/renderings.json
-    <cloud>/renderings/rgb|depth|opacity/000.png ...   in the order of the held-out cameras
+    renderings.json
+    rgb|depth|opacity/000.png ...   in the order of the held-out cameras
 
 Depth is z in mm, stored as a multiple of `depth_scale_mm` in 16 bits; 0 is background.
 """
@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float32, UInt8
 
-from industnerf.artifacts.files import corrupt_error, read_json, write_json
-from industnerf.artifacts.png import MAX_DEPTH_VALUE, quantize_depth, read_png, write_png
+from industnerf.artifacts.archive import read_members, write_archive
+from industnerf.artifacts.files import corrupt_error, json_text, parse_json
+from industnerf.artifacts.png import MAX_DEPTH_VALUE, decode_png, encode_png, quantize_depth
 
 SCHEMA = 1
-FOLDER, INDEX = "renderings", "renderings.json"
+ARCHIVE, INDEX = "renderings.zip", "renderings.json"
 FOREGROUND_THRESHOLD = 128  # the first of 256 levels that is at least half opaque
 # pixels, and what comes after rows and columns
 KINDS = {"rgb": (np.uint8, (3,)), "depth": (np.uint16, ()), "opacity": (np.uint8, ())}
@@ -39,16 +40,17 @@ class Renderings:
         return self.opacity >= FOREGROUND_THRESHOLD
 
     def save(self, cloud: Path) -> None:
-        """Write the folder `renderings` into the folder `cloud`; depth must be finite and >= 0."""
-        folder, (count, height, width) = cloud / FOLDER, self.opacity.shape
+        """Write the archive into the folder `cloud`; depth must be finite and >= 0."""
+        count, height, width = self.opacity.shape
         scale = float(self.depth_mm.max(initial=0.0) or 1.0) / MAX_DEPTH_VALUE
         sizes = {"count": count, "height": height, "width": width}
         depth = quantize_depth(self.depth_mm, scale)
-        for kind, pixels in (("rgb", self.rgb), ("depth", depth), ("opacity", self.opacity)):
-            (folder / kind).mkdir(parents=True)
-            for index, image in enumerate(pixels):
-                write_png(folder / kind / f"{index:03d}.png", image)
-        write_json(folder / INDEX, {"schema": SCHEMA, **sizes, "depth_scale_mm": scale})
+        record = {"schema": SCHEMA, **sizes, "depth_scale_mm": scale}
+        with write_archive(cloud / ARCHIVE) as add:
+            add(INDEX, json_text(record).encode())
+            for kind, pixels in (("rgb", self.rgb), ("depth", depth), ("opacity", self.opacity)):
+                for index, image in enumerate(pixels):
+                    add(f"{kind}/{index:03d}.png", encode_png(image))
 
     @staticmethod
     def load(cloud: Path) -> "Renderings | None":
@@ -56,23 +58,38 @@ class Renderings:
 
         Raises BadArtifact if a file is missing or torn.
         """
-        folder = cloud / FOLDER
-        if not folder.is_dir():
+        if not (cloud / ARCHIVE).exists():
             return None
-        metadata = read_json(folder / INDEX, SCHEMA, "reconstruct")
-        colors, depth, opacity = (_read_images(folder / kind, metadata) for kind in KINDS)
+        metadata = _read_index(cloud)
+        colors, depth, opacity = (
+            _read_images(cloud, kind, range(metadata["count"]), metadata) for kind in KINDS
+        )
         depth_mm = depth.astype(np.float32) * np.float32(metadata["depth_scale_mm"])
         return Renderings(colors, depth_mm, opacity)
 
+    @staticmethod
+    def load_first_rgb(cloud: Path) -> UInt8[np.ndarray, "h w 3"] | None:
+        """The colors from the first held-out camera alone; None and errors as of `load`."""
+        if not (cloud / ARCHIVE).exists() or not (metadata := _read_index(cloud))["count"]:
+            return None
+        return _read_images(cloud, "rgb", range(1), metadata)[0]
 
-def _read_images(folder: Path, metadata: dict) -> np.ndarray:
-    kind, channels = KINDS[folder.name]
+
+def _read_index(cloud: Path) -> dict:
+    (data,) = read_members(cloud / ARCHIVE, [INDEX], "reconstruct")
+    return parse_json(data, cloud / ARCHIVE / INDEX, SCHEMA, "reconstruct")
+
+
+def _read_images(cloud: Path, kind: str, indices: range, metadata: dict) -> np.ndarray:
+    dtype, channels = KINDS[kind]
     height, width = metadata["height"], metadata["width"]
-    images = np.empty((metadata["count"], height, width, *channels), kind)
-    for index in range(len(images)):
-        path = folder / f"{index:03d}.png"
-        pixels = read_png(path, height, width, "reconstruct")
-        if (pixels.dtype, pixels.shape[2:]) != KINDS[folder.name]:
+    names = [f"{kind}/{index:03d}.png" for index in indices]
+    pngs = read_members(cloud / ARCHIVE, names, "reconstruct")
+    images = np.empty((len(names), height, width, *channels), dtype)
+    for index, (name, png) in enumerate(zip(names, pngs, strict=True)):
+        path = cloud / ARCHIVE / name
+        pixels = decode_png(png, path, height, width, "reconstruct")
+        if (pixels.dtype, pixels.shape[2:]) != KINDS[kind]:
             what = f"holds {pixels.dtype} in {pixels.shape[2:] or 1} channels"
             raise corrupt_error(path, what, "reconstruct")
         images[index] = pixels

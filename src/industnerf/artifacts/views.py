@@ -1,9 +1,9 @@
-"""The photographs of one part, and the cameras that took them.
+"""The photographs of one part, and the cameras that took them: the archive `photographs.zip`.
 
-    <part>/cameras.json      our convention: OpenCV axes, mm, px
-    <part>/transforms.json   the NeRF convention: OpenGL axes
-    <part>/rgb|mask|depth/000.png ...   training views first, then the held-out ones
-    <part>/true_cameras.json only where the training cameras above are wrong on purpose
+    cameras.json      our convention: OpenCV axes, mm, px
+    transforms.json   the NeRF convention: OpenGL axes
+    rgb|mask|depth/000.png ...   training views first, then the held-out ones
+    true_cameras.json only where the training cameras above are wrong on purpose
 
 Depth is z in mm, stored as a multiple of `depth_scale_mm` in 16 bits; 0 is background.
 
@@ -19,12 +19,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float, Float32, UInt8
 
-from industnerf.artifacts.files import read_json, write_json
-from industnerf.artifacts.png import quantize_depth, read_png, write_png
+from industnerf.artifacts.archive import read_members, write_archive
+from industnerf.artifacts.files import json_text, parse_json
+from industnerf.artifacts.png import decode_png, encode_png, quantize_depth
 from industnerf.geometry.cameras import Cameras
 
 SCHEMA = 3
-TRUE_CAMERAS = "true_cameras.json"
+ARCHIVE, CAMERAS, TRUE_CAMERAS = "photographs.zip", "cameras.json", "true_cameras.json"
 OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # NeRF tools: +y up, camera looks along -z
 
 
@@ -67,14 +68,15 @@ class Views:
         return self._read("depth", indices).astype(np.float32) * np.float32(self.depth_scale_mm)
 
     def _read(self, kind: str, indices: np.ndarray) -> np.ndarray:
-        size = self.cameras.height, self.cameras.width
-        paths = [self.folder / kind / f"{index:03d}.png" for index in indices]
-        return np.stack([read_png(path, *size, "views") for path in paths])
+        archive, size = self.folder / ARCHIVE, (self.cameras.height, self.cameras.width)
+        names = [f"{kind}/{index:03d}.png" for index in indices]
+        pngs = zip(read_members(archive, names, "views"), names, strict=True)
+        return np.stack([decode_png(png, archive / name, *size, "views") for png, name in pngs])
 
 
 def load_views(folder: Path) -> Views:
     """Read `cameras.json`; raises BadArtifact if it is missing, torn or of another schema."""
-    content = read_json(folder / "cameras.json", SCHEMA, "views")
+    content = _read_cameras(folder, CAMERAS)
     rows = content["cameras"]
     return Views(
         folder,
@@ -92,10 +94,15 @@ def load_true_cameras(folder: Path) -> Cameras:
 
     For evaluation, never for a method.  Raises BadArtifact as `load_views` does.
     """
-    if not (folder / TRUE_CAMERAS).exists():
+    if _read_cameras(folder, CAMERAS)["exact"]:
         return load_views(folder).cameras
-    content = read_json(folder / TRUE_CAMERAS, SCHEMA, "views")
+    content = _read_cameras(folder, TRUE_CAMERAS)
     return _cameras(content, content["cameras"])
+
+
+def _read_cameras(folder: Path, name: str) -> dict:
+    (data,) = read_members(folder / ARCHIVE, [name], "views")
+    return parse_json(data, folder / ARCHIVE / name, SCHEMA, "views")
 
 
 def _cameras(content: dict, rows: list[dict]) -> Cameras:
@@ -110,21 +117,23 @@ def _cameras(content: dict, rows: list[dict]) -> Cameras:
 def save_views(
     views: Views, images: Iterable[RgbdImage], true_cameras: Cameras | None = None
 ) -> None:
-    """Write the cameras, and every image as soon as it comes, into `views.folder`.
+    """Write the cameras, and every image as soon as it comes, into the archive in `views.folder`.
 
     `true_cameras` took the images, where `views.cameras` are wrong.
     """
-    for kind in ("rgb", "mask", "depth"):
-        (views.folder / kind).mkdir(parents=True)
-    write_json(views.folder / "cameras.json", _cameras_json(views, exact=true_cameras is None))
-    write_json(views.folder / "transforms.json", _transforms_json(views))
+    records = {
+        CAMERAS: _cameras_json(views, exact=true_cameras is None),
+        "transforms.json": _transforms_json(views),
+    }
     if true_cameras is not None:
-        write_json(views.folder / TRUE_CAMERAS, _true_cameras_json(true_cameras))
-    for index, image in enumerate(images):
-        depth = quantize_depth(image.depth_mm, views.depth_scale_mm)
-        write_png(views.folder / f"rgb/{index:03d}.png", image.rgb)
-        write_png(views.folder / f"mask/{index:03d}.png", image.mask)
-        write_png(views.folder / f"depth/{index:03d}.png", depth)
+        records[TRUE_CAMERAS] = _true_cameras_json(true_cameras)
+    with write_archive(views.folder / ARCHIVE) as add:
+        for name, record in records.items():
+            add(name, json_text(record).encode())
+        for index, image in enumerate(images):
+            depth = quantize_depth(image.depth_mm, views.depth_scale_mm)
+            for kind, pixels in (("rgb", image.rgb), ("mask", image.mask), ("depth", depth)):
+                add(f"{kind}/{index:03d}.png", encode_png(pixels))
 
 
 def _cameras_json(views: Views, *, exact: bool) -> dict:

@@ -20,6 +20,7 @@ from industnerf import config, processor
 from industnerf.capture.render import render_part
 from industnerf.cli import exit_with_message
 from industnerf.code_hash import library_versions
+from industnerf.content import content_digest
 from industnerf.doctor.findings import Finding
 from industnerf.doctor.operations import OPERATIONS
 from industnerf.doctor.project_paths import ProjectPaths
@@ -30,7 +31,6 @@ from industnerf.parts.catalogue.sources import embedded_parts
 from industnerf.parts.procedural import ALL_KINDS, procedural_solid
 from industnerf.parts.procedural import digest as solids_digest
 from industnerf.schema import Params
-from industnerf.store import content_digest
 from industnerf.torch_kernels import use_reproducible_kernels
 
 DIGESTS = Path("results/reproducible.json")

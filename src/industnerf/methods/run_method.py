@@ -9,6 +9,7 @@ import numpy as np
 
 from industnerf.artifacts.cloud import Cloud, save_extra_clouds, save_warnings
 from industnerf.artifacts.state import ModelState
+from industnerf.artifacts.views import ARCHIVE, CAMERAS
 from industnerf.errors import BadParams, ReconstructionFailed
 from industnerf.learning.procedural_shapes import load_procedural_shapes
 from industnerf.learning.training_shape import Prior
@@ -29,15 +30,19 @@ FILES = {Input.RGB: "rgb", Input.MASK: "mask", Input.DEPTH: "depth"}
 
 
 def input_files(method: Method, part: Path, views: Path) -> tuple[Path, ...]:
-    """The files that `method` may depend on: its cameras, and what it declares."""
-    images = [views / FILES[name] for name in sorted(method.inputs) if name in FILES]
+    """The files that `method` may depend on: its cameras, and what it declares.
+
+    Photographs are members of their archive: what a method does not declare changes no key of its.
+    """
+    photographs = views / ARCHIVE
+    images = [photographs / FILES[name] for name in sorted(method.inputs) if name in FILES]
     mesh = [part / "mesh.npz"] if method.inputs & {Input.OWN_MESH, Input.PART_FRAME} else []
-    return (views / "cameras.json", *images, *mesh)
+    return (photographs / CAMERAS, *images, *mesh)
 
 
 def training_files(example: Example) -> tuple[Path, ...]:
     """The files of `example` that what is learned from it may depend on."""
-    images = [example.views / "cameras.json", example.views / "rgb"]
+    images = [example.views / ARCHIVE / name for name in (CAMERAS, "rgb")]
     mesh = [example.part / "mesh.npz"] if Input.OTHER_MESHES in example.inputs else []
     return (*(images if Input.RGB in example.inputs else []), *mesh)
 

@@ -11,10 +11,11 @@ from jaxtyping import Float
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.candidates import FILE, Candidates
-from industnerf.artifacts.renderings import FOLDER, Renderings
+from industnerf.artifacts.renderings import ARCHIVE, Renderings
 from industnerf.artifacts.scores import Score
 from industnerf.artifacts.truth import Truth
-from industnerf.artifacts.views import Views, load_views
+from industnerf.artifacts.views import ARCHIVE as PHOTOGRAPHS
+from industnerf.artifacts.views import CAMERAS, Views, load_views
 from industnerf.errors import MetricError
 from industnerf.metrics.calibration import ause, random_ause, sparsification_at, spearman
 from industnerf.metrics.images import NormalizedImage, mean_over_views, psnr
@@ -39,11 +40,10 @@ METRICS = {
 def image_and_confidence_files(views: Path, cloud: Path) -> tuple[Path, ...]:
     """The files that `image_and_confidence_scores` reads beside the part and its truth."""
     candidates = (cloud / FILE,) if (cloud / FILE).exists() else ()
-    if not (cloud / FOLDER).is_dir():
+    if not (cloud / ARCHIVE).exists():
         return candidates
-    names = [f"{index:03d}.png" for index in np.flatnonzero(load_views(views).held_out)]
-    images = [views / kind / name for kind in ("rgb", "mask", "depth") for name in names]
-    return (*candidates, cloud / FOLDER, views / "cameras.json", *images)
+    photographs = [views / PHOTOGRAPHS / name for name in (CAMERAS, "rgb", "mask", "depth")]
+    return (*candidates, cloud / ARCHIVE, *photographs)
 
 
 def image_and_confidence_scores(

@@ -27,7 +27,7 @@ LOCK_PATIENCE_S = 60.0  # logging takes seconds; a process that is stopped holds
 
 def database_dir() -> Path:
     """Where the tracking database lives: an absolute path, or a run elsewhere would start anew."""
-    return Path(environment.get_str("INDUSTNERF_MLFLOW") or ".").absolute()
+    return environment.main_checkout() / (environment.get_str("INDUSTNERF_MLFLOW") or ".")
 
 
 def is_enabled() -> bool:

@@ -7,8 +7,7 @@ from jaxtyping import UInt8
 from PIL import Image
 
 from industnerf.artifacts.cloud import Cloud
-from industnerf.artifacts.png import read_png
-from industnerf.artifacts.renderings import FOLDER
+from industnerf.artifacts.renderings import Renderings
 from industnerf.artifacts.views import load_views
 from industnerf.splats import splat
 
@@ -35,10 +34,8 @@ def _side_by_side(cloud: Path, views: Path) -> UInt8[np.ndarray, "h w 3"]:
     view_set = load_views(views)
     cameras, first = view_set.cameras, np.flatnonzero(view_set.held_out)[:1]
     height = min(cameras.height, MAX_PREVIEW_PX)
-    rendering_path = cloud / FOLDER / "rgb" / "000.png"
-    if rendering_path.exists():
-        rendering = read_png(rendering_path, cameras.height, cameras.width, "reconstruct")
-    else:
+    rendering = Renderings.load_first_rgb(cloud)
+    if rendering is None:
         loaded_cloud = Cloud.load(cloud)
         rendering = splat(
             loaded_cloud.points_mm, loaded_cloud.colors, cameras, int(first[0]), height

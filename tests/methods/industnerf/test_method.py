@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from industnerf.artifacts.views import load_views
+from industnerf.artifacts.views import ARCHIVE, load_views
 from industnerf.methods import load_method
 from industnerf.methods.base import Input, Reconstruction, load_inputs
+from tests.archives import opened
 from tests.methods.industnerf.synthetic_scenes import settings
 
 NAMES = ("industnerf", "industnerf_plus", "industnerf_depth", "nerf")
@@ -35,11 +36,11 @@ def test_only_what_is_declared_is_handed_over(name, rendered_part):
 def with_background(source: Path, target: Path, color: list[float]) -> Path:
     """The same photographs, and another color said to be behind the part."""
     shutil.copytree(source, target)
-    path = target / "views" / "cameras.json"
-    content = json.loads(path.read_text())
-    for camera in content["cameras"]:
-        camera["background"] = color
-    path.write_text(json.dumps(content))
+    with opened(target / "views" / ARCHIVE) as folder:
+        content = json.loads((folder / "cameras.json").read_text())
+        for camera in content["cameras"]:
+            camera["background"] = color
+        (folder / "cameras.json").write_text(json.dumps(content))
     assert (load_views(target / "views").background == color).all()
     return target
 

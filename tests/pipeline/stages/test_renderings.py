@@ -34,9 +34,7 @@ def stages(finished_run, tmp_path_factory):
     method = replace(CASTER, name=NAME, reconstruct=cast_all_but_the_enclosure)
 
     def cfg(stage):
-        return config.load_stage(stage, NAME, finished_run.folder / "dvc.yaml").select_params(
-            params
-        )
+        return config.load_stage(stage, finished_run.folder / "dvc.yaml").select_params(params)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("INDUSTNERF_STORE", str(folder / "store"))
@@ -44,10 +42,9 @@ def stages(finished_run, tmp_path_factory):
         patch.setattr(reconstruct, "load_method", lambda name: method)
         names = ("parts", "views", "split.json", "truth", "states")
         parts, views, split, truth, states = (str(data / name) for name in names)
-        clouds, scores = (str(folder / name / NAME) for name in ("clouds", "scores"))
-        method_paths = (split, states, clouds)
-        reconstruct.main(cfg("reconstruct"), NAME, parts, views, *method_paths)
-        evaluate.main(cfg("evaluate"), NAME, parts, views, truth, clouds, scores)
+        clouds, scores = (str(folder / name) for name in ("clouds", "scores"))
+        reconstruct.main(cfg("reconstruct"), parts, views, split, states, clouds)
+        evaluate.main(cfg("evaluate"), parts, views, truth, clouds, scores)
         input_paths = (str(data / "solids"), parts, views, split, truth, states)
         folders = ("clouds", "scores", "no grid", "no seeds", "reports")
         output_paths = (str(folder / name) for name in folders)
@@ -103,9 +100,7 @@ def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(st
     """A method that does not render does not depend on them."""
     data, tasks = finished_run.folder / "data", []
     params = config.load_params(finished_run.folder / "params.yaml")
-    cfg = config.load_stage("evaluate", NAME, finished_run.folder / "dvc.yaml").select_params(
-        params
-    )
+    cfg = config.load_stage("evaluate", finished_run.folder / "dvc.yaml").select_params(params)
     for clouds in (stages / "clouds", data / "clouds"):
         folders = (data / "parts", data / "truth", data / "views", clouds / NAME)
         failed = set(read_failures(clouds / NAME))
@@ -116,8 +111,10 @@ def test_the_store_knows_the_photographs_that_the_renderings_are_held_against(st
     )
     assert without_renderings == {"mesh.npz", WORKING_PART, "cloud.npz"}
     assert rendered - without_renderings == {
-        "renderings",
+        "renderings.zip",
         "candidates.npz",
         "cameras.json",
-        "006.png",
+        "rgb",
+        "mask",
+        "depth",
     }

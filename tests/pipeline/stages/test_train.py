@@ -40,7 +40,11 @@ def test_solids_are_learned_from_with_weights_or_without(name, weights, tmp_path
 def tasks_of(tmp_path, monkeypatch):
     """`tasks_of(method, hold_out, folds)`: what the stage would do, by the name of the network."""
     tasks = []
-    monkeypatch.setattr(train, "run_stage", lambda stage, made, *_, **__: tasks.extend(made))
+
+    def run_methods(stage, batches, *_, **__):
+        tasks.extend(task for batch in batches.values() for task in batch.tasks)
+
+    monkeypatch.setattr(train, "run_methods", run_methods)
     monkeypatch.setattr(
         train, "load_parts", lambda folder: [unit_part(*pair) for pair in FAMILIES.items()]
     )
@@ -61,7 +65,7 @@ def tasks_of(tmp_path, monkeypatch):
         )
         paths = ("parts", tmp_path, tmp_path / "split.json", tmp_path / "solids", "weights", "out")
         tasks.clear()
-        train.main(cfg, method, *map(str, paths))
+        train.main(cfg, *map(str, paths))
         return {task.part_id: task for task in tasks}
 
     return tasks_of

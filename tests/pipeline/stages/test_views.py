@@ -20,9 +20,7 @@ def settings_of(root, monkeypatch):
 
     def settings(seed: int, **changes: object) -> object:
         changed_params = replace(params, seed=seed, views=replace(params.views, **changes))
-        stage_params = config.load_stage("views", path=root / "dvc.yaml").select_params(
-            changed_params
-        )
+        stage_params = config.load_stage("views", root / "dvc.yaml").select_params(changed_params)
         views.main(stage_params, str(Path("parts")), str(Path("out")))
         return tasks[-1].settings
 

@@ -11,7 +11,7 @@ from jaxtyping import UInt8
 from PIL import Image
 
 from industnerf.artifacts.part import Part
-from industnerf.artifacts.renderings import FOLDER, Renderings
+from industnerf.artifacts.renderings import ARCHIVE, Renderings
 from industnerf.artifacts.views import load_views
 from industnerf.report.study import Study
 
@@ -41,7 +41,7 @@ def load_held_out_renderings(study: Study, parts: list[Part]) -> HeldOutRenderin
 
 def _has_renderings(study: Study, method: str, parts: list[Part]) -> bool:
     clouds = study.folders.clouds / method
-    return any((clouds / part.part_id / FOLDER).is_dir() for part in parts)
+    return any((clouds / part.part_id / ARCHIVE).exists() for part in parts)
 
 
 def _view_images(study: Study, part: Part, methods: list[str]) -> list[list[bytes | None]]:
@@ -84,10 +84,9 @@ def _first_held_out_images(study: Study, part: str) -> list[tuple[str, bytes]]:
     held_out = np.flatnonzero(views.held_out)[:1]
     images = [("image", _encode_pixels(pixels)) for pixels in views.rgb(held_out)]
     for method in study.methods:
-        rendered = study.folders.clouds / method / part / FOLDER / "rgb" / "000.png"
-        if images and rendered.exists():
-            with Image.open(rendered) as image:
-                images.append((method, encode_jpeg(image)))
+        rendered = Renderings.load_first_rgb(study.folders.clouds / method / part)
+        if images and rendered is not None:
+            images.append((method, _encode_pixels(rendered)))
     return images
 
 

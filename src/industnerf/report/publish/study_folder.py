@@ -30,6 +30,10 @@ COPIED_FILES = {
     "cost.md": "their means, and those of training, a row per method",
     "origins.md": "which results were made on which machine, with which libraries",
 }
+COPIED_FOLDERS = {
+    "metrics": "what `dvc metrics show` prints, a file per method",
+    "plots": "what `dvc plots show` draws",
+}
 # Not by DVC's names: it would take the folder for a second pipeline.
 RUN_FILES = {  # published name: source, description
     "params.yaml": ("params.yaml", "the parameters of the run"),
@@ -52,7 +56,7 @@ def publish_study(report: Path, out: Path, provenance: dict[str, Any], project: 
     first file that is missing, and leaves `out` as it is.
     """
     needed = [
-        *(report / name for name in COPIED_FILES),
+        *(report / name for name in (*COPIED_FILES, *COPIED_FOLDERS)),
         *(project / name for name, _ in RUN_FILES.values()),
     ]
     for path in needed:
@@ -69,6 +73,8 @@ def publish_study(report: Path, out: Path, provenance: dict[str, Any], project: 
 def _write_files(out: Path, report: Path, provenance: dict[str, Any], project: Path) -> None:
     for name in COPIED_FILES:
         shutil.copyfile(report / name, out / name)
+    for name in COPIED_FOLDERS:
+        shutil.copytree(report / name, out / name)
     for name, (source, _) in RUN_FILES.items():
         shutil.copyfile(project / source, out / name)
     images = sorted(report.glob("*.png"))
@@ -85,7 +91,7 @@ def readme_text(out: Path, provenance: dict[str, Any]) -> str:
     run_files = {name: text for name, (_, text) in RUN_FILES.items()}
     files = [
         [f"`{name}`", text]
-        for name, text in (COPIED_FILES | run_files | GENERATED_FILES).items()
+        for name, text in (COPIED_FILES | COPIED_FOLDERS | run_files | GENERATED_FILES).items()
         if (out / name).exists() or name in GENERATED_FILES  # older results lack some
     ]
     return (

@@ -26,10 +26,11 @@ def stages(root: Path) -> dict:
     [
         ("views.light.ambient", ["views", "procedural"]),
         ("views.count", ["views", "procedural", "report"]),
-        ("method.hull.points", ["pretrain", "train", "reconstruct"]),
+        ("method.hull.points", ["reconstruct"]),
+        ("method.r2n2.size", ["pretrain", "train", "reconstruct"]),
         ("parts.units", ["solids"]),
         ("parts.path", ["solids", "parts"]),  # it stands in their commands
-        ("methods", ["pretrain", "train", "reconstruct", "evaluate", "report"]),  # in their matrix
+        ("methods", ["pretrain", "train", "reconstruct", "evaluate", "report"]),
         ("preset", ["report"]),
     ],
 )

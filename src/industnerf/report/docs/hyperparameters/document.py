@@ -123,8 +123,7 @@ def reader_stages(key: str, stages: dict[str, dict[str, Any]]) -> list[str]:
 
 
 def _depends_on(key: str, stage: dict[str, Any]) -> bool:
-    method = key.split(".")[1] if key.startswith("method.") else ""
-    listed = [name.replace("${item.method}", method) for name in stage.get("params", [])]
+    listed = stage.get("params", [])
     return any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in listed)
 
 
