@@ -1,7 +1,7 @@
 """What does a part cost beside the work on it: in the store, in DVC, in MLflow, in SLURM?
 
 python benchmarks/scaling.py costs [data]      seconds a part and step, as the store noted them
-python benchmarks/scaling.py keys [data]       digesting what each stage reads of every part
+python benchmarks/scaling.py keys [data]       what each stage reads of every part, by its record
 python benchmarks/scaling.py stored            a stage with nothing to do, against parts
 python benchmarks/scaling.py dvc               a stage's output in DVC, against files
 python benchmarks/scaling.py mlflow            a method's run, against parts
@@ -27,18 +27,21 @@ from rich.console import Console
 from rich.table import Table
 from small_files import fill
 
+from industnerf.artifacts.views import ARCHIVE, CAMERAS
+from industnerf.content import RecordedDigests, content_digest
 from industnerf.runner import runner_from_environment
 from industnerf.stage import Task, read_index, run_stage
-from industnerf.store import Store, content_digest
+from industnerf.store import Store
 from industnerf.tracking import log_report, prepare_database
 
-FILES = 147  # of the photographs of one part: 48 times color, mask and depth, and cameras
+FILES = 147  # of a part's photographs, were they no archive: 48 times three, and cameras
 READ = {  # what a stage reads of every part, by the folder of the stage before
     "views": {"parts": ["part.json", "mesh.npz"]},
     "truth": {"parts": ["mesh.npz"]},
-    "reconstruct, rgb": {"views": ["cameras.json", "rgb"]},
-    "reconstruct, masks": {"views": ["cameras.json", "mask"]},
-    "reconstruct, depth": {"views": ["cameras.json", "depth"]},
+    **{
+        f"reconstruct, {kind}": {"views": [f"{ARCHIVE}/{name}" for name in (CAMERAS, kind)]}
+        for kind in ("rgb", "mask", "depth")
+    },
 }
 
 
@@ -60,25 +63,20 @@ def costs(data: str = "data") -> None:
 
 
 def keys(data: str = "data") -> None:
-    """How long the digest of a stage's inputs takes before its first part can begin."""
+    """How long the digest of a stage's inputs takes: recorded, and read anew."""
     rows = []
     for stage, inputs in READ.items():
         [(folder, names)] = inputs.items()
         parts = sorted(read_index(Path(data) / folder))
         paths = [[Path(data) / folder / part / name for name in names] for part in parts]
-        size = sum(
-            file.stat().st_size
-            for part_paths in paths
-            for path in part_paths
-            for file in files_below(path)
-        )
-        count = sum(1 for part_paths in paths for path in part_paths for _ in files_below(path))
-        start = time.perf_counter()
-        for part_paths in paths:
-            content_digest(part_paths)
-        seconds, n = time.perf_counter() - start, len(parts)
-        rows.append([stage, n, count / n, size / n / 1e6, seconds, 1e3 * seconds / n])
-    show(["reads", "parts", "files a part", "MB a part", "s", "ms a part"], rows)
+        milliseconds = []
+        for recorded in (RecordedDigests(), None):
+            start = time.perf_counter()
+            for part_paths in paths:
+                content_digest(part_paths, recorded)
+            milliseconds.append(1e3 * (time.perf_counter() - start) / len(parts))
+        rows.append([stage, len(parts), *milliseconds])
+    show(["reads", "parts", "ms a part, recorded", "ms a part, read"], rows)
 
 
 def stored() -> None:
@@ -210,10 +208,6 @@ def write_report(report: Path, rows: int) -> None:
     (report / "cost.csv").write_text("part_id,method,stage,seconds,peak_mb\n" + "".join(lines))
     names = "method,scope,inputs,split,preset,ci_low,ci_high,emd_mm,seeds_sd,parameters,steps\n"
     (report / "table1.csv").write_text(f"{names}m,part,rgb,test,scaling,0,1,1,,0,0\n")
-
-
-def files_below(path: Path) -> Iterator[Path]:
-    return iter([path]) if path.is_file() else (p for p in path.rglob("*") if p.is_file())
 
 
 def time_command(command: list[str], folder: Path) -> float:

@@ -12,8 +12,10 @@ from PIL import Image
 
 from industnerf.report.figures.held_out_renderings import MAX_SIDE_PX, encode_jpeg
 from industnerf.report.html.page import CONTENT_SECURITY_POLICY
+from industnerf.report.html.part_sections import part_sections
 from industnerf.report.html.viewer import SHOWN_POINTS, pack_scene
 from industnerf.report.study import Study
+from industnerf.report.tables.scores import Scores
 from tests.report import ball_study
 from tests.report.html.test_page import bare_page
 
@@ -48,6 +50,24 @@ def test_a_part_adds_its_own_numbers_and_nothing_to_those_of_others(study):
     assert (many - more) / 160 == pytest.approx(bytes_a_part, rel=1e-3)
     scores, methods = len(ball_study.scores("a")), len(ball_study.EMD)
     assert bytes_a_part < SCORE * scores + METHOD * methods + PART
+
+
+class CountedScores(dict):
+    """Scores by key that know how often all of them were gone through."""
+
+    passes = 0
+
+    def items(self):
+        self.passes += 1
+        return super().items()
+
+
+def test_a_part_goes_through_its_own_scores_and_not_through_those_of_all(study):
+    """Else twice the parts take four times as long: at 10 000 minutes."""
+    many = with_parts(study, 40)
+    scores = Scores(CountedScores(Scores.from_study(many).by_key))
+    assert len(part_sections(many, scores, set(), {})) == 40
+    assert scores.by_key.passes <= 1
 
 
 def test_a_cloud_in_the_viewer_takes_fourteen_bytes_a_point_however_many_it_has(tmp_path):

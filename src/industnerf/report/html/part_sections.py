@@ -93,7 +93,7 @@ def _facts(study: Study, part: Part) -> dict[str, str]:
 
 def _tables(study: Study, scores: Scores, part: Part) -> list[HtmlTable]:
     """Scores of the cloud, EMD first, then those of renderings and confidence."""
-    units = scores.units_by_metric_key()
+    units = scores.units_by_metric_key
     metric_keys = sorted(units, key=lambda metric_key: metric_key[0] != "emd")
     surface_keys = [key for key in metric_keys if key[1] not in IMAGE_AND_CONFIDENCE_PROTOCOLS]
     image_keys = [  # without the points of the sparsification curve, whose area is there

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import fmean
 
 from industnerf.artifacts.scores import PartScore, Score
@@ -38,8 +39,12 @@ class Scores:
         """The score under `metric_key`, a metric and its protocol; None if there is none."""
         return self.by_key.get((part_id, method, *metric_key))
 
+    @cached_property
     def units_by_metric_key(self) -> dict[tuple[str, str], str]:
-        """The unit of every metric and protocol, in the order of measurement."""
+        """The unit of every metric and protocol, in the order of measurement.
+
+        Looked for once: every part's section asks, and all scores of all parts have one.
+        """
         return {key[2:]: score.unit for key, score in self.by_key.items()}
 
 
