@@ -16,8 +16,8 @@ from industnerf.tracking.scores import TABLE1_NAMES, mean_scores, part_table
 PART_CURVES = ("emd", "emd_ratio", "chamfer", "fscore", "seconds")  # drawn part by part
 MAX_CURVE_PARTS = 1000  # of more, every so-manieth is drawn; the table has all
 SHARED_SECTIONS = ("seed", "views", "reconstruct")  # parameters that every method depends on
+LEARNING_SECTIONS = ("split", "pretrain", "train")  # and those that learning ones do
 GOLDEN_RATIO = 0.618034  # of the hues: neighbors are far apart, however many there are
-LEARNING_SECTIONS = ("split", "pretrain", "train")  # and those that a method of another scope does
 
 
 def study_run(report: Report) -> Run:
