@@ -8,7 +8,7 @@ INSTALLED := .venv/.installed
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
-demo: $(INSTALLED)  ## four parts at 512x512, every method, to runs/demo/reports/report.html
+demo: $(INSTALLED)  ## three parts at 512x512, ten methods, to runs/demo/reports/report.html
 	@python -m pipeline.preset demo
 
 test: $(INSTALLED)  ## the fast tests, on all cores

@@ -1,11 +1,13 @@
 """Check params.yaml and dvc.lock before DVC starts: `make repro` does.
 
+python -m pipeline.check
+
 Wrong keys and types end it at once.  A lock file that a kill has cut short is set aside.
 """
 
 from pathlib import Path
 
-from industnerf.cli import exit_with_message
+from industnerf.cli import run_command
 from industnerf.config import load_params
 from industnerf.doctor import lockfile
 from industnerf.parts.io.cad_files import require_path
@@ -17,4 +19,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    exit_with_message(main)
+    run_command(main)

@@ -11,7 +11,7 @@ from industnerf.artifacts.cloud import cloud_files
 from industnerf.artifacts.files import read_json, write_json, write_text
 from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.split import load_split
-from industnerf.cli import exit_with_message
+from industnerf.cli import run_command
 from industnerf.config import load_params
 from industnerf.errors import BadArtifact
 from industnerf.metrics.protocol_grid import SCHEMA, measure_grid
@@ -77,4 +77,4 @@ def _grid_task(part: str, include_large: bool, params: Params) -> Task:
 
 
 if __name__ == "__main__":
-    exit_with_message(main)
+    run_command(main)

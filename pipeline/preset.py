@@ -16,6 +16,7 @@ from hydra.errors import HydraException
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from industnerf.artifacts.files import write_text
 from industnerf.artifacts.part_warnings import print_part_warnings
 from industnerf.cli import require_dvc, run_command
 from industnerf.config import build, read_yaml
@@ -23,14 +24,21 @@ from industnerf.doctor import lockfile
 from industnerf.errors import BadParams, SuiteError
 from industnerf.parts.io.cad_files import require_path
 from industnerf.renamed import check_overrides, flatten_preset
+from industnerf.report.terminal_summary import SUMMARY, print_summary
 from industnerf.runner import die_with_parent
 from industnerf.schema import Params
 from industnerf.store import Store
+from industnerf.suggestions import did_you_mean
 from industnerf.tracking import database_dir, is_enabled
 
 HEADER_PATTERN = re.compile(r"#\s*@package\s+_global_")
 # No links: whoever writes to an output would write into DVC's cache, which DVC then hands out.
-DVC_CONFIG = {"core.analytics": "false", "cache.type": "reflink,copy"}
+DVC_CONFIG = """[core]
+    analytics = false
+    no_scm = True
+[cache]
+    type = "reflink,copy"
+"""
 CODE_PATHS = ("src", "pipeline", "conf", "dvc.yaml", "constraints.txt")
 SHARED_PATHS = (
     *CODE_PATHS,
@@ -43,7 +51,8 @@ def main(preset: str) -> None:
     root = Path.cwd()
     presets = sorted(path.stem for path in root.glob("conf/experiment/*.yaml"))
     if preset not in presets:
-        raise BadParams(f"preset {preset!r} is unknown, known are {', '.join(presets)}")
+        advice = did_you_mean(preset, presets) or ","
+        raise BadParams(f"preset {preset!r} is unknown{advice} known are {', '.join(presets)}")
     settings = read_preset(root / "conf/experiment" / f"{preset}.yaml")
     if settings.get("hydra", {}).get("mode") == "MULTIRUN":
         raise BadParams(f"{preset!r} is a sweep: python -m pipeline.sweep experiment={preset}")
@@ -54,12 +63,18 @@ def main(preset: str) -> None:
     os.environ["INDUSTNERF_STORE"] = str(Store.from_environment().root)
     if is_enabled():
         os.environ["INDUSTNERF_MLFLOW"] = str(database_dir())
-    # a `dvc` that outlives its parent would keep the next one out
-    if subprocess.run(["dvc", "repro"], cwd=project, preexec_fn=die_with_parent).returncode:
+    os.environ[SUMMARY] = "off"
+    # Quiet, for stages say themselves how far they are.  A `dvc` that outlives its parent would
+    # keep the next one out.
+    if subprocess.run(["dvc", "repro", "-q"], cwd=project, preexec_fn=die_with_parent).returncode:
+        # of an error of its own, such as a lock that is held, DVC has said nothing so
+        subprocess.run(
+            ["dvc", "repro", "--dry", "-s", "report"], cwd=project, stdout=subprocess.DEVNULL
+        )
         raise SuiteError(f"preset {preset!r} did not finish; see above. Finished parts are kept.")
     for stage in ("parts", "views"):  # again, for DVC runs no stage that has nothing to do
         print_part_warnings(project / "data" / stage, stage)
-    print(f"open {project.relative_to(root) / 'reports' / 'report.html'}")
+    print_summary(project / "reports", (project / "reports").relative_to(root))
 
 
 def read_preset(path: Path) -> dict[str, Any]:
@@ -110,15 +125,8 @@ def create_project(root: Path, project: Path, overrides: list[str]) -> None:
             link.symlink_to(os.path.relpath(root / name, link.parent))
     if not (project / ".dvc").is_dir():
         subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=project, check=True)
-    config = project / ".dvc" / "config"
-    if DVC_CONFIG["cache.type"] not in _read_text(config):  # new, or interrupted before
-        for key, value in DVC_CONFIG.items():
-            subprocess.run(["dvc", "config", key, value], cwd=project, check=True)
+    write_text(project / ".dvc" / "config", DVC_CONFIG)
     shutil.copyfile(root / ".dvcignore", project / ".dvcignore")  # in place of what init wrote
-
-
-def _read_text(path: Path) -> str:
-    return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
 def _relative_to_project(root: Path, project: Path, path: Path) -> Path:

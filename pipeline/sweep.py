@@ -7,7 +7,6 @@ python -m pipeline.sweep experiment=demo seed=1
 import shutil
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,44 +16,57 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from industnerf.artifacts.files import write_json
 from industnerf.cli import exit_with_message
-from industnerf.config import PARAMS, build, read_yaml
-from industnerf.errors import BadArtifact, BadParams, SuiteError
-from industnerf.renamed import check_overrides, flatten_preset
-from industnerf.report.publish.provenance import commit_stamp
-from industnerf.report.sweeps.preset_table import TABLES
-from industnerf.report.sweeps.sweep_report import write_sweep_report
+from industnerf.config import PARAMS
+from industnerf.errors import BadArtifact, SuiteError
 from industnerf.schema import Params
-from industnerf.tracking import log_report, prepare_database, save_tags
-from pipeline.in_process import run_pipeline
+from pipeline.command_line import (
+    check_command_line,
+    check_points,
+    check_values,
+    grid_points,
+    tuning_ends,
+)
+from pipeline.tuning import check_tuning, objective
 
-CONF_DIR = Path(__file__).parents[1] / "conf"
+# What only a point that runs needs is imported there: a refusal must not wait for it.
 PLOT_FILE = "sweep.png"
-GROUPS = ("experiment", "reading", "ablation")  # folders of conf
 
 
 class SweepCallback(Callback):
-    """Before a sweep the tracking database is made, and its commit noted; after it stand a table
-    and a plot.
+    """Before a sweep its points are checked, the tracking database is made, and its commit noted;
+    after it stand a table, a plot and a run in the database.
     """
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
         folder = Path(config.hydra.sweep.dir)
         try:
+            if config.hydra.runtime.choices["hydra/sweeper"] == "optuna":
+                check_tuning([check_points(config, [end])[0] for end in tuning_ends(config)])
+            else:
+                check_points(config, grid_points(config))
             clear_previous_sweep(folder)
-        except BadArtifact as error:  # of which Hydra would make a warning
+        except SuiteError as error:  # of which Hydra would make a warning
             print(f"error: {error}", file=sys.stderr)
             sys.exit(1)
+        from industnerf.artifacts.files import write_json
+        from industnerf.report.publish.provenance import commit_stamp
+        from industnerf.tracking import prepare_database
+
         write_json(folder / "made.json", commit_stamp())
         prepare_database()
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
+        from industnerf.report.sweeps.sweep_report import write_sweep_report
+        from industnerf.tracking import log_sweep
+
+        folder = Path(config.hydra.sweep.dir)
         try:
-            failed = write_sweep_report(Path(config.hydra.sweep.dir))
+            failed = write_sweep_report(folder)
         except Exception:  # of which Hydra would make a warning, and end as if all were well
             traceback.print_exc()
             failed = True
+        log_sweep(folder)
         if failed:
             sys.exit(1)
 
@@ -64,6 +76,9 @@ def clear_previous_sweep(folder: Path) -> None:
 
     Raises BadArtifact if something lies there, and no sweep has.
     """
+    from hydra_plugins.optuna_sweeper import RESULTS
+    from industnerf.report.sweeps.preset_table import TABLES
+
     names = {path.name for path in folder.iterdir()} if folder.exists() else set()
     if not names - {"made.json"}:
         return
@@ -74,52 +89,38 @@ def clear_previous_sweep(folder: Path) -> None:
         is_point = point.is_dir() and point.name.isdigit()
         if is_point and ((point / PARAMS).exists() or not any(point.iterdir())):
             shutil.rmtree(point)
-    for name in (*(table for _, table in TABLES), PLOT_FILE):
+    for name in (*(table for _, table in TABLES), PLOT_FILE, RESULTS):
         (folder / name).unlink(missing_ok=True)
 
 
-def check_names(arguments: Sequence[str]) -> None:
-    """Raise BadParams if a key, a file or a preset of the command line has another name now."""
-    overrides = [argument.lstrip("+~").partition("=")[::2] for argument in arguments]
-    check_overrides(overrides)
-    for name in (
-        name for key, value in overrides if key == "experiment" for name in value.split(",")
-    ):
-        if (path := CONF_DIR / "experiment" / f"{name}.yaml").exists():
-            check_overrides(flatten_preset(read_yaml(path)))
-
-
-def check_choices(choices: Mapping[str, str | None]) -> None:
-    """Raise BadParams if a group's choice has no file: Hydra skips what is optional and missing."""
-    for group in GROUPS:
-        available = sorted(path.stem for path in (CONF_DIR / group).glob("*.yaml"))
-        if (name := choices.get(group)) not in (None, "null", *available):
-            raise BadParams(f"{group}={name} is unknown, known are {', '.join(available)}")
-
-
 @hydra.main(version_base="1.3", config_path="../conf", config_name="config")
-def main(config: DictConfig) -> None:
+def main(config: DictConfig) -> float | None:
     hydra_config = HydraConfig.get()
     folder, overrides = Path(hydra_config.runtime.output_dir), " ".join(hydra_config.overrides.task)
-    values = OmegaConf.to_container(config, resolve=True)
     try:
-        check_choices(hydra_config.runtime.choices)
-        _run_point(folder, values, overrides)
+        params = check_values(config, hydra_config.runtime.choices)
+        return _run_point(folder, params, OmegaConf.to_container(config, resolve=True), overrides)
     except Exception as error:
         if not isinstance(error, SuiteError):
             traceback.print_exc()
         print(f"error at {overrides}: {error}", file=sys.stderr)
         if hydra_config.mode == RunMode.RUN:
             sys.exit(1)  # a sweep goes on with its other points, and ends with SweepCallback
+        return None
 
 
-def _run_point(folder: Path, values: Any, overrides: str) -> None:
+def _run_point(folder: Path, params: Params, values: Any, overrides: str) -> float | None:
+    """Run one point; returns what a tuner is to make small, None of several methods or splits."""
+    from industnerf.tracking import log_report, save_tags
+    from pipeline.in_process import run_pipeline
+
     folder.mkdir(parents=True, exist_ok=True)
-    OmegaConf.save(values, folder / "params.yaml")
-    run_pipeline(build(Params, values, "the composed configuration"), folder)
+    OmegaConf.save(values, folder / PARAMS)
+    run_pipeline(params, folder)
     save_tags(folder / "reports", point=overrides)
     log_report(folder / "reports", values)
+    return objective(folder)
 
 
 if __name__ == "__main__":
-    exit_with_message(lambda: (check_names(sys.argv[1:]), main()))
+    exit_with_message(lambda: (check_command_line(sys.argv[1:]), main()))

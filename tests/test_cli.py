@@ -7,7 +7,7 @@ import pytest
 
 from industnerf.cli import require_dvc, run_as_stage, run_command
 from industnerf.errors import BadParams
-from pipeline import preset, publish, publish_weights, score, sweep_docs
+from pipeline import check, grid, preset, publish, publish_weights, score, sweep_docs
 
 ROOT = Path(__file__).parents[1]
 
@@ -54,7 +54,9 @@ def test_without_the_environment_dvc_is_asked_for(monkeypatch):
         require_dvc()
 
 
-@pytest.mark.parametrize("module", [preset, score, publish, publish_weights, sweep_docs])
+@pytest.mark.parametrize(
+    "module", [check, grid, preset, score, publish, publish_weights, sweep_docs]
+)
 def test_help_prints_what_the_command_takes(module, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", [module.__name__, "--help"])
     run_command(module.main)

@@ -15,8 +15,8 @@ from industnerf.errors import BadParams
 from industnerf.reconstruct.cli import parse_args
 from industnerf.reconstruct.settings import resolve_config
 from industnerf.schema import Params
+from pipeline.command_line import check_command_line
 from pipeline.preset import read_preset
-from pipeline.sweep import check_names
 from tests.conftest import ROOT
 
 PARAMS = read_yaml(ROOT / "params.yaml")
@@ -128,7 +128,7 @@ def test_set_with_an_old_key_says_the_new_one():
 )
 def test_a_sweep_of_an_old_name_is_refused_with_the_new_one(argument, message):
     with pytest.raises(BadParams) as refusal:
-        check_names([argument, "--multirun"])
+        check_command_line([argument, "--multirun"])
     assert message in str(refusal.value)
 
 
@@ -148,7 +148,7 @@ def test_a_preset_with_an_old_key_says_the_new_one(tmp_path, text):
 def test_names_of_today_pass():
     presets = [path.stem for path in ROOT.glob("conf/experiment/*.yaml")]
     files = [f"{path.parent.name}={path.stem}" for path in ROOT.glob("conf/[ra]*/*.yaml")]
-    check_names([*(f"experiment={preset}" for preset in presets), *files])
+    check_command_line([*(f"experiment={preset}" for preset in presets), *files])
 
 
 @pytest.mark.parametrize(

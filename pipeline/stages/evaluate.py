@@ -10,21 +10,20 @@ from industnerf.cli import run_as_stage
 from industnerf.config import StageParams
 from industnerf.metrics.image_and_confidence_metrics import image_and_confidence_files
 from industnerf.metrics.protocol import score_failure, score_part
-from industnerf.stage import Task, read_failures, read_index, run_methods, run_stage
+from industnerf.stage import Batch, Task, read_failures, read_index, run_methods
 
 
 def main(cfg: StageParams, parts: str, views: str, truth: str, clouds: str, out: str) -> None:
-    part_ids = read_index(Path(truth))
-
-    def run(name: str) -> None:
+    part_ids, batches = read_index(Path(truth)), {}
+    for name in cfg.methods:
         folders = tuple(map(Path, (parts, truth, views, f"{clouds}/{name}")))
         tasks = evaluation_tasks(cfg, folders, part_ids, set(read_failures(folders[-1])))
-        target = Path(out) / name
-        # What cannot be scored says nothing of the method: without its score there is no mean.
-        run_stage("evaluate", tasks, target, "strict", failures_are_losses=True)
-        gather_scores(target, name)
-
-    run_methods("evaluate", cfg.methods, run, Path(out))
+        batches[name] = Batch(tasks, Path(out) / name)
+    # What cannot be scored says nothing of the method: without its score there is no mean.
+    options = {"failures_are_losses": True, "shares_processes": True}
+    run_methods("evaluate", batches, Path(out), "strict", **options)
+    for name, batch in batches.items():
+        gather_scores(batch.out, name)
 
 
 def evaluation_tasks(

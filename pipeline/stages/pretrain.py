@@ -9,20 +9,20 @@ from industnerf.config import StageParams
 from industnerf.errors import BadParams
 from industnerf.methods import load_method
 from industnerf.methods.run_method import WEIGHTS, copy_weights, pretrain_method
-from industnerf.stage import Task, read_index, run_methods, run_stage
+from industnerf.stage import Batch, Task, read_index, run_methods
 
 NETWORKS = ("r2n2", "atlasnet", "occupancy")
 
 
 def main(cfg: StageParams, shipped: str, procedural: str, out: str) -> None:
     networks = [name for name in cfg.methods if name in NETWORKS]
-    limits = {"limit_s": cfg.pretrain.time_limit_s, "needs_one": False}
-
-    def run(name: str) -> None:
-        tasks = weights_tasks(cfg, name, Path(shipped) / name, Path(procedural))
-        run_stage("pretrain", tasks, Path(out) / name, "strict", **limits)
-
-    run_methods("pretrain", networks, run, Path(out))
+    batches = {
+        name: Batch(
+            weights_tasks(cfg, name, Path(shipped) / name, Path(procedural)), Path(out) / name
+        )
+        for name in networks
+    }
+    run_methods("pretrain", batches, Path(out), "strict", limit_s=cfg.pretrain.time_limit_s)
 
 
 def weights_tasks(cfg: StageParams, name: str, source: Path, procedural: Path) -> list[Task]:

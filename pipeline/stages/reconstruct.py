@@ -9,24 +9,22 @@ from industnerf.config import StageParams
 from industnerf.methods import load_method
 from industnerf.methods.base import Method, Scope
 from industnerf.methods.run_method import input_files, reconstruct_part
-from industnerf.stage import Task, read_failures, read_index, run_methods, run_stage
+from industnerf.stage import Batch, Task, read_failures, read_index, run_methods
 
 
 def main(cfg: StageParams, parts: str, views: str, split: str, states: str, out: str) -> None:
     folders = tuple(map(Path, (parts, views, split, states)))
-    limits = {"limit_s": cfg.reconstruct.time_limit_s, "needs_one": False}
-
-    def run(name: str) -> None:
-        tasks, failed = reconstruction_tasks(cfg, load_method(name), *folders)
-        target = Path(out) / name
-        run_stage("reconstruct", tasks, target, cfg.on_failure, earlier_failures=failed, **limits)
-
-    run_methods("reconstruct", cfg.methods, run, Path(out))
+    batches = {
+        name: reconstruction_batch(cfg, load_method(name), *folders, Path(out) / name)
+        for name in cfg.methods
+    }
+    limit_s = cfg.reconstruct.time_limit_s
+    run_methods("reconstruct", batches, Path(out), cfg.on_failure, limit_s=limit_s)
 
 
-def reconstruction_tasks(
-    cfg: StageParams, method: Method, parts: Path, views: Path, split: Path, states: Path
-) -> tuple[list[Task], dict[str, str]]:
+def reconstruction_batch(
+    cfg: StageParams, method: Method, parts: Path, views: Path, split: Path, states: Path, out: Path
+) -> Batch:
     """One task a part; and the parts that failed before, with the reason."""
     settings, num_views = getattr(cfg.method, method.name), cfg.reconstruct.views
     learns = method.scope == Scope.DATASET
@@ -47,7 +45,7 @@ def reconstruction_tasks(
         )
         key = [method.name, settings, cfg.seed, num_views]
         tasks.append(Task(part_id, make, key, inputs, (method.module,)))
-    return tasks, failed
+    return Batch(tasks, out, failed)
 
 
 if __name__ == "__main__":

@@ -3,12 +3,14 @@
 import sys
 from pathlib import Path
 
+from industnerf import environment
 from industnerf.cli import run_as_stage
 from industnerf.config import PARAMS, StageParams, read_yaml
 from industnerf.report.build import build_report
 from industnerf.report.statistics.seed_variance import add_seed_variance
 from industnerf.report.study import RunMetadata, StudyFolders, load_study
 from industnerf.report.tables.costs import CostRow, add_cost
+from industnerf.report.terminal_summary import SUMMARY, print_summary
 from industnerf.stage import run_timed
 from industnerf.tracking import log_report, save_tags
 
@@ -40,6 +42,8 @@ def main(
     cost = run_timed(build, Path(out))
     add_cost(Path(out) / "cost.csv", CostRow("report", "", "", cost))
     save_tags(Path(out))
+    if environment.get_str(SUMMARY) != "off":
+        print_summary(Path(out), Path(out).absolute())
 
 
 if __name__ == "__main__":

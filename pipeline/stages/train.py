@@ -12,7 +12,7 @@ from industnerf.learning.procedural_shapes import resembled_families
 from industnerf.methods import load_method
 from industnerf.methods.base import Example, Input, Method, Scope
 from industnerf.methods.run_method import WEIGHTS, PriorSource, fit_method, training_files
-from industnerf.stage import Task, read_index, run_methods, run_stage
+from industnerf.stage import Batch, Task, read_index, run_methods
 
 
 def main(
@@ -20,13 +20,12 @@ def main(
 ) -> None:
     learning = [name for name in cfg.methods if load_method(name).scope == Scope.DATASET]
     folders = tuple(map(Path, (parts, views, split, procedural, weights)))
-    limits = {"limit_s": cfg.train.time_limit_s, "needs_one": False}
-
-    def run(name: str) -> None:
-        tasks = training_tasks(cfg, load_method(name), *folders)
-        run_stage("train", tasks, Path(out) / name, cfg.on_failure, **limits)
-
-    run_methods("train", learning, run, Path(out))
+    batches = {
+        name: Batch(training_tasks(cfg, load_method(name), *folders), Path(out) / name)
+        for name in learning
+    }
+    limit_s = cfg.train.time_limit_s
+    run_methods("train", batches, Path(out), cfg.on_failure, limit_s=limit_s)
 
 
 def training_tasks(

@@ -1,6 +1,7 @@
 """The command line of every stage: paths in, one clear message out."""
 
 import inspect
+import os
 import shutil
 import sys
 from collections.abc import Callable
@@ -9,6 +10,8 @@ from typing import Any
 from industnerf import config, environment
 from industnerf.errors import BadParams, SuiteError
 from industnerf.runner import die_with_parent
+
+BROKEN_PIPE = 141  # as a shell reports SIGPIPE
 
 
 def run_as_stage(main: Callable[..., None], name: str) -> None:
@@ -97,6 +100,9 @@ def exit_with_message(job: Callable[[], Any]) -> None:
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
+    except BrokenPipeError:  # `... --help | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python's end says so
+        sys.exit(BROKEN_PIPE)
     except KeyboardInterrupt:
         print("interrupted; finished parts are kept, the same command goes on", file=sys.stderr)
         sys.exit(130)

@@ -17,6 +17,8 @@ from yaml import YAMLError
 from industnerf import renamed
 from industnerf.errors import BadParams, BadValue, UndeclaredParameter
 from industnerf.schema import Params
+from industnerf.schema.validators import Rule, one_of
+from industnerf.suggestions import closest_names, did_you_mean
 
 T = TypeVar("T")
 PARAMS, PIPELINE = Path("params.yaml"), Path("dvc.yaml")
@@ -140,14 +142,15 @@ def _check_type(expected_type: Any, value: Any, source: str, key: str) -> Any:
     if origin is Literal:
         if value not in arguments and (new := renamed.new_value(key, value)):
             raise BadParams(f"{source}: {key}: {value} is now {new}")
-        return _expect(value in arguments, value, source, key, f"one of {', '.join(arguments)}")
+        return _expect_rule(one_of(arguments), value, source, key)
     if origin is Annotated:
         typed = _check_type(arguments[0], value, source, key)
         for rule in arguments[1:]:
-            _expect(rule.is_valid(typed), typed, source, key, rule.message)
+            _expect_rule(rule, typed, source, key)
         return typed
     if origin is list:
-        _expect(isinstance(value, list), value, source, key, "a list")
+        example = f": [{value}]" if isinstance(value, str) else ""
+        _expect(isinstance(value, list), value, source, key, f"a list{example}")
         return [
             _check_type(arguments[0], item, source, f"{key}[{i}]") for i, item in enumerate(value)
         ]
@@ -169,8 +172,10 @@ def _build_section(section_type: Any, value: Any, source: str, key: str) -> Any:
         if new := renamed.new_key(prefix + field):
             raise BadParams(f"{source}: {prefix}{field} is now {new}")
     if unknown:
+        closest = [prefix + field for field in closest_names(unknown[0], field_types)]
         raise BadParams(
-            f"{source}: {prefix}{unknown[0]} is unknown; {name} has {', '.join(field_types)}"
+            f"{source}: {prefix}{unknown[0]} is unknown{did_you_mean(prefix + unknown[0], closest)}"
+            f"; {name} has {', '.join(field_types)}"
         )
     if missing:
         raise BadParams(f"{source}: {prefix}{missing[0]} is missing")
@@ -182,6 +187,11 @@ def _build_section(section_type: Any, value: Any, source: str, key: str) -> Any:
         return section_type(**typed)
     except BadValue as error:
         raise BadParams(f"{source}: {prefix}{error}") from None
+
+
+def _expect_rule(rule: Rule, value: Any, source: str, key: str) -> Any:
+    advice = did_you_mean(value, rule.choices) if isinstance(value, str) else ""
+    return _expect(rule.is_valid(value), value, source, key, rule.message + advice)
 
 
 def _expect(is_valid: bool, value: Any, source: str, key: str, rule: str) -> Any:

@@ -9,8 +9,8 @@
 import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from industnerf.code_hash import library_versions
 from industnerf.content import RECORD, RecordedDigests, content_digest
 from industnerf.errors import PartsFailed
 from industnerf.progress import Progress
-from industnerf.runner import runner_from_environment
+from industnerf.runner import GroupedWork, WorkItem, WorkResult, runner_from_environment
 from industnerf.store import Cost, Store, store_key
 from industnerf.timing import NO_TIME, Timing
 
@@ -47,13 +47,25 @@ class Task:
     resumable: bool = False
 
 
+@dataclass(frozen=True)
+class Batch:
+    """The tasks of one output folder: of a stage, or of one method in it.
+
+    `earlier_failures` are parts that failed in a stage before, with the reason.
+    """
+
+    tasks: Sequence[Task]
+    out: Path
+    earlier_failures: Mapping[str, str] = field(default_factory=dict)
+
+
 def run_stage(
     stage: str,
     tasks: Sequence[Task],
     out: Path,
     on_failure: str,
     *,
-    earlier_failures: dict[str, str] | None = None,
+    earlier_failures: Mapping[str, str] | None = None,
     limit_s: float = math.inf,
     memory_mb: int | None = None,
     needs_one: bool = True,
@@ -70,62 +82,122 @@ def run_stage(
     `failures_are_losses` every failure is one: of the stage's own code, and not of a part's.
     Raises BadParams before anything is done for what INDUSTNERF_* do not allow.
     """
-    store = Store.from_environment()
-    recorded = RecordedDigests()
-    keys = [_store_key(stage, task, recorded) for task in tasks]
-    pending = [i for i, key in enumerate(keys) if not store.has(stage, key)]
-    failures, lost = dict(earlier_failures or {}), set[str]()
-    work_items = [
-        partial(_make_result, store, stage, keys[i], tasks[i], library_versions(_modules(tasks[i])))
-        for i in pending
-    ]
-    with Progress(stage, out.name, len(tasks), reused=len(tasks) - len(pending)) as progress:
-        for outcome in runner_from_environment().map(work_items, limit_s, memory_mb):
-            index_of_task = pending[outcome.index]
-            if outcome.error is not None:
-                failures[tasks[index_of_task].part_id] = outcome.error
-            if outcome.lost or (outcome.error is not None and failures_are_losses):
-                lost.add(tasks[index_of_task].part_id)
-            progress.advance(
-                tasks[index_of_task].part_id, outcome.error, store.cost(stage, keys[index_of_task])
-            )
-    for task, key in zip(tasks, keys, strict=True):
-        if task.part_id in failures:
-            continue
-        if store.has(stage, key):  # it may be long since this was asked
-            store.checkout(stage, key, out / task.part_id)
-        else:
-            failures[task.part_id] = "its result in the store was damaged or removed meanwhile"
-            lost.add(task.part_id)
-    index = {t.part_id: k for t, k in zip(tasks, keys, strict=True) if t.part_id not in failures}
-    contents = {part_id: store.contents(stage, key) for part_id, key in index.items()}
-    record = {"schema": SCHEMA, "step": stage, "keys": index, "contents": contents}
-    write_json(out / RECORD, record)
-    ordered = dict(sorted(failures.items()))  # they come in the order in which parts end
-    write_json(out / "failures.json", {"schema": SCHEMA, "failures": ordered})
-    is_empty = needs_one and not index
-    if lost or (failures and (on_failure == "strict" or is_empty)):
-        raise _failure_error(stage, out, failures, len(index), lost, is_empty)
+    (run,) = _make_all(stage, [Batch(tasks, out, earlier_failures or {})], limit_s, memory_mb)
+    run.finish(on_failure, needs_one=needs_one, failures_are_losses=failures_are_losses)
 
 
-def run_methods(stage: str, methods: Iterable[str], run: Callable[[str], None], out: Path) -> None:
-    """`run(method)` fills `<out>/<method>` by `run_stage`; `<out>/index.json` then stands for all.
+def run_methods(
+    stage: str,
+    batches: Mapping[str, Batch],
+    out: Path,
+    on_failure: str,
+    *,
+    limit_s: float = math.inf,
+    failures_are_losses: bool = False,
+    shares_processes: bool = False,
+) -> None:
+    """`run_stage` for the batch of every method; `<out>/index.json` then stands for all.
 
-    Raises PartsFailed with what `run` raised so, after all methods have run.
+    The tasks of all methods are one queue: no core waits for the last part of a method.  With
+    `shares_processes` a process does those of several methods, and their memory is not told apart.
+
+    Raises PartsFailed with the failures of all methods, as `run_stage` does.
     """
-    names, refusals = list(methods), []
-    for name in names:
+    refusals, groups = [], None if shares_processes else list(batches)
+    runs = _make_all(stage, list(batches.values()), limit_s, None, groups)
+    for name, run in zip(batches, runs, strict=True):
         try:
-            run(name)
+            run.finish(on_failure, needs_one=False, failures_are_losses=failures_are_losses)
         except PartsFailed as error:
             refusals.append(f"{name}: {error}")
     records = {
-        name: [out / name / f"{kind}.json" for kind in ("index", "failures")] for name in names
+        name: [batch.out / f"{kind}.json" for kind in ("index", "failures")]
+        for name, batch in batches.items()
     }
     digests = {name: content_digest(paths) for name, paths in records.items()}
     write_json(out / RECORD, {"schema": SCHEMA, "step": stage, "methods": digests})
     if refusals:
         raise PartsFailed("\n".join(refusals))
+
+
+def _make_all(
+    stage: str,
+    batches: Sequence[Batch],
+    limit_s: float,
+    memory_mb: int | None,
+    groups: Sequence[str] | None = None,
+) -> "list[_Run]":
+    """Have every result made that the store lacks; `groups` has one for each of `batches`."""
+    store, recorded = Store.from_environment(), RecordedDigests()
+    runs = [_Run(stage, store, batch, recorded) for batch in batches]
+    pending = [(number, i) for number, run in enumerate(runs) for i in run.pending]
+    work_items = [
+        GroupedWork(runs[number].work_item(i), groups[number] if groups else "")
+        for number, i in pending
+    ]
+    labels = [(runs[number].label, runs[number].batch.tasks[i].part_id) for number, i in pending]
+    runner, num_tasks = runner_from_environment(), sum(len(batch.tasks) for batch in batches)
+    workers = getattr(runner, "workers", 1)
+    with Progress(stage, labels, num_tasks - len(pending), workers) as progress:
+        for outcome in runner.map(work_items, limit_s, memory_mb):
+            number, i = pending[outcome.index]
+            runs[number].note(i, outcome)
+            progress.advance(outcome.index, outcome.error, store.cost(stage, runs[number].keys[i]))
+    return runs
+
+
+class _Run:
+    """One batch on its way: its keys in the store, and which of its parts failed or were lost."""
+
+    def __init__(self, stage: str, store: Store, batch: Batch, recorded: RecordedDigests) -> None:
+        self.stage, self.store, self.batch = stage, store, batch
+        self.keys = [_store_key(stage, task, recorded) for task in batch.tasks]
+        self.pending = [i for i, key in enumerate(self.keys) if not store.has(stage, key)]
+        self.failures, self.lost = dict(batch.earlier_failures), set[str]()
+
+    @property
+    def label(self) -> str:
+        """The method, or what else is one of several; empty for a stage as a whole."""
+        return "" if self.batch.out.name == self.stage else self.batch.out.name
+
+    def work_item(self, i: int) -> WorkItem:
+        """What makes the result of task `i`."""
+        task = self.batch.tasks[i]
+        libraries = library_versions(_modules(task))
+        return partial(_make_result, self.store, self.stage, self.keys[i], task, libraries)
+
+    def note(self, i: int, outcome: WorkResult) -> None:
+        """Keep how task `i` ended."""
+        part_id = self.batch.tasks[i].part_id
+        if outcome.error is not None:
+            self.failures[part_id] = outcome.error
+        if outcome.lost:
+            self.lost.add(part_id)
+
+    def finish(self, on_failure: str, *, needs_one: bool, failures_are_losses: bool) -> None:
+        """Place and list the results; raises PartsFailed as `run_stage` does."""
+        stage, store, out = self.stage, self.store, self.batch.out
+        if failures_are_losses:
+            self.lost |= self.failures.keys() - self.batch.earlier_failures.keys()
+        index = {}
+        for task, key in zip(self.batch.tasks, self.keys, strict=True):
+            if task.part_id in self.failures:
+                continue
+            if store.has(stage, key):  # it may be long since this was asked
+                store.checkout(stage, key, out / task.part_id)
+                index[task.part_id] = key
+            else:
+                reason = "its result in the store was damaged or removed meanwhile"
+                self.failures[task.part_id] = reason
+                self.lost.add(task.part_id)
+        contents = {part_id: store.contents(stage, key) for part_id, key in index.items()}
+        record = {"schema": SCHEMA, "step": stage, "keys": index, "contents": contents}
+        write_json(out / RECORD, record)
+        ordered = dict(sorted(self.failures.items()))  # they come in the order in which parts end
+        write_json(out / "failures.json", {"schema": SCHEMA, "failures": ordered})
+        is_empty = needs_one and not index
+        if self.lost or (self.failures and (on_failure == "strict" or is_empty)):
+            raise _failure_error(stage, out, self.failures, len(index), self.lost, is_empty)
 
 
 def read_index(folder: Path) -> dict[str, str]:

@@ -36,9 +36,9 @@ CORE_MODULES = {
         "device",
         "environment",
         "renamed",
+        "suggestions",
         "runner",
         "progress",
-        "mlflow_artifacts",
         "tracking",
     )
 }
@@ -56,7 +56,11 @@ def test_every_module_that_a_stage_imports_is_among_its_deps(name, root):
     deps = config.load_stage(name, root / "dvc.yaml").deps
     dep_paths = [root / dep for dep in deps]
     needed = code_hash.import_closure(f"pipeline.stages.{name}") - CORE_MODULES
-    needed = {module for module in needed if not module.startswith("industnerf.runner.")}
+    needed = {
+        module
+        for module in needed
+        if not module.startswith(("industnerf.runner.", "industnerf.tracking."))
+    }
     if name in ("pretrain", "train", "reconstruct"):
         methods = NETWORKS if name == "pretrain" else MODULES
         closures = (code_hash.import_closure(MODULES[method]) for method in methods)
@@ -227,15 +231,17 @@ stages:
 
 def test_what_root_writes_into_an_output_is_never_taken_for_the_result(tmp_path, root):
     """With links DVC would hand it out of its cache, and say that nothing changed."""
-    cache_type = DVC_CONFIG["cache.type"]
-    assert f'type = "{cache_type}"' in (root / ".dvc/config").read_text()
+    line = 'type = "reflink,copy"'
+    assert line in DVC_CONFIG
+    assert line in (root / ".dvc/config").read_text()
     (tmp_path / "dvc.yaml").write_text(PLACING)
     (tmp_path / "source").touch()
     (tmp_path / "stored").write_text("hello")
     (tmp_path / "stored").chmod(0o444)
     repro = ["repro", "-q"]
-    for command in (["init", "--no-scm", "-q"], ["config", "cache.type", cache_type], repro):
-        subprocess.run(["dvc", *command], cwd=tmp_path, check=True)
+    subprocess.run(["dvc", "init", "--no-scm", "-q"], cwd=tmp_path, check=True)
+    (tmp_path / ".dvc/config").write_text(DVC_CONFIG)
+    subprocess.run(["dvc", *repro], cwd=tmp_path, check=True)
     (tmp_path / "data/out").chmod(0o644)
     (tmp_path / "data/out").write_text("HELLO")
     subprocess.run(["dvc", *repro], cwd=tmp_path, check=True)

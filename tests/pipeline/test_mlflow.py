@@ -27,14 +27,17 @@ OVERRIDES = [
 READ = """
 import json, sys, mlflow
 mlflow.set_tracking_uri(f"sqlite:///{sys.argv[1]}/mlflow.db")
-(run,) = mlflow.search_runs(experiment_names=["industnerf"], output_format="list")
-client = mlflow.MlflowClient()
-curves = {
-    name: [(one.step, one.value) for one in client.get_metric_history(run.info.run_id, name)]
-    for name in run.data.metrics if ".fit." in name
-}
-pictures = mlflow.artifacts.download_artifacts(f"{run.info.artifact_uri}/previews")
-print(json.dumps({"curves": curves, "pictures": pictures}))
+points = mlflow.search_runs(
+    experiment_names=["industnerf"], filter_string="tags.kind = 'point'", output_format="list"
+)
+client, found = mlflow.MlflowClient(), {}
+for run in points:
+    images = mlflow.artifacts.download_artifacts(f"{run.info.artifact_uri}/images")
+    found[run.data.params["method"]] = {"images": images} | {
+        name: [(one.step, one.value) for one in client.get_metric_history(run.info.run_id, name)]
+        for name in run.data.metrics if name.startswith("loss/")
+    }
+print(json.dumps(found))
 """
 
 
@@ -74,16 +77,16 @@ def mean_curve(folders: list[Path]) -> list[tuple[int, float]]:
 
 @pytest.mark.parametrize("net", NETS)
 def test_a_nets_curves_are_those_that_its_training_kept(logged, net):
-    data, logged_run = logged
+    data, logged_runs = logged
     folds = sorted((data / "states" / net).glob("fold-*"))
     losses = mean_curve(folds)
     assert [step for step, _ in losses] == list(range(STEPS))
     assert np.isfinite([loss for _, loss in losses]).all()
     # as sums of two floats, in either order, they are exact
-    assert logged_run["curves"][f"{net}.fit.loss"] == [list(one) for one in losses]
+    assert logged_runs[net]["loss/training"] == [list(one) for one in losses]
     validated = mean_curve([fold / "validation" for fold in folds])
     assert len(validated) >= STEPS // TRAINING_OVERRIDES["val_interval"]
-    assert logged_run["curves"][f"{net}.fit.validation"] == [list(one) for one in validated]
+    assert logged_runs[net]["loss/validation"] == [list(one) for one in validated]
 
 
 def point_footprint(cloud: Path, views: Views, camera: int) -> np.ndarray:
@@ -104,8 +107,9 @@ def point_footprint(cloud: Path, views: Views, camera: int) -> np.ndarray:
 
 @pytest.mark.parametrize("net", NETS)
 def test_a_nets_picture_has_a_row_a_part_the_photograph_beside_what_was_made_of_it(logged, net):
-    data, logged_run = logged
-    preview = np.asarray(Image.open(Path(logged_run["pictures"]) / f"{net}.png").convert("RGB"))
+    data, logged_runs = logged
+    (path,) = Path(logged_runs[net]["images"]).glob("preview*.png")
+    preview = np.asarray(Image.open(path).convert("RGB"))
     parts = sorted(path.name for path in (data / "clouds" / net).glob("*/"))
     rows = np.split(preview, len(parts))
     assert len(parts) == 2

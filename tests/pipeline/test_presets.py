@@ -73,6 +73,12 @@ def test_a_preset_names_itself_and_is_valid(preset, monkeypatch):
     assert compose_preset(preset, monkeypatch).preset == preset
 
 
+def test_a_misspelled_preset_gets_the_one_that_was_meant(monkeypatch):
+    monkeypatch.chdir(CONF.parent)
+    with pytest.raises(BadParams, match=r"'demmo' is unknown, did you mean `demo`\? known are abl"):
+        run_preset("demmo")
+
+
 def test_a_sweep_is_no_preset_to_be_run_once(monkeypatch):
     monkeypatch.chdir(CONF.parent)
     with pytest.raises(BadParams, match=r"pipeline\.sweep experiment=sweep-noise"):
@@ -154,6 +160,19 @@ def wait_until(condition: Callable[[], object]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+def test_the_demo_has_the_rows_to_know_first_as_in_the_study_and_trains_nothing(monkeypatch):
+    demo = compose_preset("demo", monkeypatch)
+    study = load_params(CONF.parent / "params.yaml")
+    rows = {"industnerf", "industnerf_plus", "nerf", "carve", "hull", "retrieval", "oracle", *NETS}
+    assert set(demo.methods) == rows
+    assert demo.procedural.solids == 0  # to make them takes longer than to answer
+    assert demo.pretrain.weights == "shipped"
+    assert {getattr(demo.method, name).training.max_steps for name in NETS} == {0}
+    assert (demo.views, demo.evaluate, demo.split) == (study.views, study.evaluate, study.split)
+    for name in rows - set(NETS):
+        assert getattr(demo.method, name) == getattr(study.method, name)
 
 
 def reading_settings(name: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
@@ -278,3 +297,44 @@ def test_seeds_are_three_and_nothing_else_is_swept(preset, monkeypatch):
     assert config.hydra.sweeper.params == {"seed": "0,1,2"}
     assert config.hydra.mode.name == "MULTIRUN"
     assert config.hydra.sweep.dir == f"runs/sweeps/{preset}"  # what pipeline.seed_variance is told
+
+
+TINY = """# @package _global_
+defaults: [smoke, _self_]
+preset: tiny
+methods: [hull, oracle]
+parts: {select: [enclosure-120x80x40, clevis-din71752-g12x24]}
+views: {count: 6, held_out: 1, resolution: 32}
+procedural: {solids: 0}
+pretrain: {weights: none}
+method: {hull: {points: 2048}, oracle: {points: 2048}}
+evaluate: {points: 128, dense_samples: 2048, max_points: 2048}
+"""
+
+
+@pytest.mark.slow
+def test_a_preset_ends_with_table_sentence_and_page_and_no_word_of_dvc(root, tmp_path):
+    """So it does where there is nothing left to do."""
+    for name in ("src", "pipeline", "data", "params.yaml", "dvc.yaml", "constraints.txt"):
+        (tmp_path / name).symlink_to(root / name)
+    shutil.copytree(root / "conf", tmp_path / "conf")
+    shutil.copy(root / ".dvcignore", tmp_path)
+    (tmp_path / "conf/experiment/tiny.yaml").write_text(TINY)
+    environment = {**os.environ, "INDUSTNERF_MLFLOW": "off", "INDUSTNERF_WORKERS": "1"}
+    command = [sys.executable, "-m", "pipeline.preset", "tiny"]
+    outputs = []
+    for _ in range(2):
+        done = subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        outputs.append(done.stdout + done.stderr)
+    assert "reconstruct hull: 2 made, " in outputs[0]
+    assert "reconstruct: done, 4 made, 0 reused, 0 failed" in outputs[0]
+    assert "procedural" not in outputs[0]  # which has nothing to do
+    for output in outputs:
+        assert output.rstrip().endswith("open runs/tiny/reports/report.html")
+        assert output.count("report.html") == 1
+        assert "On 2 parts hull comes closest to the true surface" in output
+        assert not re.search(r"dvc|lock file|Running stage", output)
+    assert "done" not in outputs[1]

@@ -14,10 +14,11 @@ def run_sweep(project, *overrides):
 
 
 def logged_runs(project):
-    """Of every MLflow run the swept value, and whether its name says it."""
+    """Of every point that MLflow has the swept value, and whether its name says it."""
     script = (
         "import mlflow, sys; mlflow.set_tracking_uri(sys.argv[1]);"
-        "runs = mlflow.search_runs(experiment_names=['industnerf'], output_format='list');"
+        "runs = mlflow.search_runs(experiment_names=['industnerf'], output_format='list', "
+        "filter_string=\"tags.kind = 'point'\");"
         "counts = [(run.data.params['views.count'], run.info.run_name) for run in runs];"
         "print(sorted((count, f'views.count={count}' in name) for count, name in counts))"
     )

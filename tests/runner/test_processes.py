@@ -14,8 +14,14 @@ import pytest
 
 from industnerf.artifacts.files import atomic_write
 from industnerf.errors import BadParams, BadPart, ReconstructionFailed
-from industnerf.runner import ProcessRunner, SerialRunner, processes, runner_from_environment
-from industnerf.runner.base import run_work_item
+from industnerf.runner import (
+    GroupedWork,
+    ProcessRunner,
+    SerialRunner,
+    processes,
+    runner_from_environment,
+)
+from industnerf.runner.base import next_piece, run_work_item
 
 RUNNERS = [SerialRunner(), ProcessRunner(1), ProcessRunner(2)]
 
@@ -284,3 +290,25 @@ def test_an_unknown_runner_or_count_is_named(monkeypatch):
     monkeypatch.setenv("INDUSTNERF_WORKERS", "many")
     with pytest.raises(BadParams, match="INDUSTNERF_WORKERS is 'many'"):
         runner_from_environment()
+
+
+def test_no_process_does_pieces_of_two_groups(tmp_path):
+    """What a method leaves in memory would count for the next one."""
+    groups = ["hull", "hull", "nerf", "nerf", "hull"]
+    pieces = [
+        GroupedWork(partial(note_process, tmp_path / str(i)), group)
+        for i, group in enumerate(groups)
+    ]
+    assert [result.error for result in ProcessRunner(1).map(pieces, 60.0)] == [None] * 5
+    a, b, c, d, e = ((tmp_path / str(i)).read_text() for i in range(5))
+    assert (a, c) == (b, d)
+    assert a == e != c  # it does all pieces of a group before it begins another
+
+
+def test_processes_divide_groups_before_they_share_one():
+    groups = ["hull", "hull", "nerf", "nerf", "carve"]
+    assert next_piece([0, 1, 2, 3, 4], groups, None, set()) == 0
+    assert next_piece([1, 2, 3, 4], groups, None, {"hull"}) == 2
+    assert next_piece([1, 3, 4], groups, "hull", {"nerf"}) == 1
+    assert next_piece([3, 4], groups, "hull", {"nerf"}) == 4
+    assert next_piece([3], groups, "hull", {"nerf"}) == 3

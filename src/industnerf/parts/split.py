@@ -20,13 +20,13 @@ def assign_splits(parts: list[Part], settings: SplitParams) -> dict[str, SplitAs
     }
 
 
+def is_dev(part_id: str, origin: str, settings: SplitParams) -> bool:
+    """Whether a part may be tuned on: an embedded one, of the share of `settings`."""
+    return origin == "embedded" and _hash_fraction("dev", part_id) < settings.dev_fraction
+
+
 def _split(part: Part, settings: SplitParams) -> str:
-    is_embedded = part.origin == "embedded"
-    return (
-        "dev"
-        if is_embedded and _hash_fraction("dev", part.part_id) < settings.dev_fraction
-        else "test"
-    )
+    return "dev" if is_dev(part.part_id, part.origin, settings) else "test"
 
 
 def _fold(part: Part, settings: SplitParams) -> int | None:

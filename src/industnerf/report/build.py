@@ -16,10 +16,6 @@ origins.md                 machines and versions
 
 from pathlib import Path
 
-from rich.box import SIMPLE
-from rich.console import Console
-from rich.table import Table
-
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.content import content_digest
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
@@ -34,22 +30,18 @@ from industnerf.report.statistics.comparisons import comparisons_csv, comparison
 from industnerf.report.study import Study
 from industnerf.report.tables.costs import cost_table_md, costs_csv, read_costs
 from industnerf.report.tables.dvc_files import CURVES, curves_csv, dvc_file_texts
-from industnerf.report.tables.formats import label_intervals
 from industnerf.report.tables.goals import goals_csv, goals_md
 from industnerf.report.tables.inspection import inspection_csv, inspection_md
 from industnerf.report.tables.protocol_grid import load_published_grid
 from industnerf.report.tables.scores import scores_csv
 from industnerf.report.tables.strata import strata_csv, strata_md
-from industnerf.report.tables.table1_format import COLUMNS, format_row, table1_csv, table1_md
+from industnerf.report.tables.table1_format import table1_csv, table1_md
 from industnerf.report.tables.table2 import metric_means, table2_csv, table2_md
 from industnerf.schema import ReportParams
 
-# What fits into 80 characters; the files have the rest.
-CONSOLE_COLUMNS = ("method", "EMD (even)", "95 %", "floor", "x floor", "failed", "s a part")
-
 
 def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: Path) -> None:
-    """Write every file of the report into `out`, and print Table 1.
+    """Write every file of the report into `out`.
 
     The page shows the grid of protocols in `grid_folder`, if there is one.
     """
@@ -74,7 +66,6 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     if sparsification_png:
         (out / "sparsification.png").write_bytes(sparsification_png)
     write_json(out / "summary.json", _summary(results, out))
-    _print_table1(results, out)
 
 
 def write_tables(results: Results, out: Path) -> None:
@@ -118,21 +109,3 @@ def _summary(results: Results, out: Path) -> dict:
         "parts": len(results.study.parts),
         "metrics": table1_means | metric_means(results.table2),
     }
-
-
-def _print_table1(results: Results, out: Path) -> None:
-    table = Table(
-        title="Table 1: EMD in bounding-box diagonals; lower is better", box=SIMPLE, padding=(0, 0)
-    )
-    indices = [COLUMNS.index(name) for name in CONSOLE_COLUMNS]
-    heads = label_intervals(COLUMNS, results.interval)
-    for i in indices:
-        table.add_column(heads[i], justify="left" if i == 0 else "right", no_wrap=True)
-    for row, extra in zip(results.table1, results.table1_extras, strict=True):
-        cell_texts = format_row(row, extra)
-        if row.split != results.table1[0].split:
-            continue  # the dev parts stand in the files
-        table.add_row(*[cell_texts[i] for i in indices])
-    console = Console()
-    console.print(table)
-    console.print(f"open {(out / 'report.html').absolute()}", markup=False, soft_wrap=True)

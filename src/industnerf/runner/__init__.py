@@ -12,11 +12,12 @@ import os
 
 from industnerf import environment
 from industnerf.errors import BadParams
-from industnerf.runner.base import Runner, WorkItem, WorkResult
+from industnerf.runner.base import GroupedWork, Runner, WorkItem, WorkResult
 from industnerf.runner.device import check_device
 from industnerf.runner.processes import ProcessRunner, SerialRunner, die_with_parent
 
 __all__ = [
+    "GroupedWork",
     "ProcessRunner",
     "Runner",
     "SerialRunner",

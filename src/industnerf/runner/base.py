@@ -4,7 +4,7 @@ import errno
 import os
 import re
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -12,6 +12,40 @@ from typing import Protocol, runtime_checkable
 from industnerf.errors import SuiteError
 
 WorkItem = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class GroupedWork:
+    """A piece of work whose process does no piece of another group, nor did.
+
+    What one method leaves in memory must not count for another.
+    """
+
+    run: WorkItem
+    group: str
+
+    def __call__(self) -> None:
+        self.run()
+
+
+def group_of(work_item: WorkItem) -> str:
+    """The group of `work_item`; pieces without one are of one group."""
+    return work_item.group if isinstance(work_item, GroupedWork) else ""
+
+
+def next_piece(
+    pending: Sequence[int], groups: Sequence[str], own: str | None, busy: Collection[str]
+) -> int:
+    """Which of the `pending` pieces a process begins that has done pieces of the group `own`.
+
+    One of its own group, else one of a group that none of the `busy` processes is at, else the
+    first: so few processes begin each group, and load what its method needs.
+    """
+    return next(
+        (i for i in pending if groups[i] == own),
+        next((i for i in pending if groups[i] not in busy), pending[0]),
+    )
+
 
 # What is wrong with the machine, whatever the piece: a disk is full, read-only or does not answer,
 # or no more files can be open.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from industnerf.runner.base import WorkItem
+from industnerf.runner.base import GroupedWork, WorkItem, group_of
 from industnerf.runner.device import check_device
 from industnerf.runner.job_status import JobStatus
 from industnerf.runner.processes import ProcessRunner
@@ -54,7 +54,10 @@ class Chunk:
         remaining = [
             (index, work_item) for index, work_item in self.work_items if index not in finished
         ]
-        work_items = [partial(self.status.run, index, work_item) for index, work_item in remaining]
+        work_items = [
+            GroupedWork(partial(self.status.run, index, work_item), group_of(work_item))
+            for index, work_item in remaining
+        ]
         runner = ProcessRunner(self.workers, JOB_SIGNALS)
         for result in runner.map(work_items, self.limit_s, self.memory_mb):
             self.status.write(replace(result, index=remaining[result.index][0]))

@@ -11,8 +11,17 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from industnerf.runner.base import WorkError, WorkItem, WorkResult, run_work_item
+from industnerf.runner.base import (
+    WorkError,
+    WorkItem,
+    WorkResult,
+    group_of,
+    next_piece,
+    run_work_item,
+)
 
+# POT imports torch where it finds it, which takes a second; it is given NumPy's arrays alone.
+NUMPY_ALONE = {"POT_BACKEND_DISABLE_PYTORCH": "1"}
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
 POLL_S = 1.0  # look at least so often; if much more time has passed, this process was stopped
 KILL_GRACE_S = 1.0  # within it, whoever kills every process of a job has come to this one too
@@ -50,13 +59,19 @@ class ProcessRunner:
         self, work_items: Sequence[WorkItem], limit_s: float, memory_mb: int | None = None
     ) -> Iterator[WorkResult]:
         # inherited by the workers, before they import numpy
-        os.environ.update(dict.fromkeys(THREADS, "1"))
+        os.environ.update(dict.fromkeys(THREADS, "1") | NUMPY_ALONE)
         limits = _Limits(limit_s, memory_mb, self.blocked_signals)
-        pending = list(enumerate(work_items))[::-1]
+        pending, groups = list(range(len(work_items))), [group_of(item) for item in work_items]
         workers: dict[Connection, _Worker] = {}
+
+        def take(own: str | None) -> tuple[int, WorkItem]:
+            index = next_piece(pending, groups, own, {worker.group for worker in workers.values()})
+            pending.remove(index)
+            return index, work_items[index]
+
         try:
             for _ in range(min(self.workers, len(work_items))):
-                worker = _Worker.start(pending.pop(), limits)
+                worker = _Worker.start(take(None), limits)
                 workers[worker.connection] = worker
             while workers:
                 next_deadline = min(worker.deadline for worker in workers.values())
@@ -75,7 +90,7 @@ class ProcessRunner:
                         worker.stop()
                     yield WorkResult.from_error(worker.index, error)
                     if pending:
-                        worker = worker.reassign(pending.pop(), limits)
+                        worker = worker.reassign(take(worker.group), limits)
                         workers[worker.connection] = worker
                     else:
                         worker.stop()
@@ -111,6 +126,7 @@ class _Worker:
     connection: Connection
     index: int
     deadline: float
+    group: str
 
     @staticmethod
     def start(item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
@@ -121,7 +137,8 @@ class _Worker:
             process.start()
         child_end.close()
         own_end.send((item[1], limits.memory_mb))
-        return _Worker(process, own_end, item[0], time.monotonic() + limits.seconds)
+        deadline = time.monotonic() + limits.seconds
+        return _Worker(process, own_end, item[0], deadline, group_of(item[1]))
 
     def collect(self, limits: _Limits) -> WorkError | None:
         """What ended the current piece of work, or None."""
@@ -143,7 +160,12 @@ class _Worker:
             )
 
     def reassign(self, item: tuple[int, WorkItem], limits: _Limits) -> "_Worker":
-        """This worker at another piece of work, or a fresh one if it is dead."""
+        """This worker at another piece of work, or a fresh one if that is of another group, or if
+        it is dead.
+        """
+        if group_of(item[1]) != self.group:
+            self.stop()
+            return _Worker.start(item, limits)
         try:
             self.connection.send((item[1], limits.memory_mb))
         except OSError:  # nobody is at the other end

@@ -15,13 +15,14 @@ from industnerf.schema.validators import (
     Rule,
     at_least,
     non_empty,
+    one_of,
     require,
 )
 from industnerf.schema.views import ViewsParams
 
 ABOVE_1 = Rule(lambda radius: radius > 1, "above 1: outside of the part's bounding ball")
 METHODS = tuple(MethodSettings.__dataclass_fields__)
-KNOWN_METHOD = Rule(lambda name: name in METHODS, f"one of {', '.join(METHODS)}")
+KNOWN_METHOD = one_of(METHODS)
 
 
 @dataclass(frozen=True)

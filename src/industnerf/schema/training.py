@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from industnerf.schema.validators import (
     Fraction,
     NonNegativeFloat,
+    NonNegativeInt,
     OpenFraction,
     PositiveFloat,
     PositiveInt,
@@ -20,7 +21,7 @@ QueryAxes = Literal["part", "picture", "both"]
 
 @dataclass(frozen=True)
 class TrainingSettings:
-    max_steps: PositiveInt
+    max_steps: NonNegativeInt  # 0: the weights stay as they were
     batch_size: Annotated[int, at_least(2, ", for batch norm")]
     lr: PositiveFloat
     weight_decay: NonNegativeFloat

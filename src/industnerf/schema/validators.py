@@ -16,6 +16,7 @@ from industnerf.errors import BadValue
 class Rule:
     is_valid: Callable[[Any], bool]
     message: str  # "must be ..."
+    choices: tuple[str, ...] = ()  # all that are valid, where they can be counted
 
 
 def at_least(minimum: int, suffix: str = "") -> Rule:
@@ -27,6 +28,10 @@ def in_interval(interval: str, unit: str = "") -> Rule:
     low, high = map(float, interval[1:-1].split(","))
     above, below = (ge if interval[0] == "[" else gt), (le if interval[-1] == "]" else lt)
     return Rule(lambda value: above(value, low) and below(value, high), f"in {interval}{unit}")
+
+
+def one_of(choices: tuple[str, ...]) -> Rule:
+    return Rule(lambda value: value in choices, f"one of {', '.join(choices)}", choices)
 
 
 def non_empty(thing: str) -> Rule:

@@ -40,8 +40,11 @@ def test_solids_are_learned_from_with_weights_or_without(name, weights, tmp_path
 def tasks_of(tmp_path, monkeypatch):
     """`tasks_of(method, hold_out, folds)`: what the stage would do, by the name of the network."""
     tasks = []
-    monkeypatch.setattr(train, "run_stage", lambda stage, made, *_, **__: tasks.extend(made))
-    monkeypatch.setattr(train, "run_methods", lambda _, names, run, out: [*map(run, names)])
+
+    def run_methods(stage, batches, *_, **__):
+        tasks.extend(task for batch in batches.values() for task in batch.tasks)
+
+    monkeypatch.setattr(train, "run_methods", run_methods)
     monkeypatch.setattr(
         train, "load_parts", lambda folder: [unit_part(*pair) for pair in FAMILIES.items()]
     )

@@ -94,16 +94,18 @@ def _validate_all(
     targets = [scratch / str(i) for i in range(len(files))]
     works = [partial(validate_file, f, params, t) for f, t in zip(files, targets, strict=True)]
     limits = params.parts.time_limit_s, params.parts.memory_limit_mb
-    outcomes = runner_from_environment().map(works, *limits)
-    with Progress("check", "check", len(files), reused=0) as progress:
-        for outcome in outcomes:
+    runner, labels = runner_from_environment(), [("", str(path)) for path in files]
+    with Progress("check", labels, reused=0, workers=getattr(runner, "workers", 1)) as progress:
+        for outcome in runner.map(works, *limits):
             path, target = files[outcome.index], targets[outcome.index]
             name = str(path)
             error = outcome.error and outcome.error.removeprefix(f"{path.name}: ")
             findings = (
                 load_findings(target, name) if error is None else [Finding(name, refused=error)]
             )
-            progress.advance(name, error, Cost(findings[0].seconds, findings[0].peak_mb, "cpu"))
+            progress.advance(
+                outcome.index, error, Cost(findings[0].seconds, findings[0].peak_mb, "cpu")
+            )
             yield outcome.index, findings, _tiles(findings, target)
 
 
