@@ -36,6 +36,17 @@ def test_pretraining_needs_solids(values):
         config.build(Params, changed(without, "pretrain.weights", "trained"))
 
 
+def test_a_network_has_weights_that_were_trained(values):
+    shipped = changed(values, "method.r2n2.training.max_steps", 0)
+    assert config.build(Params, shipped).method.r2n2.training.max_steps == 0
+    with pytest.raises(
+        BadParams, match=r"r2n2\.training\.max_steps is 0, must be at least 1 where"
+    ):
+        config.build(Params, changed(shipped, "pretrain.weights", "none"))
+    with pytest.raises(BadParams, match=r"atlasnet\.pretraining\.max_steps is 0, must be at least"):
+        config.build(Params, changed(values, "method.atlasnet.pretraining.max_steps", 0))
+
+
 def test_params_yaml_is_a_whole_set_of_values(values):
     assert config.build(Params, values).views.count == values["views"]["count"]
 

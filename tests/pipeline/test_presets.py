@@ -315,8 +315,9 @@ evaluate: {points: 128, dense_samples: 2048, max_points: 2048}
 @pytest.mark.slow
 def test_a_preset_ends_with_table_sentence_and_page_and_no_word_of_dvc(root, tmp_path):
     """So it does where there is nothing left to do."""
-    for name in ("src", "pipeline", "data", "params.yaml", "dvc.yaml", "constraints.txt"):
+    for name in ("src", "pipeline", "data", "results", "params.yaml", "dvc.yaml"):
         (tmp_path / name).symlink_to(root / name)
+    shutil.copy(root / "constraints.txt", tmp_path)
     shutil.copytree(root / "conf", tmp_path / "conf")
     shutil.copy(root / ".dvcignore", tmp_path)
     (tmp_path / "conf/experiment/tiny.yaml").write_text(TINY)

@@ -43,13 +43,23 @@ def test_the_table_says_inputs_undertrained_networks_and_the_paper(tmp_path, cap
     output = capsys.readouterr().out
     lines = output.splitlines()
     (paper_line,) = [line for line in lines if line.split()[:1] == ["industnerf"]]
-    assert paper_line.split() == ["industnerf", "rgb", "0.0300", "2.50", "0", "21.0", "0.0122"]
+    assert paper_line.split() == ["industnerf", "rgb", "0.0300", "2.50", "21.0", "0.0122"]
     assert "own mesh (bound)" in output
     assert "(undertrained)" in lines[[line.startswith(" r2n2") for line in lines].index(True) + 1]
     assert " box" not in output
     assert output.count("report.html") == 1
     assert str(tmp_path / "shown/report.html") in output
     assert max(map(len, lines[:-2])) <= 80
+
+
+def test_failures_have_a_column_where_there_are_any(tmp_path, capsys):
+    write_csv(tmp_path / "cost.csv", COSTS)
+    printed = []
+    for failures in ("0", "2"):
+        write_csv(tmp_path / "table1.csv", [ROW | {"failures": failures}])
+        print_summary(tmp_path, tmp_path)
+        printed.append("failed" in capsys.readouterr().out)
+    assert printed == [False, True]
 
 
 def test_one_sentence_names_the_best_method_and_the_papers():

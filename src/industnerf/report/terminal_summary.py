@@ -13,6 +13,7 @@ from industnerf.report.tables.costs import csv_seconds
 from industnerf.report.tables.formats import read_csv
 
 SUMMARY = "INDUSTNERF_SUMMARY"  # `off`: `pipeline.preset` prints it, after every run
+TEXT_COLUMNS = 2  # the others are numbers
 HEADS = ("method", "inputs", "EMD", "x floor", "failed", "s a part", "paper")
 
 
@@ -20,12 +21,15 @@ def print_summary(report: Path, shown_as: Path) -> None:
     """Print Table 1 of the report in the folder `report`, which is `shown_as` for the reader."""
     rows, seconds = read_csv(report / "table1.csv"), mean_seconds(report)
     rows = [row for row in rows if row["split"] == rows[0]["split"]]  # dev parts: in the files
+    has_failures = any(row["failures"] != "0" for row in rows)
+    shown = [i for i, head in enumerate(HEADS) if head != "failed" or has_failures]
     table = Table(box=SIMPLE, padding=(0, 1, 0, 0))
-    for head in HEADS:
-        is_text = head in HEADS[:2]
-        table.add_column(head, justify="left" if is_text else "right", no_wrap=head != "inputs")
+    for i in shown:
+        justify = "left" if i < TEXT_COLUMNS else "right"
+        table.add_column(HEADS[i], justify=justify, no_wrap=HEADS[i] != "inputs")
     for row in rows:
-        table.add_row(*_cells(row, seconds.get(row["method"])))
+        cells = _cells(row, seconds.get(row["method"]))
+        table.add_row(*(cells[i] for i in shown))
     console = Console()
     console.print(table)
     console.print(conclusion(rows), markup=False, highlight=False)

@@ -111,3 +111,9 @@ class Params:
         solids, weights = self.procedural.solids, self.pretrain.weights
         rule = "at least 1: pretrain.weights is trained, and they are what it learns from"
         require(solids > 0 or weights != "trained", "procedural.solids", solids, rule)
+        for name in ("r2n2", "atlasnet", "occupancy"):
+            network, key = getattr(self.method, name), f"method.{name}"
+            steps, more = network.pretraining.max_steps, network.training.max_steps
+            require(steps > 0, f"{key}.pretraining.max_steps", steps, "at least 1")
+            rule = "at least 1 where pretrain.weights is none: nothing else trains the network"
+            require(more > 0 or weights != "none", f"{key}.training.max_steps", more, rule)
