@@ -28,7 +28,7 @@ from rich.table import Column, Table
 
 from industnerf.artifacts.cloud import load_warnings
 from industnerf.artifacts.part import load_parts
-from industnerf.artifacts.scores import PartScore, load_method_scores
+from industnerf.artifacts.scores import PartScore, gather_scores, load_method_scores
 from industnerf.cli import run_command
 from industnerf.config import StageParams, load_params, load_stage, read_yaml
 from industnerf.errors import BadParams, PartsFailed
@@ -127,16 +127,13 @@ def score_clouds(
         earlier_failures=earlier_failures,
         needs_one=False,
     )
-    no_views = str(out / "views")  # a cloud without renderings asks for none
-    evaluate.main(
-        stage_params(params, "evaluate"),
-        out.name,
-        parts_dir,
-        no_views,
-        truth_dir,
-        clouds_dir,
-        str(out / "scores"),
-    )
+    no_views = out / "views"  # a cloud without renderings asks for none
+    folders = (Path(parts_dir), Path(truth_dir), no_views, Path(clouds_dir))
+    failed = set(read_failures(Path(clouds_dir)))
+    settings = stage_params(params, "evaluate")
+    tasks = evaluate.evaluation_tasks(settings, folders, read_index(Path(truth_dir)), failed)
+    run_stage("evaluate", tasks, out / "scores", "strict", failures_are_losses=True)
+    gather_scores(out / "scores", out.name)
 
 
 def stage_params(params: Params, name: str) -> StageParams:

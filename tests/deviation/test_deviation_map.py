@@ -57,7 +57,7 @@ def test_a_moved_cloud_in_meters_is_brought_back(folder, capsys):
     assert (folder / "moved.xyz.deviation.png").is_file()
     output = capsys.readouterr().out
     assert "another pose" not in output
-    assert "remark: it would fit better if it were 0.99" in output
+    assert "warning: it would fit better if it were 0.99" in output
 
 
 def test_a_fitted_scale_is_told(folder, capsys):

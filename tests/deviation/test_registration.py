@@ -25,7 +25,7 @@ def test_a_rigid_move_is_undone_exactly_of_exact_points():
     found = register(block.MOVE(block.cloud(solid)), surface_of(solid), with_scale=False)
     assert worst(found.move, block.MOVE, solid) < 1e-5  # float32, and where the steps end
     assert found.move.scale == 1.0
-    assert found.rival > 100 * found.cost
+    assert found.runner_up > 100 * found.cost
 
 
 def test_noise_strays_and_a_missing_third_are_survived():
@@ -51,7 +51,7 @@ def test_of_a_box_another_pose_fits_as_well_and_it_is_left_where_it_lies():
     points = block.cloud(solid) + np.random.default_rng(0).normal(size=(8000, 3)) * 0.05
     found = register(points, surface_of(solid), with_scale=False)
     assert worst(found.move, IDENTITY, solid) < 1e-3
-    assert found.rival < 1.05 * found.cost
+    assert found.runner_up < 1.05 * found.cost
 
 
 def test_a_scale_is_found_if_it_is_asked_for():

@@ -215,17 +215,17 @@ CASES = ROOT.parent / "shared" / "cases"
 
 @pytest.mark.skipif(not CASES.is_dir(), reason="needs ../shared/cases")
 @pytest.mark.parametrize(
-    ("case", "remark"),
+    ("case", "warning"),
     [
         ("50-cloud-control/in/c.xyz", ""),
         ("54-cloud-nan-rows/in/c.ply", "are not finite and are left out"),
         ("57-mesh-glb/in/m.glb", "are drawn of it, evenly by area"),
     ],
 )
-def test_the_shared_cases_are_scored_with_their_remarks(folder, capsys, case, remark):
+def test_the_shared_cases_are_scored_with_their_remarks(folder, capsys, case, warning):
     path = CASES / case
     score.main(str(path), str(path.parents[1] / "plate.stl"))
-    assert remark in capsys.readouterr().out
+    assert warning in capsys.readouterr().out
     value, floor, status = emd(folder, path.stem)
     assert (status, value < 2.5 * floor) == ("ok", True)
 

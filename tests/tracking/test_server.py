@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow  # starts a server
 METHODS = "tags.kind = 'method'"
 
 
-def bring_up_to_date(folder: Path) -> subprocess.CompletedProcess:
+def log_folder(folder: Path) -> subprocess.CompletedProcess:
     """Log what is in `folder` as `make ui` does, into the database there."""
     environment = os.environ | {"INDUSTNERF_MLFLOW": str(folder), "MLFLOW_PORT": "5001"}
     command = [sys.executable, "-m", "industnerf.tracking"]
@@ -61,19 +61,19 @@ class Server:
             return False
 
     def get(self, path: str, **body: Any) -> Any:
-        """The answer of the REST API, to a POST if there is a body."""
+        """The response of the REST API, to a POST if there is a body."""
         request = urllib.request.Request(
             f"http://127.0.0.1:{self.port}/api/2.0/mlflow/{path}",
             json.dumps(body).encode() if body else None,
             {"Content-Type": "application/json"},
         )
-        with urllib.request.urlopen(request) as answer:
-            return json.load(answer)
+        with urllib.request.urlopen(request) as response:
+            return json.load(response)
 
     def search(self, text: str, *order: str) -> list[dict]:
         experiment = [self.experiment["experiment_id"]]
-        answer = self.get("runs/search", experiment_ids=experiment, filter=text, order_by=order)
-        return answer.get("runs", [])
+        response = self.get("runs/search", experiment_ids=experiment, filter=text, order_by=order)
+        return response.get("runs", [])
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def server(tmp_path_factory) -> Iterator[Server]:
     folder = tmp_path_factory.mktemp("working-copy")
     write_report(folder)
     write_sweep(folder / "runs" / "sweeps" / "mine")
-    bring_up_to_date(folder)
+    log_folder(folder)
     server = Server(folder)
     yield server
     os.killpg(server.process.pid, signal.SIGTERM)
@@ -130,8 +130,8 @@ def test_the_value_of_each_part_is_a_step_and_a_row_of_a_table(server):
     assert "per_part.json" in [file["path"] for file in files]
     assert json.loads(values(run, "tags")["mlflow.loggedArtifacts"])[0]["type"] == "table"
     table = f"http://127.0.0.1:{server.port}/get-artifact?run_uuid={run_id}&path=per_part.json"
-    with urllib.request.urlopen(table) as answer:
-        content = json.load(answer)
+    with urllib.request.urlopen(table) as response:
+        content = json.load(response)
     rows = [dict(zip(content["columns"], row, strict=True)) for row in content["data"]]
     assert {row["part_id"]: row["emd"] for row in rows}["gear-b"] == EMD["net"][1]
 
@@ -175,11 +175,11 @@ def test_the_page_has_a_view_of_methods_and_one_of_the_sweep(server):
 
 def test_what_is_logged_is_not_logged_again_and_the_page_to_open_is_said(server, tmp_path):
     report = write_report(tmp_path)
-    first = bring_up_to_date(tmp_path)
+    first = log_folder(tmp_path)
     address = "http://127.0.0.1:5001/#/experiments/1/runs?viewStateShareKey=methods"
     assert address in first.stderr
     assert first.stdout == f"sqlite:///{tmp_path / 'mlflow.db'}\n"
     before = (tmp_path / "mlruns").stat().st_mtime_ns
     (report / "report.html").write_text("of another minute")
-    bring_up_to_date(tmp_path)
+    log_folder(tmp_path)
     assert (tmp_path / "mlruns").stat().st_mtime_ns == before  # a folder per run

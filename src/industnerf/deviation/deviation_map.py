@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from industnerf.artifacts.files import atomic_write, write_json, write_text
 from industnerf.config import find_params, load_params
 from industnerf.deviation.registration import IDENTITY, Registration, register, size_ratio
-from industnerf.deviation.scale import require_size, scale_remark
+from industnerf.deviation.scale import require_size, scale_warning
 from industnerf.deviation.statistics import DeviationStatistics, deviation_statistics, histogram
 from industnerf.deviation.surface import Surface
 from industnerf.errors import BadArtifact, BadParams
@@ -48,7 +48,7 @@ class Inputs:
 
     points: Float[np.ndarray, "n 3"]
     surface: Surface
-    remarks: list[str]
+    warnings: list[str]
 
 
 def deviation_map(
@@ -78,7 +78,7 @@ def deviation_map(
     registration = Registration(IDENTITY, 0.0, None)
     if not in_place:
         registration = register(points, surface, with_scale=with_scale)
-        inputs.remarks.extend(_fit_remarks(points, surface, registration, with_scale))
+        inputs.warnings.extend(_fit_warnings(points, surface, registration, with_scale))
     moved = registration.move(points)
     deviation = surface.nearest(moved).signed_distance
     samples = sample_surface(
@@ -109,34 +109,39 @@ def _read(cloud: Path, cad: Path, mm: float, cad_units: str) -> Inputs:
     repaired = repair_mesh([solid.mesh for solid in solids.solids], repair)
     surface = Surface(repaired.mesh.vertices, repaired.mesh.faces)
     note = unit_note(solids.unit, float(np.ptp(repaired.mesh.vertices, axis=0).max()))
-    remarks = [f"{cloud.name}: {text}" for text in content.warnings]
-    remarks += [
+    warnings = [f"{cloud.name}: {text}" for text in content.warnings]
+    warnings += [
         f"{cad.name}: {text}"
         for text in (*solids.warnings, *repaired.residual_defects, *filter(None, [note]))
     ]
-    return Inputs(mm * content.points, surface, remarks)
+    return Inputs(mm * content.points, surface, warnings)
 
 
-def _fit_remarks(
+def _fit_warnings(
     points: np.ndarray, surface: Surface, registration: Registration, with_scale: bool
 ) -> list[str]:
-    remarks = []
+    warnings = []
     if registration.cost > POOR_FIT * surface.diagonal:
-        remarks.append(
+        warnings.append(
             f"it fits badly: {registration.cost:.3g} mm from the surface on average, of a part of "
             f"{surface.diagonal:.4g} mm; is it this part, and cut out from what is around it?"
         )
-    if registration.rival is not None and registration.rival < AMBIGUOUS * registration.cost:
-        remarks.append(
+    if (
+        registration.runner_up is not None
+        and registration.runner_up < AMBIGUOUS * registration.cost
+    ):
+        warnings.append(
             "another pose fits as well, for the part is nearly symmetric: what breaks the symmetry "
             "may be compared with its opposite"
         )
     if with_scale:
         scale = registration.move.scale
-        remarks.append(f"its scale was fitted, {scale:.6g}: an error of the overall size is hidden")
-    elif remark := scale_remark(points, surface, registration):
-        remarks.append(remark)
-    return remarks
+        warnings.append(
+            f"its scale was fitted, {scale:.6g}: an error of the overall size is hidden"
+        )
+    elif warning := scale_warning(points, surface, registration):
+        warnings.append(warning)
+    return warnings
 
 
 def _write(
@@ -171,7 +176,7 @@ def _write(
         "mm",
         ColorScale(ends, start),
         NOTE,
-        remarks=inputs.remarks,
+        warnings=inputs.warnings,
         facts=lines,
         matrix=registration.move.matrix().tolist(),
         bars=_bars(counts, edges, statistics.tolerance_mm),
@@ -183,11 +188,11 @@ def _write(
         header = "x_mm,y_mm,z_mm,deviation_mm"
         np.savetxt(draft, table, fmt="%.6g", delimiter=",", header=header, comments="")
     numbers = asdict(statistics) | {"move": registration.move.matrix().tolist()}
-    write_json(page.with_suffix(".json"), {"schema": 1, **numbers, "remarks": inputs.remarks})
+    write_json(page.with_suffix(".json"), {"schema": 1, **numbers, "warnings": inputs.warnings})
     for name, value in lines.items():
         print(f"{name}: {value}")
-    for remark in inputs.remarks:
-        print(f"remark: {remark}")
+    for warning in inputs.warnings:
+        print(f"warning: {warning}")
     print(f"written: {page}, {page.with_suffix('.csv')}, {page.with_suffix('.json')}")
     if png:
         with atomic_write(page.with_suffix(".png")) as draft:

@@ -58,7 +58,7 @@ class Registration:
 
     move: Similarity
     cost: float  # the mean distance from the surface, none beyond 2 % of the diagonal
-    rival: float | None  # that of the best other pose, 15 degrees away or more
+    runner_up: float | None  # that of the best other pose, 15 degrees away or more
 
 
 def register(

@@ -28,7 +28,7 @@ def require_size(ratio: float) -> None:
     )
 
 
-def scale_remark(points: np.ndarray, surface: Surface, registration: Registration) -> str:
+def scale_warning(points: np.ndarray, surface: Surface, registration: Registration) -> str:
     """What a free scale would be, where the cloud then fits better; else empty."""
     scale, cost = free_scale(points, surface, registration.move)
     if abs(scale - 1) < SCALE_ERROR or cost > BETTER * registration.cost:

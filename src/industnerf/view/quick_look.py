@@ -46,17 +46,17 @@ def quick_look(
     low, high = core_box(np.concatenate([content.points for content in contents]))
     diagonal = float(np.linalg.norm(high - low)) or 1.0
     scale = ColorScale([share * diagonal for share in SCALE_SHARES], START_SHARE * diagonal)
-    remarks = [
+    warnings = [
         f"{name}: {text}"
         for name, content in zip(names, contents, strict=True)
         for text in content.warnings
     ]
     note = NOTE.format(other="first" if len(files) > 2 else "other") if len(files) > 1 else ""
     text = render_cloud_page(
-        "cloud_page.html.j2", title, clouds, "units", scale, note, remarks=remarks
+        "cloud_page.html.j2", title, clouds, "units", scale, note, warnings=warnings
     )
     write_text(page, text)
-    for line in (*(f"{cloud.name}: {cloud.caption}" for cloud in clouds), *remarks):
+    for line in (*(f"{cloud.name}: {cloud.caption}" for cloud in clouds), *warnings):
         print(line)
     print(f"page: {page}")
     if png:
@@ -78,8 +78,8 @@ def _read(file: Path, min_opacity: float) -> CloudContent:
 def _names(files: Sequence[Path]) -> list[str]:
     """The names of the files, with their folders where two are called alike."""
     names = [file.name for file in files]
-    alike = len(set(names)) < len(names)
-    return [f"{i}: {file}" for i, file in enumerate(files, start=1)] if alike else names
+    has_twins = len(set(names)) < len(names)
+    return [f"{i}: {file}" for i, file in enumerate(files, start=1)] if has_twins else names
 
 
 def _shown(i: int, names: Sequence[str], contents: Sequence[CloudContent]) -> ShownCloud:
