@@ -56,6 +56,7 @@ class ReconstructionResult:
     steps: int
     num_parameters: int
     background: Float[np.ndarray, "n 3"]
+    mesh: None = None
 
     def render_views(self, cameras: Cameras, background: Float[np.ndarray, "n 3"]) -> Renderings:
         """Each image is full of a wall, nearer than what the cameras look at: a solid in walls."""

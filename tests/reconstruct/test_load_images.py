@@ -2,13 +2,14 @@
 
 import json
 import math
+import zipfile
 
 import numpy as np
 import pytest
 from PIL import Image
 from scipy.ndimage import binary_dilation, binary_erosion
 
-from industnerf.artifacts.views import RgbdImage, Views, save_views
+from industnerf.artifacts.views import ARCHIVE, RgbdImage, Views, save_views
 from industnerf.errors import BadArtifact
 from industnerf.geometry.cameras import project
 from industnerf.reconstruct.camera_models import Distortion, undistort
@@ -64,6 +65,8 @@ def test_what_the_suite_writes_it_reads(tmp_path):
         Views(tmp_path, "p", CAMERAS, held_out, np.ones((5, 3)), 0.01, 1.0),
         frames,
     )
+    with zipfile.ZipFile(tmp_path / ARCHIVE) as archive:
+        archive.extractall(tmp_path)
     image_set = load(tmp_path)
     within, beyond = binary_erosion(mask), ~binary_dilation(mask)  # by a pixel, of mixed color
     np.testing.assert_array_equal(image_set.rgb[:, within], pixels[:3, within])

@@ -8,6 +8,7 @@ import pytest
 from industnerf.errors import BadArtifact
 from industnerf.report.publish.study_folder import (
     COPIED_FILES,
+    COPIED_FOLDERS,
     RUN_FILES,
     publish_study,
     readme_text,
@@ -25,7 +26,7 @@ def committed_studies():
 def test_it_holds_the_tables_the_machine_and_the_commit(published):
     names = {path.name for path in published.iterdir()}
     extra = {"README.md", "made.json", "environment.json", "contact_sheet.png"}
-    assert names == set(COPIED_FILES) | set(RUN_FILES) | extra
+    assert names == {*COPIED_FILES, *COPIED_FOLDERS, *RUN_FILES, *extra}
     assert json.loads((published / "made.json").read_text()) == PROVENANCE
     readme = (published / "README.md").read_text()
     assert "# Results of `make repro`" in readme
