@@ -21,9 +21,12 @@ def main(cfg: StageParams, parts: str, views: str, truth: str, clouds: str, out:
         batches[name] = Batch(tasks, Path(out) / name)
     # What cannot be scored says nothing of the method: without its score there is no mean.
     options = {"failures_are_losses": True, "shares_processes": True}
-    run_methods("evaluate", batches, Path(out), "strict", **options)
-    for name, batch in batches.items():
-        gather_scores(batch.out, name)
+    try:
+        run_methods("evaluate", batches, Path(out), "strict", **options)
+    finally:
+        for name, batch in batches.items():
+            if (batch.out / "index.json").exists() and not read_failures(batch.out):
+                gather_scores(batch.out, name)
 
 
 def evaluation_tasks(

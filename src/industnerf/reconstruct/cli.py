@@ -216,7 +216,9 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
 
 def _add_settings(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("how")
-    group.add_argument("--method", choices=METHODS, default=METHODS[0])
+    group.add_argument(
+        "--method", choices=METHODS, default=METHODS[0], help=f"default: {METHODS[0]}"
+    )
     group.add_argument(
         "--params",
         type=Path,
