@@ -31,11 +31,13 @@ def everything(trials: Trials) -> np.ndarray:
 
 
 def test_what_is_not_kept_leaves_no_trace(trials):
-    before = [trials.distance.copy(), trials.surface.gradient.numpy(), trials.points.copy()]
+    is_near = np.abs(trials.distance) < 3  # rays need no other gradients
+    gradient = trials.surface.gradient
+    before = [trials.distance.copy(), gradient.numpy()[is_near], trials.points.copy()]
     verdict = trials.attempt(change_of(trials, POCKET), everything(trials), 0.9, keep=False)
     assert verdict is not None
     assert verdict.gain > 0
-    after = [trials.distance, trials.surface.gradient.numpy(), trials.points]
+    after = [trials.distance, gradient.numpy()[is_near], trials.points]
     for old, new in zip(before, after, strict=True):
         np.testing.assert_array_equal(old, new)
     np.testing.assert_array_equal(trials.surface.distance.numpy(), trials.distance)
