@@ -61,7 +61,7 @@ def test_nothing_is_cut_where_there_is_nothing():
 
 
 def test_a_recess_has_the_finish_that_is_nearest():
-    """The left of two is half as bright; without that the bore there gains nothing."""
+    """The left of two is half as bright, and has the bore."""
     true = np.maximum(BLOCK, -np.maximum(BORE, CENTERED[..., 2] - 40))
     surface, truth = surface_of(BLOCK, finishes=2), surface_of(true, finishes=2)
     for each in (surface, truth):
