@@ -73,6 +73,15 @@ def test_a_recess_has_the_finish_that_is_nearest():
     assert wrong.sum() < 0.3 * ((BLOCK < 0) & (true > 0)).sum()
 
 
+def test_a_node_far_inside_has_the_finish_of_the_nearest_surface():
+    surface = surface_of(BLOCK, finishes=2)
+    points = np.array([[24.0, 28, 28], [44.0, 28, 28]])
+    surface.set_albedo(points, np.array([[0.5] * 3, [0.8] * 3]))
+    inside = surface._albedo.numpy()[BLOCK < -9]  # the surface's own nodes end 8 cells from it
+    assert len(inside)
+    assert np.isin(inside, np.float32([0.5, 0.8])).all()
+
+
 def test_without_light_nothing_is_cut():
     surface = surface_of(BLOCK)
     surface.without_light()
