@@ -12,11 +12,9 @@ import sys
 import time
 
 from industnerf import environment
-from industnerf.errors import ReconstructionFailed, RegionInsteadOfPart, SuiteError
+from industnerf.errors import SuiteError
 from industnerf.reconstruct.cli import Options, parse_args
 from industnerf.runner.device import check_device
-
-EXIT_CODES = {RegionInsteadOfPart: 3, ReconstructionFailed: 1}  # of other errors: 2
 
 
 def main() -> int:
@@ -30,7 +28,7 @@ def main() -> int:
         reconstruct(options)
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
-        return next((code for kind, code in EXIT_CODES.items() if isinstance(error, kind)), 2)
+        return error.exit_code
     except KeyboardInterrupt:
         print(f"interrupted; {_resume_hint(options, start_time)}", file=sys.stderr)
         return 130
