@@ -8,7 +8,7 @@ SuiteError            shown to the user as one message, without a traceback
 |- BadArtifact        a file between stages that is missing, torn or of another schema
 |- UndeclaredInput    a method reaches for an input that it does not declare
 |- ReconstructionFailed     a method gave no usable cloud
-|  `- RegionInsteadOfPart      it gave the ball in which the part was looked for
+|  `- RegionInsteadOfPart      it gave the ball about the part, or a piece of the scene
 |- MetricError        a score that cannot be computed exactly
 `- PartsFailed        some parts of a stage failed; the others are stored
 """

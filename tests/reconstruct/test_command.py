@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from PIL import Image
 from industnerf.artifacts import files
 from industnerf.geometry.cameras import common_view_ball
 from industnerf.seeds import seed_for
-from tests.reconstruct import sample_images
+from tests.reconstruct import fake_pipeline, sample_images
 
 ALMOST_ZERO = 1e-9  # seconds: due whenever asked
 
@@ -531,6 +532,28 @@ def test_the_ball_of_the_region_is_no_result(workspace, fake, monkeypatch):
     assert f"{workspace.out}: 6 points" in text
     assert workspace.out.exists()
     assert not workspace.checkpoint.exists()
+
+
+def test_a_piece_of_the_scene_is_no_result(workspace, monkeypatch):
+    """Photographs of noise, of which the result covers nothing; masks would tell the outline."""
+    rendered_whole = fake_pipeline.ReconstructionResult.render_views
+
+    def render_nothing(self, *arguments):
+        rendered = rendered_whole(self, *arguments)
+        return replace(rendered, opacity=np.zeros_like(rendered.opacity))
+
+    monkeypatch.setattr(fake_pipeline.ReconstructionResult, "render_views", render_nothing)
+    code, text, errors = workspace.run("--method", "industnerf_plus")
+    assert code == 3
+    assert errors.startswith("error: the result is a piece of the scene and not the part: it")
+    assert "covers 0% of what differs from the background in a photograph" in errors
+    assert f"{workspace.out}: 2 points" in text
+    assert workspace.run("--force", "--method", "industnerf")[0] == 0
+    for path in (workspace.folder / "set/rgb").iterdir():
+        with Image.open(path) as image:
+            image.putalpha(Image.linear_gradient("L").resize(image.size))
+            image.save(path)
+    assert workspace.run("--force", "--method", "industnerf_plus")[0] == 0
 
 
 def test_photographs_are_left_out_by_name(workspace, fake):

@@ -4,8 +4,8 @@ python -m industnerf.reconstruct --cameras transforms.json --images DIR --out cl
 
 The cloud is in the frame and the unit of the cameras.  An interrupted run goes on where it was
 when the same command is given again, without --no-resume.  Exit code: 0, 1 if the method finds no
-surface, 2 if what it was given is wrong, 3 if the result is written and is the region of interest
-and not the part, 130 after Ctrl-C.
+surface, 2 if what it was given is wrong, 3 if the result is written and is not the part, 130 after
+Ctrl-C.
 """
 
 import sys

@@ -17,13 +17,19 @@ from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
 from industnerf.reconstruct.region import check_float32_precision, region_of_interest
-from industnerf.reconstruct.result_check import RegionShares, ball_warning, region_shares
+from industnerf.reconstruct.result_check import (
+    ResultShares,
+    covered_share,
+    no_part_warning,
+    result_shares,
+)
 from industnerf.reconstruct.scale import Scale
 from industnerf.reconstruct.settings import resolve_config
 from industnerf.reconstruct.silhouette_check import (
     agree_once_transposed,
     plain_silhouettes,
     silhouette_warning,
+    silhouettes_of,
     transpose_rotations,
 )
 from industnerf.reconstruct.sources import Selection
@@ -47,8 +53,8 @@ def reconstruct(options: Options, console: Console | None = None) -> None:
         summaries: list[Summary] = []
         cost = run_timed(lambda out: summaries.append(_run(options, display)), options.out)
         display.log(f"{summaries[0].text}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
-    if summaries[0].shares.is_ball:
-        raise RegionInsteadOfPart(ball_warning(summaries[0].shares))
+    if summaries[0].shares.is_no_part:
+        raise RegionInsteadOfPart(no_part_warning(summaries[0].shares))
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,7 @@ class Summary:
     """What was written, and what it is."""
 
     text: str
-    shares: RegionShares
+    shares: ResultShares
 
 
 def _run(options: Options, display: Display) -> Summary:
@@ -87,7 +93,22 @@ def _run(options: Options, display: Display) -> Summary:
     return Summary(
         f"{options.out}: {len(result.points)} points, {result.steps} steps, "
         f"{result.num_parameters} parameters",
-        region_shares(result.points, result.view, center, radius),
+        result_shares(
+            result.points, result.view, center, radius, _covered(options, image_set, result)
+        ),
+    )
+
+
+def _covered(options: Options, image_set: ImageSet, result: Any) -> float:
+    """The share of the silhouettes that the result covers, where a method finds them by color."""
+    has_masks = image_set.background is not None and options.background is None
+    if has_masks or options.method != "industnerf_plus":
+        return 1.0
+    views = np.arange(len(image_set.rgb))
+    silhouettes = silhouettes_of(views, image_set.rgb, image_set.cameras, result.background)
+    background = result.background[silhouettes.views]
+    return covered_share(
+        silhouettes, result.render_views(silhouettes.cameras, background).foreground
     )
 
 
