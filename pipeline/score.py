@@ -37,6 +37,7 @@ from industnerf.external.points import import_points
 from industnerf.external.report_folders import report_folder, start_report
 from industnerf.external.table import (
     COLUMNS,
+    LEGEND,
     PublishedScores,
     load_published_scores,
     part_rows,
@@ -150,6 +151,7 @@ def print_scores(params: Params, out: Path) -> None:
     for row in part_rows(scores, parts_by_id):
         table.add_row(*row)
     Console().print(table)
+    print(f"{LEGEND}\n")
     for part_id, reason in read_failures(out / "clouds").items():
         print(f"{part_id} failed: {reason}")
     for part_id in sorted(failed_parts(scores) - read_failures(out / "clouds").keys()):

@@ -1,6 +1,7 @@
 """Clouds from outside, through the stages that score a method's."""
 
 import csv
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from industnerf.config import load_params
 from industnerf.errors import BadArtifact, BadParams, MetricError, PartsFailed
 from industnerf.external.density import density_warnings
 from industnerf.external.points import read_cloud
+from industnerf.external.table import COLUMNS
 from pipeline import score
 from pipeline.stages import evaluate
 from tests.conftest import ROOT
@@ -54,6 +56,9 @@ def test_the_true_surface_scores_its_floor_and_says_every_metric(folder, capsys)
     assert value == pytest.approx(floor, rel=0.2)
     output = capsys.readouterr().out
     assert "outside the study: 1 parts" in output
+    for head in COLUMNS[1:-1]:  # each is explained below the table
+        assert head in output
+        assert re.search(rf"(?m)^{re.escape(head.removesuffix(', mm'))}: ", output)
     assert "every metric: runs/score/same/scores/scores.csv" in output
 
 
