@@ -2,10 +2,13 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -597,3 +600,50 @@ def test_a_method_that_needs_outlines_says_so_where_there_are_none(workspace):
         words
         not in workspace.run("--force", "--method", "industnerf_plus", "--background", "white")[1]
     )
+
+
+def zipped(workspace, root="."):
+    """The set as one archive, below the folder `root` in it."""
+    path = workspace.folder / "photographs.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for file in sorted((workspace.folder / "set").rglob("*.*")):
+            archive.write(file, Path(root) / file.relative_to(workspace.folder / "set"))
+    return path
+
+
+@pytest.mark.parametrize("root", [".", "project"])
+def test_an_archive_is_read_as_the_folder_that_it_holds(workspace, fake, root):
+    workspace.run("--npz", "--out", workspace.folder / "of_folder.ply")
+    archive = zipped(workspace, root)
+    shutil.rmtree(workspace.folder / "set")
+    code, _, errors = workspace.run("--npz", "--cameras", archive)
+    assert (code, errors) == (0, "")
+    np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
+    assert workspace.out.read_bytes() == (workspace.folder / "of_folder.ply").read_bytes()
+    paths = np.load(workspace.folder / "cloud.npz")["image_paths"]
+    assert paths[2] == str(archive / "rgb/002.png")
+
+
+def test_what_is_wrong_with_an_archive_is_said_of_it(workspace):
+    (workspace.folder / "set/rgb/002.png").unlink()
+    archive = zipped(workspace)
+    code, text, _ = workspace.run("--cameras", archive)
+    assert (code, "1 of 5 frames (rgb/002.png) have no photograph" in text) == (0, True)
+    code, _, errors = workspace.run("--cameras", archive, "--force", "--strict")
+    assert code == 2
+    assert f"no such photograph in {archive}" in errors
+    archive.write_bytes(archive.read_bytes().replace(b"PK\x01\x02", b"PK\x01\x07", 1))
+    code, _, errors = workspace.run("--cameras", archive, "--force")
+    assert (code, errors.startswith(f"error: {archive}: cannot be unpacked: ")) == (2, True)
+
+
+def test_arrays_of_numpy_are_no_archive(workspace):
+    np.savez(workspace.folder / "cameras_sphere.npz", scale_mat_0=np.eye(4), world_mat_0=np.eye(4))
+    code, _, errors = workspace.run("--cameras", workspace.folder / "cameras_sphere.npz")
+    assert (code, "cameras_sphere.npz" in errors, "NeuS" in errors) == (2, True, True)
+
+
+def test_an_archive_is_an_input_that_is_not_overwritten(workspace):
+    archive = zipped(workspace).rename(workspace.folder / "cloud.ply")
+    code, _, errors = workspace.run("--cameras", archive, "--force")
+    assert (code, "is an input of this run" in errors) == (2, True)

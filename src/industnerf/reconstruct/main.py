@@ -13,6 +13,7 @@ from rich.console import Console
 from industnerf.artifacts.files import atomic_write, check_writable
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact, RegionInsteadOfPart
+from industnerf.reconstruct.archives import named_in_archive, unpacked
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
@@ -114,16 +115,19 @@ def _covered(options: Options, image_set: ImageSet, result: Any) -> float:
 
 def _load_image_set(options: Options, display: Display) -> ImageSet:
     cameras = options.cameras or _find_cameras(options, display)
-    image_set = load_images(
-        cameras,
-        options.images,
-        max_size=options.max_size,
-        background=options.background,
-        selection=_selection(options),
-        center=options.center,
-        radius=options.radius,
-        on_image_loaded=display.count_images,
-    )
+    with unpacked(cameras) as path:
+        image_set = load_images(
+            path,
+            options.images,
+            max_size=options.max_size,
+            background=options.background,
+            selection=_selection(options),
+            center=options.center,
+            radius=options.radius,
+            on_image_loaded=display.count_images,
+        )
+    if path != cameras:
+        image_set = named_in_archive(image_set, path, cameras)
     for warning in image_set.warnings:
         display.log(warning)
     return image_set
