@@ -7,7 +7,6 @@ from rich.console import Console
 from industnerf.reconstruct import display
 from industnerf.reconstruct.display import Display
 
-
 FIRST_S, STEP_S = 60.0, 3.0  # the first step of a level compiles
 
 
