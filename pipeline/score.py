@@ -121,7 +121,7 @@ def score_clouds(
     ]
     earlier_failures = read_failures(Path(parts_dir))
     run_stage(
-        "outside",
+        "clouds",
         tasks,
         Path(clouds_dir),
         "report",
