@@ -230,6 +230,32 @@ class NoisyNet(nn.Module):
         self.layers = nn.Sequential(nn.Linear(3, 4), nn.BatchNorm1d(4), nn.Linear(4, 1))
 
 
+@pytest.mark.parametrize(("starts_trained", "norm_steps"), [(False, 9), (True, 0)])
+def test_batch_norm_ends_with_the_statistics_that_it_predicts_by(
+    tmp_path, starts_trained, norm_steps
+):
+    """It learns them in three quarters of the steps, if at all, and is then trained as it predicts.
+
+    Weights that were trained before have statistics, and keep them.
+    """
+    net, modes, means = NoisyNet(), [], []
+
+    def record(part_indices, rng):
+        x = torch.from_numpy(rng.normal(3.0, 2.0, (len(part_indices), 3))).float()
+        if net.training:
+            modes.append(net.layers[1].training)
+        loss = net.layers(x).square().mean()
+        means.append(net.layers[1].running_mean.clone())
+        return loss
+
+    split = TrainingSplit([0, 1], [2])
+    settings = replace(SETTINGS, max_steps=12, val_interval=12)
+    train(net, record, split, settings, 0, tmp_path / "checkpoint", starts_trained=starts_trained)
+    assert modes == norm_steps * [True] + (12 - norm_steps) * [False]
+    assert torch.equal(means[-1], means[-4])
+    assert torch.equal(means[-1], torch.zeros(4)) == starts_trained
+
+
 class Interrupted(Exception):
     """What ends a training early."""
 
