@@ -39,6 +39,7 @@ SETTINGS = TrainingSettings(
     val_fraction=0.5,
     val_interval=1,
     patience=99,
+    keep="best",
 )
 
 
@@ -83,6 +84,13 @@ def test_the_weights_of_the_best_validation_are_kept(tmp_path):
     np.testing.assert_allclose(
         result.train_history.loss, [-way(step) for step in range(10)], rtol=1e-5
     )
+
+
+def test_the_weights_of_the_last_step_are_kept_where_that_is_asked(tmp_path):
+    """However good others were; the losses are told all the same."""
+    number, result = train_scalar([3.0, 1.0, 2.0, 2.0, 3.0], tmp_path, val_interval=2, keep="last")
+    assert number == pytest.approx(way(10))
+    assert result.val_history.loss.tolist() == [3.0, 1.0, 2.0, 2.0, 3.0]
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):

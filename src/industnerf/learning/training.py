@@ -60,7 +60,7 @@ class TrainingProgress:
 
 @dataclass(frozen=True)
 class TrainResult:
-    """How a training went; the network has the weights that were best on the validation parts."""
+    """How a training went."""
 
     steps: int
     has_converged: bool
@@ -113,13 +113,13 @@ def train(
     *,
     starts_trained: bool = False,
 ) -> TrainResult:
-    """Train `net` by `loss`, and keep the weights that are best on the validation parts.
+    """Train `net` by `loss`, and keep the best weights on the validation parts, or the last ones.
 
     The learning rate rises over WARM_UP_STEPS and falls as half a cosine.  Batch norm learns its
     statistics over NORM_SHARE of the steps, and keeps them for the rest.  Weights that were trained
-    before (`starts_trained`) bring theirs, and are validated too, so that no training makes them
-    worse.  Parameters that need no gradient stay as they are.  It resumes from `checkpoint_path`
-    where that exists, to the same bytes on a CPU.
+    before (`starts_trained`) bring theirs, and are validated too: they may be the best.  Parameters
+    that need no gradient stay as they are.  It resumes from `checkpoint_path` where that exists, to
+    the same bytes on a CPU.
 
     Raises ReconstructionFailed if a loss is not finite, BadArtifact if `checkpoint_path` cannot be
     written.
@@ -135,7 +135,8 @@ def train(
             trainer.save(checkpoint_path)
             last_saved = time.monotonic()
     trainer.save(checkpoint_path)
-    net.load_state_dict(trainer.progress.best_weights)
+    if settings.keep == "best":
+        net.load_state_dict(trainer.progress.best_weights)
     return trainer.result()
 
 
