@@ -229,7 +229,7 @@ def test_a_watch_is_told_how_it_goes_and_changes_nothing(name):
 METHOD_SETTINGS = {
     "free": ("nerf", {}),
     "blind": ("industnerf", {"readings": {"encoder": "none"}}),
-    "frozen": ("industnerf", {"readings": {"encoder": "frozen"}}),
+    "frozen": ("industnerf", {"readings": {"encoder": "frozen"}, "view_weights_interval": 2}),
 }
 
 
