@@ -222,6 +222,15 @@ class PolishSettings:
 
 
 @dataclass(frozen=True)
+class CaveSettings:
+    """Hollows of the trained field that are filled where the pictures do not show them."""
+
+    max_cost_ratio: NonNegativeFloat
+    min_unseen_fraction: Fraction
+    max_seen_cost_ratio: Fraction
+
+
+@dataclass(frozen=True)
 class RecessSettings:
     """Recesses along the normals of faces, cut where the pictures show mouths in these."""
 
@@ -251,6 +260,7 @@ class IndustnerfPlusSettings(IndustnerfSettings):
     max_grid_points: NonNegativeInt
     sdf: SdfSettings
     polish: PolishSettings
+    caves: CaveSettings
     recesses: RecessSettings
     openings: OpeningSettings
 
