@@ -227,7 +227,6 @@ class CaveSettings:
 
     max_cost_ratio: NonNegativeFloat
     min_unseen_fraction: Fraction
-    max_seen_cost_ratio: Fraction
 
 
 @dataclass(frozen=True)

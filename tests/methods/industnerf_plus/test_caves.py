@@ -55,17 +55,17 @@ def unseen_share(recess: np.ndarray, where: np.ndarray) -> float:
 
 def test_a_ball_tells_hollows_from_grooves():
     """A groove that the ball enters is none, and an edge that it cannot reach into neither."""
-    none = np.zeros(BLOCK.shape, bool)
-    groove = np.maximum(np.abs(CENTERED[..., 0]) - 5, -CENTERED[..., 2])
+    everything = np.ones(BLOCK.shape, bool)
+    groove = np.maximum(np.abs(CENTERED[..., 0]) - 6, -CENTERED[..., 2])
     field = surface_of(np.maximum(BLOCK, -groove)).distance.numpy()
-    assert list(caves(field, none, 3.5)) == []
+    assert list(caves(field, everything, 2.0, 0.5)) == []
     hollow = surface_of(np.maximum(BLOCK, -CAVE)).distance.numpy()
-    (cave,) = caves(hollow, HOLLOW < -1, 2.0)
-    assert (cave.closed < 0).mean() > 0.7
+    ((nodes, closed),) = caves(hollow, everything, 2.0, 0.5)
+    assert (closed < 0).mean() > 0.7
     is_in = np.zeros(BLOCK.shape, bool)
-    is_in[tuple(cave.nodes.T)] = True
+    is_in[tuple(nodes.T)] = True
     assert is_in[HOLLOW < -1].all()
-    assert 0.3 < cave.unseen_share < 1
+    assert list(caves(hollow, ~everything, 2.0, 0.5)) == []
 
 
 def test_nothing_is_filled_where_the_settings_say_so():

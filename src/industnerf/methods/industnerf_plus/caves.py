@@ -1,13 +1,12 @@
 """Caves: hollows that a trained field leaves where no picture constrains it.
 
 No ray ends deep inside the part, so there the field drifts, and its hollows break through to the
-outside by cracks.  What a ball of some radius cannot enter from the outside is filled, for where
-nothing is seen one expects matter.  The pictures, rendered anew where they show some of it, must not
-look less like the photographs then; where they show nearly all of it, clearly more like them.
+outside by cracks.  What a ball of some radius cannot enter from the outside is filled if no ray
+passes most of it, for where nothing is seen one expects matter.  The pictures, rendered anew where
+they show some of it, must not look clearly less like the photographs then.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
@@ -39,15 +38,6 @@ MAX_PROJECTED = 20_000  # nodes of a cave
 MARGIN = 2.0  # cells before a cave, where rays that it may change end
 
 
-@dataclass(frozen=True)
-class Cave:
-    """Nodes of a cave and about it, and what their distances (cells) are without it."""
-
-    nodes: Int64[np.ndarray, "n 3"]
-    closed: Float32[np.ndarray, "n"]  # of the surface that the ball rolls on
-    unseen_share: float
-
-
 def fill_caves(
     surface: ShadedSurface, rays: PinholeRays, pictures: Pictures, settings: CaveSettings
 ) -> int:
@@ -58,10 +48,8 @@ def fill_caves(
     unseen = unseen_air(trials)
     filled = 0
     for radius in RADII:
-        for cave in caves(trials.distance, unseen, radius):
-            is_unseen = cave.unseen_share > settings.min_unseen_fraction
-            ratio = settings.max_cost_ratio if is_unseen else settings.max_seen_cost_ratio
-            filled += _fill(trials, cave, ratio)
+        for nodes, closed in caves(trials.distance, unseen, radius, settings.min_unseen_fraction):
+            filled += _fill(trials, nodes, closed, settings.max_cost_ratio)
     if filled:
         surface.redistance()
     return filled
@@ -86,50 +74,65 @@ def unseen_air(trials: Trials) -> Bool[np.ndarray, "a b c"]:
 
 
 def caves(
-    distance: Float32[np.ndarray, "a b c"], unseen: Bool[np.ndarray, "a b c"], radius: float
-) -> Iterator[Cave]:
-    """The connected parts of the air that a ball cannot enter, the largest first."""
+    distance: Float32[np.ndarray, "a b c"],
+    unseen: Bool[np.ndarray, "a b c"],
+    radius: float,
+    min_unseen_fraction: float,
+) -> Iterator[tuple[Int64[np.ndarray, "n 3"], Float32[np.ndarray, "n"]]]:
+    """Connected air that a ball cannot enter and that is unseen to this share, the largest first.
+
+    Of each the nodes, with some about it, and their distances to the surface that the ball rolls on.
+    """
     entered = label(distance > radius)[0]
-    is_shut_off = (entered > 0) & (entered != entered[0, 0, 0])
-    to_centers = np.where(is_shut_off, 1.0, radius - distance)
-    closed = np.float32(radius) - redistance(to_centers)
+    # beside where its center may be the ball is kept half a cell out, so that it sags into no crack
+    to_center = np.where(
+        entered == entered[0, 0, 0], radius - distance, np.maximum(radius - distance, 0.5)
+    )
+    closed = np.float32(radius) - redistance(to_center)
     labels, number = label((distance > 0) & (closed < -MIN_DEPTH))
     if not number:
         return
     counts = np.bincount(labels.ravel())
-    shares = np.bincount(labels[unseen], minlength=number + 1) / counts
+    unseen_counts = np.bincount(labels[unseen], minlength=number + 1)
     deepest = minimum(closed, labels, np.arange(number + 1))
-    is_cave = (counts >= MIN_NODES) & (deepest < -MIN_DEPTH - MAX_FILLET * radius)
+    is_cave = (
+        (counts >= MIN_NODES)
+        & (unseen_counts > min_unseen_fraction * counts)
+        & (deepest < -MIN_DEPTH - MAX_FILLET * radius)
+    )
     boxes = find_objects(labels)
     order = [k for k in np.argsort(-counts[1:], kind="stable") + 1 if is_cave[k]]
     for k in order[:MAX_CAVES]:
         box = tuple(slice(max(0, s.start - GROWTH), s.stop + GROWTH) for s in boxes[k - 1])
         near = binary_dilation(labels[box] == k, iterations=GROWTH) & (distance[box] > closed[box])
         nodes = np.argwhere(near) + [axis.start for axis in box]
-        yield Cave(nodes, closed[tuple(nodes.T)], float(shares[k]))
+        yield nodes, closed[tuple(nodes.T)]
 
 
-def _fill(trials: Trials, cave: Cave, max_cost_ratio: float) -> bool:
-    """Fill it as far as the ball, or else as the visual hull: whichever looks better."""
-    at = tuple(cave.nodes.T)
+def _fill(
+    trials: Trials,
+    nodes: Int64[np.ndarray, "n 3"],
+    closed: Float32[np.ndarray, "n"],
+    max_cost_ratio: float,
+) -> bool:
+    """Fill them as far as the ball, or else as the visual hull: whichever looks better."""
+    at = tuple(nodes.T)
     before, hull = trials.distance[at], trials.surface.grid.hull[at]
     changes = [
-        Change.of(cave.nodes, before, np.minimum(before, np.maximum(hull, cap)))
-        for cap in (cave.closed, np.float32(FILL_VALUE))
+        Change.of(nodes, before, np.minimum(before, np.maximum(hull, cap)))
+        for cap in (closed, np.float32(FILL_VALUE))
     ]
     changes = [change for change in changes if change is not None]
     if not changes:
         return False
-    chosen = pixels_behind(trials, cave.nodes)
+    chosen = pixels_behind(trials, nodes)
     if len(chosen) < MIN_FLIPS:
         trials.apply(changes[0])
         return True
     verdicts = [trials.attempt(change, chosen, max_cost_ratio, keep=False) for change in changes]
     gains = [verdict.gain if verdict else -np.inf for verdict in verdicts]
-    best = int(np.argmax(gains))
-    return bool(verdicts[best]) and bool(
-        trials.attempt(changes[best], chosen, max_cost_ratio, keep=True)
-    )
+    best = changes[int(np.argmax(gains))]
+    return trials.attempt(best, chosen, max_cost_ratio, keep=True) is not None
 
 
 def pixels_behind(trials: Trials, nodes: Int64[np.ndarray, "n 3"]) -> Int64[np.ndarray, "m"]:
