@@ -81,7 +81,7 @@ def caves(
 ) -> Iterator[tuple[Int64[np.ndarray, "n 3"], Float32[np.ndarray, "n"]]]:
     """Connected air that a ball cannot enter and that is unseen to this share, the largest first.
 
-    Of each the nodes, with some about it, and their distances to the surface that the ball rolls on.
+    Of each the nodes, with some about it, and their distances to the surface the ball rolls on.
     """
     entered = label(distance > radius)[0]
     # beside where its center may be the ball is kept half a cell out, so that it sags into no crack
