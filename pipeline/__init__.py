@@ -10,9 +10,11 @@ from pathlib import Path
 # code; and the code is part of every key.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 
+from industnerf.errors import BAD_INPUT
 from industnerf.renamed import COMMANDS
 
 if sys.argv[0] == "-m":  # which it is until Python has found the module to run
     command = sys.orig_argv[sys.orig_argv.index("-m") + 1]
     if command in COMMANDS:
-        sys.exit(f"error: python -m {command} is now python -m {COMMANDS[command]}")
+        print(f"error: python -m {command} is now python -m {COMMANDS[command]}", file=sys.stderr)
+        sys.exit(BAD_INPUT)

@@ -14,7 +14,7 @@ Clouds are in mm, in the frame of the part and of its `transforms.json`: PLY, PC
 `points_mm`, npy, and text (XYZ, CSV, TXT, PTS, ASC).  Of a mesh, in any format that `parts check`
 reads, points are drawn evenly by area.  Points that are not finite do not count.  A file without
 points is a failure, and counts as one; a part without a file does not count.  Where all fail, the
-exit code is 1.  Resumable; the truth is in the store.
+exit code is 2.  Resumable; the truth is in the store.
 """
 
 from collections.abc import Sequence
@@ -31,12 +31,13 @@ from industnerf.artifacts.part import load_parts
 from industnerf.artifacts.scores import PartScore, gather_scores, load_method_scores
 from industnerf.cli import run_command
 from industnerf.config import StageParams, load_params, load_stage, read_yaml
-from industnerf.errors import BadParams, PartsFailed
+from industnerf.errors import BadArtifact, BadParams
 from industnerf.external.files import cad_file, find_clouds, select_catalogue, user_cad
 from industnerf.external.points import import_points
 from industnerf.external.report_folders import report_folder, start_report
 from industnerf.external.table import (
     COLUMNS,
+    LEGEND,
     PublishedScores,
     load_published_scores,
     part_rows,
@@ -120,7 +121,7 @@ def score_clouds(
     ]
     earlier_failures = read_failures(Path(parts_dir))
     run_stage(
-        "outside",
+        "clouds",
         tasks,
         Path(clouds_dir),
         "report",
@@ -150,6 +151,7 @@ def print_scores(params: Params, out: Path) -> None:
     for row in part_rows(scores, parts_by_id):
         table.add_row(*row)
     Console().print(table)
+    print(f"{LEGEND}\n")
     for part_id, reason in read_failures(out / "clouds").items():
         print(f"{part_id} failed: {reason}")
     for part_id in sorted(failed_parts(scores) - read_failures(out / "clouds").keys()):
@@ -166,14 +168,14 @@ def print_scores(params: Params, out: Path) -> None:
 
 
 def require_scored(out: Path) -> None:
-    """Raise PartsFailed if not one cloud below `out` was read and scored."""
+    """Raise BadArtifact if not one cloud below `out` was read and scored."""
     failed = read_failures(out / "clouds").keys() | failed_parts(
         load_method_scores(out / "scores", out.name)
     )
     if not read_index(out / "clouds").keys() - failed:
         if len(failed) == 1:
-            raise PartsFailed("the cloud could not be scored; the reason stands above")
-        raise PartsFailed(f"none of {len(failed)} clouds could be scored; the reasons stand above")
+            raise BadArtifact("the cloud could not be scored; the reason stands above")
+        raise BadArtifact(f"none of {len(failed)} clouds could be scored; the reasons stand above")
 
 
 def failed_parts(scores: Sequence[PartScore]) -> set[str]:

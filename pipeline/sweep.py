@@ -48,7 +48,7 @@ class SweepCallback(Callback):
             clear_previous_sweep(folder)
         except SuiteError as error:  # of which Hydra would make a warning
             print(f"error: {error}", file=sys.stderr)
-            sys.exit(1)
+            sys.exit(error.exit_code)
         from industnerf.artifacts.files import write_json
         from industnerf.report.publish.provenance import commit_stamp
         from industnerf.tracking import prepare_database
@@ -105,7 +105,8 @@ def main(config: DictConfig) -> float | None:
             traceback.print_exc()
         print(f"error at {overrides}: {error}", file=sys.stderr)
         if hydra_config.mode == RunMode.RUN:
-            sys.exit(1)  # a sweep goes on with its other points, and ends with SweepCallback
+            # a sweep goes on with its other points, and ends with SweepCallback
+            sys.exit(error.exit_code if isinstance(error, SuiteError) else 1)
         return None
 
 

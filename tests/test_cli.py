@@ -20,7 +20,7 @@ def test_other_arguments_than_the_stage_takes_are_refused_in_words(arguments, mo
     monkeypatch.setattr(sys, "argv", ["pipeline/stages/views.py", *arguments])
     with pytest.raises(SystemExit) as end:
         run_as_stage(main, "views")
-    assert end.value.code == 1
+    assert end.value.code == 2
     stderr = capsys.readouterr().err
     assert (
         f"python -m pipeline.stages.views takes PARTS OUT, {len(arguments)} arguments were given"
@@ -42,7 +42,7 @@ def test_a_command_with_other_arguments_says_its_usage(module, arguments, monkey
     monkeypatch.setattr(sys, "argv", [module.__name__, *arguments])
     with pytest.raises(SystemExit) as end:
         run_command(module.main)
-    assert end.value.code == 1
+    assert end.value.code == 2
     stderr = capsys.readouterr().err
     assert f"{len(arguments)} arguments were given" in stderr
     assert f"python -m {module.__name__}" in stderr

@@ -192,5 +192,5 @@ def test_an_old_command_says_the_new_one(old, new):
     process = subprocess.run(
         [sys.executable, "-m", old, "x"], cwd=ROOT, check=False, capture_output=True, text=True
     )
-    assert process.returncode == 1
+    assert process.returncode == 2
     assert process.stderr == f"error: python -m {old} is now python -m {new}\n"

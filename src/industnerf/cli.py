@@ -93,13 +93,13 @@ def require_dvc() -> None:
 
 
 def exit_with_message(job: Callable[[], Any]) -> None:
-    """Run `job`; end with its refusal as text and exit code 1, or 130 after Ctrl-C."""
+    """Run `job`; end with its refusal as text and exit code, or 130 after Ctrl-C."""
     try:
         environment.read_local_file()
         job()
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+        sys.exit(error.exit_code)
     except BrokenPipeError:  # `... --help | head` has read enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python's end says so
         sys.exit(BROKEN_PIPE)

@@ -8,18 +8,24 @@ SuiteError            shown to the user as one message, without a traceback
 |- BadArtifact        a file between stages that is missing, torn or of another schema
 |- UndeclaredInput    a method reaches for an input that it does not declare
 |- ReconstructionFailed     a method gave no usable cloud
-|  `- RegionInsteadOfPart      it gave the ball in which the part was looked for
+|  `- RegionInsteadOfPart      it gave the ball about the part, or a piece of the scene
 |- MetricError        a score that cannot be computed exactly
 `- PartsFailed        some parts of a stage failed; the others are stored
 """
+
+from typing import ClassVar
+
+BAD_INPUT = 2  # as argparse ends
 
 
 class SuiteError(Exception):
     """A refusal whose text says what, where, how much, and which setting to change."""
 
+    exit_code: ClassVar[int] = 1  # of a command that ends with it
+
 
 class BadParams(SuiteError):
-    pass
+    exit_code = BAD_INPUT
 
 
 class BadValue(BadParams):
@@ -31,11 +37,11 @@ class UndeclaredParameter(BadParams):
 
 
 class BadPart(SuiteError):
-    pass
+    exit_code = BAD_INPUT
 
 
 class BadArtifact(SuiteError):
-    pass
+    exit_code = BAD_INPUT
 
 
 class UndeclaredInput(SuiteError):
@@ -47,7 +53,7 @@ class ReconstructionFailed(SuiteError):
 
 
 class RegionInsteadOfPart(ReconstructionFailed):
-    pass
+    exit_code = 3
 
 
 class MetricError(SuiteError):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from industnerf.deviation.__main__ import main
+from industnerf.deviation.picture import BAR_PX, LINE_PX, deviation_colors, deviation_picture
 from industnerf.deviation.statistics import deviation_statistics, histogram
 from industnerf.errors import BadArtifact, BadParams
 from tests.conftest import ROOT
@@ -115,7 +116,11 @@ def test_the_page_draws_red_outside_and_blue_inside_and_is_no_wider_than_its_win
           blue += data[i + 2] > data[i] + 60;
         }
         const root = document.documentElement;
-        return { red, blue, overflow: root.scrollWidth - root.clientWidth,
+        const legend = document.querySelector("#legend").textContent;
+        const { options } = document.querySelector("[name=limit]");
+        const limits = [...options].map((option) => option.textContent);
+        return { red, blue, legend, limits, title: document.title,
+                 overflow: root.scrollWidth - root.clientWidth,
                  bars: document.querySelectorAll("svg rect").length };
         """,
         folder,
@@ -125,6 +130,10 @@ def test_the_page_draws_red_outside_and_blue_inside_and_is_no_wider_than_its_win
     assert visited.result["blue"] > 1000
     assert visited.result["overflow"] == 0
     assert visited.result["bars"] == 61
+    assert visited.result["title"] == "Deviation of twisted.xyz from block.stl"
+    assert visited.result["limits"] == ["0.100 mm", "0.200 mm", "0.500 mm", "1.00 mm", "2.00 mm"]
+    assert "-0.200 mm  +0.200 mm" in visited.result["legend"]
+    assert "the tolerance, 0.1 mm on either side" in visited.result["legend"]
 
 
 def test_statistics_of_a_few_numbers_by_hand():
@@ -142,3 +151,26 @@ def test_the_histogram_holds_every_point_the_last_bars_all_beyond():
     assert (len(counts), counts.sum()) == (61, 5)
     assert (counts[0], counts[30], counts[-1]) == (1, 3, 1)
     assert (edges[0], edges[-1]) == (-0.61, 0.61)
+
+
+def test_the_picture_has_a_title_and_a_bar_with_ticks_at_the_tolerance():
+    """Red, white and blue points; the bar ends in their colors, and each tick is a dark column."""
+    points = np.random.default_rng(0).normal(size=(300, 3))
+    image = deviation_picture(points, np.zeros(300), 0.4, 0.1, "a.ply from b.step")
+    assert (image[:LINE_PX] < 128).any()
+    bar = image[LINE_PX + 360 + BAR_PX // 2].astype(int)
+    left, right = 360, 3 * 360 - 1  # the middle half of four views of 360 px
+    is_tick = (bar[left : right + 1] < 100).all(axis=1)
+    ticks = np.flatnonzero(is_tick) / (right - left)
+    np.testing.assert_allclose(np.unique(ticks.round(2)), [0, 0.37, 0.5, 0.62, 1], atol=0.011)
+    np.testing.assert_allclose(bar[left + 2], deviation_colors(np.array([-0.399]), 0.4)[0], atol=2)
+    assert bar[right - 2][0] > bar[right - 2][2] + 60
+    np.testing.assert_array_equal(bar[left - 2], [255, 255, 255])
+
+
+def test_a_long_title_is_not_cut():
+    points = np.random.default_rng(0).normal(size=(300, 3))
+    image = deviation_picture(points, np.zeros(300), 0.4, 0.1, 25 * "long name ")
+    dark = np.flatnonzero((image[:LINE_PX] < 128).any(axis=(0, 2)))
+    assert dark.min() > 5
+    assert dark.max() < image.shape[1] - 5

@@ -53,7 +53,7 @@ def test_without_a_name_every_check_is_made(bare_copy: WorkingCopy):
 
 def test_an_unknown_check_is_refused_with_the_known_ones(bare_copy: WorkingCopy):
     code, output = doctor(bare_copy.folder, "-m", "industnerf.doctor", "cahce")
-    assert code == 1
+    assert code == 2
     assert "check 'cahce' is unknown, known are cache, lockfile" in output
     with pytest.raises(BadParams):
         run_check("findings", bare_copy.paths)  # a module of the package, but no check

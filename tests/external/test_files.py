@@ -119,3 +119,8 @@ def test_a_folder_by_its_bare_name_is_called_one(tmp_path, monkeypatch):
     assert cad_file(GEAR) is None  # the part of the suite
     with pytest.raises(BadParams, match=r"^drawings is a folder"):
         cad_file("drawings")
+
+
+def test_a_misspelled_part_is_asked_about(tmp_path):
+    with pytest.raises(BadParams, match=r"'gear-spur-m2-z42', did you mean `gear-spur-m2-z24`"):
+        select_catalogue(PARTS, ["gear-spur-m2-z42"])

@@ -39,6 +39,7 @@ SETTINGS = TrainingSettings(
     val_fraction=0.5,
     val_interval=1,
     patience=99,
+    keep="best",
 )
 
 
@@ -83,6 +84,13 @@ def test_the_weights_of_the_best_validation_are_kept(tmp_path):
     np.testing.assert_allclose(
         result.train_history.loss, [-way(step) for step in range(10)], rtol=1e-5
     )
+
+
+def test_the_weights_of_the_last_step_are_kept_where_that_is_asked(tmp_path):
+    """However good others were; the losses are told all the same."""
+    number, result = train_scalar([3.0, 1.0, 2.0, 2.0, 3.0], tmp_path, val_interval=2, keep="last")
+    assert number == pytest.approx(way(10))
+    assert result.val_history.loss.tolist() == [3.0, 1.0, 2.0, 2.0, 3.0]
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):
@@ -228,6 +236,32 @@ class NoisyNet(nn.Module):
     def __init__(self) -> None:
         super().__init__()
         self.layers = nn.Sequential(nn.Linear(3, 4), nn.BatchNorm1d(4), nn.Linear(4, 1))
+
+
+@pytest.mark.parametrize(("starts_trained", "norm_steps"), [(False, 9), (True, 0)])
+def test_batch_norm_ends_with_the_statistics_that_it_predicts_by(
+    tmp_path, starts_trained, norm_steps
+):
+    """It learns them in three quarters of the steps, if at all, and is then trained as it predicts.
+
+    Weights that were trained before have statistics, and keep them.
+    """
+    net, modes, means = NoisyNet(), [], []
+
+    def record(part_indices, rng):
+        x = torch.from_numpy(rng.normal(3.0, 2.0, (len(part_indices), 3))).float()
+        if net.training:
+            modes.append(net.layers[1].training)
+        loss = net.layers(x).square().mean()
+        means.append(net.layers[1].running_mean.clone())
+        return loss
+
+    split = TrainingSplit([0, 1], [2])
+    settings = replace(SETTINGS, max_steps=12, val_interval=12)
+    train(net, record, split, settings, 0, tmp_path / "checkpoint", starts_trained=starts_trained)
+    assert modes == norm_steps * [True] + (12 - norm_steps) * [False]
+    assert torch.equal(means[-1], means[-4])
+    assert torch.equal(means[-1], torch.zeros(4)) == starts_trained
 
 
 class Interrupted(Exception):

@@ -58,7 +58,7 @@ def copy_run(run, project):
 
 def test_a_study_is_published_when_it_is_finished_and_not_before(project, finished_run):
     code, output = project.run("python", "-m", "pipeline.publish")
-    assert code == 1
+    assert code == 2
     assert "the study is not finished: " in output
     assert ": `make repro` goes on" in output
     assert "Traceback" not in output

@@ -1,6 +1,7 @@
 """Clouds from outside, through the stages that score a method's."""
 
 import csv
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +11,10 @@ import trimesh
 from industnerf.artifacts.part import Mesh
 from industnerf.artifacts.ply import write_ply
 from industnerf.config import load_params
-from industnerf.errors import BadParams, MetricError, PartsFailed
+from industnerf.errors import BadArtifact, BadParams, MetricError, PartsFailed
 from industnerf.external.density import density_warnings
 from industnerf.external.points import read_cloud
+from industnerf.external.table import COLUMNS
 from pipeline import score
 from pipeline.stages import evaluate
 from tests.conftest import ROOT
@@ -54,6 +56,9 @@ def test_the_true_surface_scores_its_floor_and_says_every_metric(folder, capsys)
     assert value == pytest.approx(floor, rel=0.2)
     output = capsys.readouterr().out
     assert "outside the study: 1 parts" in output
+    for head in COLUMNS[1:-1]:  # each is explained below the table
+        assert head in output
+        assert re.search(rf"(?m)^{re.escape(head.removesuffix(', mm'))}: ", output)
     assert "every metric: runs/score/same/scores/scores.csv" in output
 
 
@@ -74,7 +79,7 @@ def test_the_unit_of_the_cad_file_is_suspected_too(folder, capsys):
 
 def test_a_file_without_points_is_a_failure_and_scores_as_one(folder, capsys):
     (folder / "torn.ply").touch()
-    with pytest.raises(PartsFailed, match="the cloud could not be scored; the reason"):
+    with pytest.raises(BadArtifact, match="the cloud could not be scored; the reason"):
         score.main("torn.ply", "block.stl")
     assert emd(folder, "torn")[2] == "failed"
     output = capsys.readouterr().out
@@ -95,7 +100,7 @@ def test_where_two_clouds_fail_it_says_of_how_many(folder):
     (folder / "two").mkdir()
     for part_id in ("nut-square-din557-m12", "gear-spur-m2-z24"):
         (folder / "two" / f"{part_id}.ply").touch()
-    with pytest.raises(PartsFailed, match="none of 2 clouds could be scored; the reasons"):
+    with pytest.raises(BadArtifact, match="none of 2 clouds could be scored; the reasons"):
         score.main("two")
 
 

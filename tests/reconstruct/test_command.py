@@ -2,9 +2,13 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +19,7 @@ from PIL import Image
 from industnerf.artifacts import files
 from industnerf.geometry.cameras import common_view_ball
 from industnerf.seeds import seed_for
-from tests.reconstruct import sample_images
+from tests.reconstruct import fake_pipeline, sample_images
 
 ALMOST_ZERO = 1e-9  # seconds: due whenever asked
 
@@ -533,6 +537,28 @@ def test_the_ball_of_the_region_is_no_result(workspace, fake, monkeypatch):
     assert not workspace.checkpoint.exists()
 
 
+def test_a_piece_of_the_scene_is_no_result(workspace, monkeypatch):
+    """Photographs of noise, of which the result covers nothing; masks would tell the outline."""
+    rendered_whole = fake_pipeline.ReconstructionResult.render_views
+
+    def render_nothing(self, *arguments):
+        rendered = rendered_whole(self, *arguments)
+        return replace(rendered, opacity=np.zeros_like(rendered.opacity))
+
+    monkeypatch.setattr(fake_pipeline.ReconstructionResult, "render_views", render_nothing)
+    code, text, errors = workspace.run("--method", "industnerf_plus")
+    assert code == 3
+    assert errors.startswith("error: the result is a piece of the scene and not the part: it")
+    assert "covers 0% of what differs from the background in a photograph" in errors
+    assert f"{workspace.out}: 2 points" in text
+    assert workspace.run("--force", "--method", "industnerf")[0] == 0
+    for path in (workspace.folder / "set/rgb").iterdir():
+        with Image.open(path) as image:
+            image.putalpha(Image.linear_gradient("L").resize(image.size))
+            image.save(path)
+    assert workspace.run("--force", "--method", "industnerf_plus")[0] == 0
+
+
 def test_photographs_are_left_out_by_name(workspace, fake):
     code, text, _ = workspace.run("--exclude", "rgb/001.png", "003.PNG")
     assert (code, "2 of 5 frames are left out, as --exclude says" in text) == (0, True)
@@ -574,3 +600,50 @@ def test_a_method_that_needs_outlines_says_so_where_there_are_none(workspace):
         words
         not in workspace.run("--force", "--method", "industnerf_plus", "--background", "white")[1]
     )
+
+
+def zipped(workspace, root="."):
+    """The set as one archive, below the folder `root` in it."""
+    path = workspace.folder / "photographs.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        for file in sorted((workspace.folder / "set").rglob("*.*")):
+            archive.write(file, Path(root) / file.relative_to(workspace.folder / "set"))
+    return path
+
+
+@pytest.mark.parametrize("root", [".", "project"])
+def test_an_archive_is_read_as_the_folder_that_it_holds(workspace, fake, root):
+    workspace.run("--npz", "--out", workspace.folder / "of_folder.ply")
+    archive = zipped(workspace, root)
+    shutil.rmtree(workspace.folder / "set")
+    code, _, errors = workspace.run("--npz", "--cameras", archive)
+    assert (code, errors) == (0, "")
+    np.testing.assert_array_equal(fake.LAST_CALL["posed_images"].rgb, sample_images.images())
+    assert workspace.out.read_bytes() == (workspace.folder / "of_folder.ply").read_bytes()
+    paths = np.load(workspace.folder / "cloud.npz")["image_paths"]
+    assert paths[2] == str(archive / "rgb/002.png")
+
+
+def test_what_is_wrong_with_an_archive_is_said_of_it(workspace):
+    (workspace.folder / "set/rgb/002.png").unlink()
+    archive = zipped(workspace)
+    code, text, _ = workspace.run("--cameras", archive)
+    assert (code, "1 of 5 frames (rgb/002.png) have no photograph" in text) == (0, True)
+    code, _, errors = workspace.run("--cameras", archive, "--force", "--strict")
+    assert code == 2
+    assert f"no such photograph in {archive}" in errors
+    archive.write_bytes(archive.read_bytes().replace(b"PK\x01\x02", b"PK\x01\x07", 1))
+    code, _, errors = workspace.run("--cameras", archive, "--force")
+    assert (code, errors.startswith(f"error: {archive}: cannot be unpacked: ")) == (2, True)
+
+
+def test_arrays_of_numpy_are_no_archive(workspace):
+    np.savez(workspace.folder / "cameras_sphere.npz", scale_mat_0=np.eye(4), world_mat_0=np.eye(4))
+    code, _, errors = workspace.run("--cameras", workspace.folder / "cameras_sphere.npz")
+    assert (code, "cameras_sphere.npz" in errors, "NeuS" in errors) == (2, True, True)
+
+
+def test_an_archive_is_an_input_that_is_not_overwritten(workspace):
+    archive = zipped(workspace).rename(workspace.folder / "cloud.ply")
+    code, _, errors = workspace.run("--cameras", archive, "--force")
+    assert (code, "is an input of this run" in errors) == (2, True)

@@ -4,12 +4,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 from PIL import Image
 from scipy.spatial import cKDTree
 
 from industnerf.artifacts.files import atomic_write, write_json, write_text
 from industnerf.config import find_params, load_params
+from industnerf.deviation.picture import deviation_colors, deviation_picture
 from industnerf.deviation.registration import IDENTITY, Registration, register, size_ratio
 from industnerf.deviation.scale import require_size, scale_warning
 from industnerf.deviation.statistics import DeviationStatistics, deviation_statistics, histogram
@@ -20,15 +21,8 @@ from industnerf.geometry.sampling import sample_surface
 from industnerf.parts.io.readers import read_solids
 from industnerf.parts.io.units import MM_PER_UNIT, unit_note
 from industnerf.parts.repair import repair_mesh
-from industnerf.report.html.cloud_page import (
-    ALL_COLOR_MAPS,
-    ColorScale,
-    ShownCloud,
-    render_cloud_page,
-)
-from industnerf.report.html.viewer import color_map
+from industnerf.report.html.cloud_page import ColorScale, ShownCloud, render_cloud_page
 from industnerf.seeds import generator
-from industnerf.splats import preview
 
 DRAWN = 65536  # points of a mesh, and samples of the CAD surface
 STRAY_SHARE = 0.05  # of the diagonal, beyond which a point is not of the part
@@ -167,14 +161,15 @@ def _write(
         ShownCloud(measured, moved, "measured", error=np.abs(deviation), deviation=deviation),
         ShownCloud(nominal, samples, "CAD", error=gaps),
     ]
+    title = f"Deviation of {cloud.name} from {cad.name}"
     lines = summary_lines(statistics)
     counts, edges = histogram(deviation[np.abs(deviation) <= statistics.stray_mm], start)
     text = render_cloud_page(
         "deviation.html.j2",
-        f"Deviation of {cloud.name} from {cad.name}",
+        title,
         clouds,
         "mm",
-        ColorScale(ends, start),
+        ColorScale(ends, start, tolerance=statistics.tolerance_mm),
         NOTE,
         warnings=inputs.warnings,
         facts=lines,
@@ -196,7 +191,8 @@ def _write(
     print(f"written: {page}, {page.with_suffix('.csv')}, {page.with_suffix('.json')}")
     if png:
         with atomic_write(page.with_suffix(".png")) as draft:
-            image = preview(moved, _colors(deviation, start))
+            tolerance = statistics.tolerance_mm
+            image = deviation_picture(moved, deviation, start, tolerance, title)
             Image.fromarray(image).save(draft, "PNG")
         print(f"picture: {page.with_suffix('.png')}")
 
@@ -216,15 +212,10 @@ def summary_lines(statistics: DeviationStatistics) -> dict[str, str]:
     }
 
 
-def _colors(deviation: np.ndarray, end: float) -> UInt8[np.ndarray, "n 3"]:
-    share = np.clip(0.5 + deviation / (2 * end), 0, 1)
-    return color_map(ALL_COLOR_MAPS["deviation"])[np.rint(255 * share).astype(int)]
-
-
 def _bars(counts: np.ndarray, edges: np.ndarray, tolerance: float) -> list[dict[str, object]]:
     """The bars of the histogram: height in per cent of the highest, color, and what it counts."""
     middles = (edges[:-1] + edges[1:]) / 2
-    colors = _colors(middles, float(edges[-1]))
+    colors = deviation_colors(middles, float(edges[-1]))
     return [
         {
             "height": 100 * count / max(counts.max(), 1),

@@ -13,6 +13,7 @@ from industnerf.parts.catalogue.entries import read_catalogue
 from industnerf.parts.io.cad_files import find_cad_files, name_files
 from industnerf.parts.io.readers.formats import SUFFIXES as CAD
 from industnerf.schema.parts import PartsParams
+from industnerf.suggestions import did_you_mean
 
 SUFFIXES = tuple(dict.fromkeys((".ply", *CLOUD_READERS, *CAD)))
 
@@ -66,8 +67,10 @@ def visible_files(folder: Path) -> list[Path]:
 def select_catalogue(parts: PartsParams, part_ids: Iterable[str]) -> PartsParams:
     """`parts` set to `part_ids`, of the embedded set that has them; else raises BadParams."""
     missing: dict[str, list[str]] = {}
+    known: set[str] = set()
     for name, folder in CATALOGUE_FOLDERS.items():
         catalogue_ids = {entry.id for entry in read_catalogue(folder)}
+        known |= catalogue_ids
         missing[name] = sorted(set(part_ids) - catalogue_ids)
         if not missing[name]:
             return replace(parts, source="embedded", path=str(folder), select=sorted(part_ids))
@@ -78,8 +81,10 @@ def select_catalogue(parts: PartsParams, part_ids: Iterable[str]) -> PartsParams
             "scored apart: give a folder for each"
         )
     closest = min(missing, key=lambda name: len(missing[name]))
+    name = min(unknown)
+    advice = did_you_mean(name, known) or ":"
     raise BadParams(
-        f"no part is called {min(unknown)!r}: name the cloud after its part, or give the "
+        f"no part is called {name!r}{advice} name the cloud after its part, or give the "
         f"part's name or CAD file too; `python -m industnerf.parts list --set {closest}`"
     )
 

@@ -18,7 +18,14 @@ from industnerf.report.tables.formats import (
 from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 
-COLUMNS = ("part", "EMD", "x floor", "mm", "H-95, mm", "within 0.5 mm", "")
+COLUMNS = ("part", "EMD", "x floor", "EMD, mm", "95 %, mm", "in 0.5 mm", "")
+LEGEND = (
+    "EMD: how far points are moved on average to match the true surface, in diagonals of the "
+    "part's box, and in mm\n"
+    "x floor: as a multiple of the EMD of a perfect cloud\n"
+    "95 %: the distance within which 95 % of points are, of cloud and surface, the larger\n"
+    "in 0.5 mm: the share of the cloud within 0.5 mm of the surface"
+)
 STUDY_METHODS = (*TESTED_METHODS, "carve", "hull")  # of the study, beside what is asked about
 OUTSIDE_STUDY = "outside the study"
 Values = dict[str, dict[str, float]]  # method -> part -> EMD (even)
@@ -44,7 +51,7 @@ def load_published_scores(study: Path, methods: Sequence[str] = STUDY_METHODS) -
 
 
 def part_rows(scores: Sequence[PartScore], parts: dict[str, Part]) -> list[list[str]]:
-    """A line a part, as HEADS has it."""
+    """A line a part, as COLUMNS has it."""
     scores_by_part: dict[str, dict[tuple[str, str], Score]] = {}
     for row in scores:
         scores_by_part.setdefault(row.part_id, {})[row.score.metric, row.score.protocol] = row.score

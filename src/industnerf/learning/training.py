@@ -25,6 +25,7 @@ CHECKPOINT_S = 20.0
 WARM_UP_STEPS = 100  # over which the learning rate rises to its full value
 LAST_LR = 0.01  # of the full learning rate, at the end of its half cosine
 MAX_GRADIENT_NORM = 5.0  # longer gradients are shortened to this
+NORM_SHARE = 0.75  # of the steps: batch norm then keeps its statistics
 # converged: in the last fifth of the steps the loss fell by at most 2 %
 CONVERGENCE_WINDOW, CONVERGENCE_TOLERANCE = 0.2, 0.02
 VALIDATION_REPEATS = 4  # how often each part is validated on, rounded up to whole batches
@@ -59,7 +60,7 @@ class TrainingProgress:
 
 @dataclass(frozen=True)
 class TrainResult:
-    """How a training went; the network has the weights that were best on the validation parts."""
+    """How a training went."""
 
     steps: int
     has_converged: bool
@@ -112,17 +113,18 @@ def train(
     *,
     starts_trained: bool = False,
 ) -> TrainResult:
-    """Train `net` by `loss`, and keep the weights that are best on the validation parts.
+    """Train `net` by `loss`, and keep the best weights on the validation parts, or the last ones.
 
-    The learning rate rises over WARM_UP_STEPS and falls as half a cosine.  Weights that were
-    trained before are validated too, so that no training makes them worse.  Parameters that need
-    no gradient stay as they are.  It resumes from `checkpoint_path` where that
-    exists, to the same bytes on a CPU.
+    The learning rate rises over WARM_UP_STEPS and falls as half a cosine.  Batch norm learns its
+    statistics over NORM_SHARE of the steps, and keeps them for the rest.  Weights that were trained
+    before (`starts_trained`) bring theirs, and are validated too: they may be the best.  Parameters
+    that need no gradient stay as they are.  It resumes from `checkpoint_path` where that exists, to
+    the same bytes on a CPU.
 
     Raises ReconstructionFailed if a loss is not finite, BadArtifact if `checkpoint_path` cannot be
     written.
     """
-    trainer = _Trainer(net, loss, split, settings, seed)
+    trainer = _Trainer(net, loss, split, settings, seed, starts_trained)
     trainer.resume(checkpoint_path)
     if starts_trained and not trainer.progress.val_steps:
         trainer.validate()
@@ -133,7 +135,8 @@ def train(
             trainer.save(checkpoint_path)
             last_saved = time.monotonic()
     trainer.save(checkpoint_path)
-    net.load_state_dict(trainer.progress.best_weights)
+    if settings.keep == "best":
+        net.load_state_dict(trainer.progress.best_weights)
     return trainer.result()
 
 
@@ -145,9 +148,11 @@ class _Trainer:
         split: TrainingSplit,
         settings: TrainingSettings,
         seed: int,
+        starts_trained: bool,
     ) -> None:
         self.net, self.loss, self.split = net, loss, split
         self.settings, self.seed = settings, seed
+        self.norm_steps = 0 if starts_trained else NORM_SHARE * settings.max_steps
         self.rng, self.progress = generator(seed, "batches"), TrainingProgress()
         self.parameters = [p for p in net.parameters() if p.requires_grad]
         # only weights decay: a bias or a scale that is pulled to 0 regularizes nothing
@@ -172,6 +177,8 @@ class _Trainer:
         for group in self.optimizer.param_groups:
             group["lr"] = self.settings.lr * lr_factor(self.progress.step, self.settings.max_steps)
         self.net.train()
+        if self.progress.step >= self.norm_steps:
+            _keep_norm_statistics(self.net)
         self.optimizer.zero_grad()
         loss = self.loss(self._draw_batch(), self.rng)
         loss.backward()
@@ -243,6 +250,17 @@ class _Trainer:
                 np.maximum(np.array(progress.val_steps) - 1, 0), np.array(progress.val_losses), {}
             ),
         )
+
+
+def _keep_norm_statistics(net: nn.Module) -> None:
+    """Batch norm as in evaluation: by the statistics that it has, not by those of the batch.
+
+    Otherwise no training sees the network as it predicts.  A shape unlike others shifts the
+    statistics of its own batch and so tames what it excites; alone, it has nothing to tame it.
+    """
+    for module in net.modules():
+        if isinstance(module, nn.BatchNorm1d | nn.BatchNorm2d):
+            module.eval()
 
 
 def lr_factor(step: int, max_steps: int) -> float:

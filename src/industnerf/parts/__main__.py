@@ -45,8 +45,8 @@ def main() -> int:
 
             build_catalogue(console, arguments.set, arguments.family)
     except SuiteError as error:
-        print(error, file=sys.stderr)
-        return 1
+        print(f"error: {error}", file=sys.stderr)
+        return error.exit_code
     return 0
 
 

@@ -4,19 +4,17 @@ python -m industnerf.reconstruct --cameras transforms.json --images DIR --out cl
 
 The cloud is in the frame and the unit of the cameras.  An interrupted run goes on where it was
 when the same command is given again, without --no-resume.  Exit code: 0, 1 if the method finds no
-surface, 2 if what it was given is wrong, 3 if the result is written and is the region of interest
-and not the part, 130 after Ctrl-C.
+surface, 2 if what it was given is wrong, 3 if the result is written and is not the part, 130 after
+Ctrl-C.
 """
 
 import sys
 import time
 
 from industnerf import environment
-from industnerf.errors import ReconstructionFailed, RegionInsteadOfPart, SuiteError
+from industnerf.errors import SuiteError
 from industnerf.reconstruct.cli import Options, parse_args
 from industnerf.runner.device import check_device
-
-EXIT_CODES = {RegionInsteadOfPart: 3, ReconstructionFailed: 1}  # of other errors: 2
 
 
 def main() -> int:
@@ -30,7 +28,7 @@ def main() -> int:
         reconstruct(options)
     except SuiteError as error:
         print(f"error: {error}", file=sys.stderr)
-        return next((code for kind, code in EXIT_CODES.items() if isinstance(error, kind)), 2)
+        return error.exit_code
     except KeyboardInterrupt:
         print(f"interrupted; {_resume_hint(options, start_time)}", file=sys.stderr)
         return 130

@@ -112,7 +112,8 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
         "--cameras",
         type=Path,
         metavar="FILE|DIR",
-        help="transforms.json, a COLMAP model (such as sparse/0), or sdfstudio's meta_data.json",
+        help="transforms.json, a COLMAP model (such as sparse/0), sdfstudio's meta_data.json, or a "
+        "zip archive of one of them with its photographs",
     )
     group.add_argument("--images", type=Path, metavar="DIR", help="default: beside the cameras")
     group.add_argument(

@@ -11,6 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as Bar
 
 LOG_INTERVAL_S = 10.0  # between two lines where there is no terminal
+MIN_MEASURED_STEPS = 10  # behind the first of a level, before the time that is left is estimated
 
 
 class Display:
@@ -19,7 +20,7 @@ class Display:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._label, self._num_steps, self._num_done = "", 0, 0
-        self._start = self._last_log_time = time.monotonic()
+        self._first_step_end = self._last_log_time = time.monotonic()
         self._bar = Bar(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -45,7 +46,6 @@ class Display:
     def start_level(self, level: str, steps: int) -> None:
         """A new bar, of `steps`."""
         self._label, self._num_steps, self._num_done = level, steps, 0
-        self._start = time.monotonic()
         self._task = self._bar.add_task(level, total=steps, loss="")
 
     def advance(self, loss: float | None = None) -> None:
@@ -54,17 +54,24 @@ class Display:
         loss_text = "" if loss is None else f"loss {loss:.4g}"
         self._bar.update(self._task, advance=1, loss=loss_text)
         now = time.monotonic()
+        if self._num_done == 1:  # it starts the level up too, so it measures nothing
+            self._first_step_end = now
         if not self._console.is_terminal and now - self._last_log_time > LOG_INTERVAL_S:
             self._last_log_time = now
-            remaining_s = (
-                (now - self._start) / self._num_done * max(self._num_steps - self._num_done, 0)
-            )
             fields = [
                 f"{self._label}: {self._num_done} of {self._num_steps}",
                 loss_text,
-                f"{remaining_s:.0f} s left",
+                self._time_left(now),
             ]
             self.log(", ".join(field for field in fields if field))
+
+    def _time_left(self, now: float) -> str:
+        """Of this level, by its steps but the first; empty until enough of them are measured."""
+        measured = self._num_done - 1
+        if measured < MIN_MEASURED_STEPS:
+            return ""
+        remaining = max(self._num_steps - self._num_done, 0)
+        return f"{(now - self._first_step_end) / measured * remaining:.0f} s left"
 
     def count_images(self, done: int, total: int) -> None:
         """The photographs read so far."""

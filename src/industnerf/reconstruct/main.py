@@ -13,17 +13,24 @@ from rich.console import Console
 from industnerf.artifacts.files import atomic_write, check_writable
 from industnerf.artifacts.ply import write_ply
 from industnerf.errors import BadArtifact, RegionInsteadOfPart
+from industnerf.reconstruct.archives import named_in_archive, unpacked
 from industnerf.reconstruct.cli import Options
 from industnerf.reconstruct.display import Display
 from industnerf.reconstruct.load_images import ImageSet, load_images
 from industnerf.reconstruct.region import check_float32_precision, region_of_interest
-from industnerf.reconstruct.result_check import RegionShares, ball_warning, region_shares
+from industnerf.reconstruct.result_check import (
+    ResultShares,
+    covered_share,
+    no_part_warning,
+    result_shares,
+)
 from industnerf.reconstruct.scale import Scale
 from industnerf.reconstruct.settings import resolve_config
 from industnerf.reconstruct.silhouette_check import (
     agree_once_transposed,
     plain_silhouettes,
     silhouette_warning,
+    silhouettes_of,
     transpose_rotations,
 )
 from industnerf.reconstruct.sources import Selection
@@ -47,8 +54,8 @@ def reconstruct(options: Options, console: Console | None = None) -> None:
         summaries: list[Summary] = []
         cost = run_timed(lambda out: summaries.append(_run(options, display)), options.out)
         display.log(f"{summaries[0].text}; {cost.seconds:.1f} s, at most {cost.peak_mb:.0f} MB")
-    if summaries[0].shares.is_ball:
-        raise RegionInsteadOfPart(ball_warning(summaries[0].shares))
+    if summaries[0].shares.is_no_part:
+        raise RegionInsteadOfPart(no_part_warning(summaries[0].shares))
 
 
 @dataclass(frozen=True)
@@ -56,7 +63,7 @@ class Summary:
     """What was written, and what it is."""
 
     text: str
-    shares: RegionShares
+    shares: ResultShares
 
 
 def _run(options: Options, display: Display) -> Summary:
@@ -87,22 +94,40 @@ def _run(options: Options, display: Display) -> Summary:
     return Summary(
         f"{options.out}: {len(result.points)} points, {result.steps} steps, "
         f"{result.num_parameters} parameters",
-        region_shares(result.points, result.view, center, radius),
+        result_shares(
+            result.points, result.view, center, radius, _covered(options, image_set, result)
+        ),
+    )
+
+
+def _covered(options: Options, image_set: ImageSet, result: Any) -> float:
+    """The share of the silhouettes that the result covers, where a method finds them by color."""
+    has_masks = image_set.background is not None and options.background is None
+    if has_masks or options.method != "industnerf_plus":
+        return 1.0
+    views = np.arange(len(image_set.rgb))
+    silhouettes = silhouettes_of(views, image_set.rgb, image_set.cameras, result.background)
+    background = result.background[silhouettes.views]
+    return covered_share(
+        silhouettes, result.render_views(silhouettes.cameras, background).foreground
     )
 
 
 def _load_image_set(options: Options, display: Display) -> ImageSet:
     cameras = options.cameras or _find_cameras(options, display)
-    image_set = load_images(
-        cameras,
-        options.images,
-        max_size=options.max_size,
-        background=options.background,
-        selection=_selection(options),
-        center=options.center,
-        radius=options.radius,
-        on_image_loaded=display.count_images,
-    )
+    with unpacked(cameras) as path:
+        image_set = load_images(
+            path,
+            options.images,
+            max_size=options.max_size,
+            background=options.background,
+            selection=_selection(options),
+            center=options.center,
+            radius=options.radius,
+            on_image_loaded=display.count_images,
+        )
+    if path != cameras:
+        image_set = named_in_archive(image_set, path, cameras)
     for warning in image_set.warnings:
         display.log(warning)
     return image_set

@@ -10,7 +10,7 @@ from industnerf.reconstruct.camera_files.colmap import images_file
 from industnerf.reconstruct.image_paths import SUFFIXES
 
 MIN_SHARE = 0.5  # of the photographs whose camera is found; fewer is worth more than a word
-INSTALL = "pip install 'industnerf[sfm]', or pip install pycolmap"
+INSTALL = "pip install -e '.[sfm]'"
 
 
 def find_cameras(images_dir: Path, folder: Path) -> tuple[Path, str]:

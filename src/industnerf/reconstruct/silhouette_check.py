@@ -60,7 +60,16 @@ def plain_silhouettes(
     )
     if is_plain.sum() < MIN_VIEWS:
         return None
-    views = np.flatnonzero(is_plain)
+    return silhouettes_of(np.flatnonzero(is_plain), rgb, cameras, background)
+
+
+def silhouettes_of(
+    views: Int64[np.ndarray, "n"],
+    rgb: UInt8[np.ndarray, "all h w 3"],
+    cameras: Cameras,
+    background: Float[np.ndarray, "all 3"],
+) -> Silhouettes:
+    """Those of up to MAX_VIEWS of `views`, far apart; `background` is in [0, 1]."""
     positions = cameras.centers[views]
     views = views[nested_view_subset(positions, min(len(views), MAX_VIEWS))]
     images, cameras = _reduce(rgb[views], cameras[views])

@@ -42,8 +42,7 @@ def slurm_from_environment() -> "SlurmRunner":
     """The runner that INDUSTNERF_SLURM_* describe; raises BadParams where it cannot work."""
     if find_spec("submitit") is None:
         raise BadParams(
-            "INDUSTNERF_RUNNER=submitit needs the package submitit: "
-            "pip install -e '.[slurm]' -c constraints.txt (with uv: uv pip install)"
+            "INDUSTNERF_RUNNER=submitit needs the package submitit: pip install -e '.[slurm]'"
         )
     if missing := [name for name in PROGRAMS if not shutil.which(name)]:
         raise BadParams(

@@ -62,6 +62,7 @@ class NetworkSettings:
     hidden_layers: PositiveInt
     encoder_update_interval: PositiveInt
     encoder_update_views: PositiveInt
+    encoder_update_levels: PositiveInt
     lr: PositiveFloat
     skip_lr: PositiveFloat
     encoder_lr: PositiveFloat
@@ -108,6 +109,7 @@ class IndustnerfSettings:
     warm_up: WarmUpSettings
     levels: Annotated[list[LevelSettings], non_empty("level")]
     refine: Literal["inverse_transform", "subdivide"]
+    view_weights_interval: NonNegativeInt
     network: NetworkSettings
     residual: ResidualSettings
     beta: BetaSchedule

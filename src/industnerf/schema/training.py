@@ -17,6 +17,7 @@ from industnerf.schema.validators import (
 # the axes that a network of one view knows points in
 OutputAxes = Literal["part", "picture"]
 QueryAxes = Literal["part", "picture", "both"]
+KeptWeights = Literal["best", "last"]  # of a training: of its validations, or of its steps
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class TrainingSettings:
     val_fraction: OpenFraction
     val_interval: PositiveInt
     patience: PositiveInt
+    keep: KeptWeights
 
 
 @dataclass(frozen=True)

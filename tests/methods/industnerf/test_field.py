@@ -210,6 +210,24 @@ def test_views_that_are_first_heeded_are_counted_as_n_is_used_to():
     )
 
 
+def test_inputs_are_normalized_once_until_they_change():
+    field = make_field(settings_of("network"))
+    sources = field.source_features
+    changes = [
+        lambda: sources.refresh_views(torch.tensor([0, 2])),
+        lambda: None,  # the gradient of the views that were refreshed was for one pass
+        lambda: field.set_view_weights(torch.rand(3, 30)),
+        lambda: field.select_points(torch.arange(20)),
+        sources.recompute_features,
+        lambda: field.set_points(some_points()),
+    ]
+    for change in changes:
+        change()
+        inputs = field._network_inputs()
+        assert torch.equal(inputs, (sources() - field._mean) / field._deviation)
+        assert field._network_inputs() is field._network_inputs()
+
+
 @every_kind
 def test_one_point_that_is_left_has_a_density(kind):
     """The deviation of one row is 0, not NaN: NaN is above no threshold, and looks empty."""

@@ -323,6 +323,66 @@ def test_with_a_trained_encoder_no_view_is_staler_than_it_was():
     assert last[1] < 1.3 * last[0]
 
 
+def make_weighted_trainer(kind: str, level: int = 0, **changes: Any) -> Trainer:
+    """Of points of which views are said to be sure at random."""
+    trainer = make_trainer(settings_of(kind, **changes), level=level)
+    random = torch.rand(4, len(trainer.points), generator=torch.Generator().manual_seed(3))
+    trainer._view_weights = random
+    trainer.field.set_view_weights(random)
+    return trainer
+
+
+def test_views_are_weighted_by_what_they_see_now_every_so_many_steps():
+    trainer = make_weighted_trainer(
+        "frozen", density_bias=-2.0, view_weights_interval=2, levels=[{"steps": 4}]
+    )
+    given, before = trainer._view_weights, trainer.field.source_features()
+    trainer.step()
+    assert trainer._view_weights is given
+    trainer.step()
+    weighted = trainer.field.source_features()
+    assert (weighted - before).abs().max() > 0.01
+    # E is as it was: only the weights are new, and those are what the field before them shows
+    trainer.field.set_view_weights(given)
+    assert torch.equal(trainer.field.source_features(), before)
+    now = trainer._compute_view_confidence(trainer.renderer, trainer.image_px // 2).per_view
+    assert torch.equal(trainer._view_weights, now)
+    trainer.field.set_view_weights(now)
+    assert torch.equal(trainer.field.source_features(), weighted)
+
+
+@pytest.mark.parametrize("changes", [{"view_weights_interval": 0}, {"levels": [{"steps": 2}]}])
+def test_views_keep_their_weights_where_none_are_due(changes):
+    trainer = make_weighted_trainer("frozen", **{"view_weights_interval": 2} | changes)
+    given = trainer._view_weights
+    trainer.step(), trainer.step()
+    assert trainer._view_weights is given
+
+
+def test_without_weights_of_a_level_before_all_views_stay_equal():
+    trainer = make_trainer(settings_of("frozen", density_bias=-2.0, view_weights_interval=1))
+    trainer.step()
+    assert trainer._view_weights is None
+
+
+@pytest.mark.parametrize("level", [WARM_UP, 0, 1])
+def test_the_encoder_is_trained_in_the_first_levels_alone(level):
+    config = settings_of(
+        "trained",
+        network={"encoder_update_levels": 1, "encoder_update_interval": 1},
+        levels=[{"steps": 3}, {"steps": 3}],
+        warm_up={"steps": 3},
+    )
+    trainer = make_trainer(config, level=level)
+    before = copy.deepcopy(trainer.field.source_features.encoder.state_dict())
+    for _ in range(2):
+        trainer.step()
+    after = trainer.field.source_features.encoder.state_dict()
+    is_kept = all(torch.equal(before[name], after[name]) for name in before)
+    assert is_kept == (level == 1)
+    assert trainer.is_checkpointable == (level == 1)  # all views are as E has them
+
+
 def test_points_that_were_skipped_stay_skipped():
     """Between sweeps points may become dense again where rays do not look; that is in the state."""
     config = settings_of("free", density_bias=1.0)

@@ -24,6 +24,7 @@ def settings() -> R2n2Settings:
         val_fraction=0.3,
         val_interval=2,
         patience=9,
+        keep="best",
     )
     return R2n2Settings(
         size="tiny",

@@ -54,7 +54,7 @@ def run(paths, out, *, views=None, **changes):
 
 def test_every_file_gets_its_verdict(folder):
     code, text, rows = run([folder], folder / "out")
-    assert code == 1  # one is refused
+    assert code == 2  # one is refused
     assert {name: row["verdict"] for name, row in rows.items()} == {
         "bad.stl": "refused",
         "good.stl": "usable",

@@ -39,6 +39,7 @@ class Field(nn.Module):
         self.source_features = self.network = None
         self.beta = 1.0  # softness, in first spacings: the unit of N's distances
         self._has_view_weights = False
+        self._normalized: tuple[int, Tensor] | None = None  # `num_changes`, and N's inputs then
         self.register_buffer("_mean", torch.zeros(0))
         self.register_buffer("_deviation", torch.zeros(0))
         if settings.network.enabled:
@@ -106,18 +107,25 @@ class Field(nn.Module):
         """Whether E is trained on this part."""
         return self.source_features is not None and self.source_features.is_trainable
 
+    def set_view_weights(self, view_weights: Float32[Tensor, "v m"]) -> None:
+        """Pool by the confidence (13) of each view in each point, as it is now; reading R3.
+
+        N's inputs are rescaled as those of the level's first weights were.
+        """
+        if self.source_features is not None:
+            self.source_features.set_view_weights(view_weights[self._source_views])
+
+    def is_encoder_updated(self, level: int) -> bool:
+        """Whether E is trained at this level."""
+        return self.is_encoder_trainable and level < self._settings.network.encoder_update_levels
+
     def refresh_views(self, step: int, generator: torch.Generator) -> None:
         """At every so-many-th step, encode some random views anew, differentiably in E."""
         settings = self._settings.network
-        if self.is_encoder_trainable and step % settings.encoder_update_interval == 0:
+        if step % settings.encoder_update_interval == 0:
             views = torch.randperm(len(self.source_features), generator=generator)
             views = views[: settings.encoder_update_views]
             self.source_features.refresh_views(views, generator)
-
-    def recompute_features(self) -> None:
-        """Encode all views with E as it is now, if E is trained: no view is stale after it."""
-        if self.is_encoder_trainable:
-            self.source_features.recompute_features()
 
     def select_points(self, indices: Int64[Tensor, "k"]) -> None:
         """Be the field at these of the points from now on, in this order."""
@@ -139,9 +147,17 @@ class Field(nn.Module):
 
     def _network_output(self) -> tuple[Float32[Tensor, "m"], Float32[Tensor, "m 3"]]:
         """Raw values and colors from N."""
-        inputs = (self.source_features() - self._mean) / self._deviation
-        raw, rgb = self.network(inputs, self.source_features.pooled_colors())
+        raw, rgb = self.network(self._network_inputs(), self.source_features.pooled_colors())
         return raw * self.beta, rgb
+
+    def _network_inputs(self) -> Float32[Tensor, "m c"]:
+        """Normalized inputs, kept while they do not change: to make them costs as much as N."""
+        num_changes = self.source_features.num_changes
+        if self._normalized is not None and self._normalized[0] == num_changes:
+            return self._normalized[1]
+        inputs = (self.source_features() - self._mean) / self._deviation
+        self._normalized = None if inputs.requires_grad else (num_changes, inputs)
+        return inputs
 
     @torch.no_grad()
     def clamp_parameters(self) -> None:

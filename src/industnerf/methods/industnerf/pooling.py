@@ -33,7 +33,7 @@ def pooling_weights(
 ) -> Float[Tensor, "v n 1"]:
     """Weight of each view for each point, of sum 1, or 0 for a point in no view.  Reading R3.
 
-    confidence_weighted: by the view's confidence (13) in the point after the last level.
+    confidence_weighted: by the view's confidence (13) in the point, as last computed.
     argmax_confidence: all of it to the view of the highest confidence.  Otherwise equal weights.
     Without `view_weights` all confidences are equal; the highest is then that of the first view.
     """

@@ -61,6 +61,7 @@ class SourceFeatures(nn.Module):
         self._network_settings, self._readings = settings.network, settings.readings
         is_trained = is_encoder_trained(settings.readings.encoder)
         self._position_only, self._image_noise = is_trained is None, settings.image_noise
+        self.num_changes = 0  # how often what a call returns has changed, or lost its gradient
         self.is_trainable = bool(is_trained)
         network = settings.network
         self.encoder = Encoder(network.feature_channels, network.encoder_width, network.rgb_skip)
@@ -92,6 +93,7 @@ class SourceFeatures(nn.Module):
             network_settings.encoding_beta,
             self._readings.position_encoding,
         )
+        self.num_changes += 1
         if self._position_only:
             return
         self._features, self._valid = self._sample_all_views()
@@ -130,10 +132,12 @@ class SourceFeatures(nn.Module):
     def _pool(self) -> None:
         reading = self._readings.view_pooling
         self._pooled = pool(self._features, self._valid, self._weights, reading)
+        self.num_changes += 1
 
     def select_points(self, indices: Int64[Tensor, "k"]) -> None:
         """Keep only these of the points, in this order."""
         self._points, self._encoding = self._points[indices], self._encoding[indices]
+        self.num_changes += 1
         if not self._position_only:
             self._features, self._valid = self._features[:, indices], self._valid[:, indices]
             self._weights = self._weights[:, indices]
@@ -153,8 +157,9 @@ class SourceFeatures(nn.Module):
         """Inputs of N in eq. (4); after a call, those of refreshed views lose their gradient."""
         pooled = [] if self._position_only else [self._pooled]
         inputs = torch.cat([self._encoding, *pooled], dim=1)
-        if pooled:
+        if inputs.requires_grad:
             self._pooled = self._pooled.detach()
+            self.num_changes += 1
         return inputs
 
     @torch.no_grad()

@@ -204,7 +204,8 @@ class Trainer:
         beta, settings = self.beta(), self.settings
         self._optimizer.set_lrs(self._progress(), self.constraints.lr(beta))
         self._update_beta()
-        self.field.refresh_views(self.steps_done, self._generator)
+        if self._is_encoder_updated:
+            self.field.refresh_views(self.steps_done, self._generator)
         output, batch = self.render_batch(*self.field())
         photometric = photometric_loss(output, batch.background, batch.target)
         loss = photometric + opacity_regularizer(
@@ -220,8 +221,20 @@ class Trainer:
         self.steps_done += 1
         if self._is_refresh_step:
             self._prune_empty()
-            self.field.recompute_features()
+            if self._is_encoder_updated:
+                self.field.source_features.recompute_features()  # no view is stale after it
+        self._update_view_weights()
         return photometric.detach()
+
+    def _update_view_weights(self) -> None:
+        """Every `view_weights_interval` steps: the confidence (13) of each view, as it is now."""
+        interval = self.settings.view_weights_interval
+        is_due = interval and self.steps_done % interval == 0 and self.steps_done < self.num_steps
+        if self._view_weights is None or not is_due:
+            return
+        confidence = self._compute_view_confidence(self.renderer, self.image_px // 2)
+        self._view_weights = confidence.per_view
+        self.field.set_view_weights(self._view_weights)
 
     def render_batch(
         self, values: Float32[Tensor, "m"], rgb: Float32[Tensor, "m 3"]
@@ -249,9 +262,13 @@ class Trainer:
         Raises ReconstructionFailed if no point has a density.
         """
         self._update_beta()  # a restored trainer has not taken the last step itself
-        is_last_level = self.level == len(self.settings.levels) - 1
-        renderer = self.fine_renderer(self.settings.beta.render) if is_last_level else self.renderer
-        image_px = self.settings.surface_px if is_last_level else self.image_px // 2
+        if self.level < len(self.settings.levels) - 1:
+            return self._compute_view_confidence(self.renderer, self.image_px // 2)
+        renderer = self.fine_renderer(self.settings.beta.render)
+        return self._compute_view_confidence(renderer, self.settings.surface_px)
+
+    def _compute_view_confidence(self, renderer: Renderer, image_px: int) -> ViewConfidence:
+        """The confidence of the source views in the points, at this size of the views."""
         values, rgb = self.values()
         sigma = density(values, renderer.beta)
         self._raise_if_empty(sigma)
@@ -270,7 +287,11 @@ class Trainer:
         `restore` encodes all views with E as it is.  While E is trained that is what they are
         just after all views were recomputed, not between.
         """
-        return self._is_refresh_step or not self.field.is_encoder_trainable
+        return self._is_refresh_step or not self._is_encoder_updated
+
+    @property
+    def _is_encoder_updated(self) -> bool:
+        return self.field.is_encoder_updated(self.level)
 
     @property
     def _is_refresh_step(self) -> bool:

@@ -29,7 +29,7 @@ def fit(
     scratch: Path,
     prior: Prior = NO_PRIOR,
 ) -> ModelState:
-    """The weights that are best on the validation parts."""
+    """The weights of one training, and how it went."""
     # late: torch is slow to import
     from industnerf.methods.occupancy.run import fit
 

@@ -1,15 +1,17 @@
 """`python -m industnerf.parts list` and `build`: print a catalogue, and build it again."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
 from industnerf.errors import BadParams, BadPart
 from industnerf.parts.catalogue.catalogues import catalogue_folder, load_families
-from industnerf.parts.catalogue.entries import read_catalogue
+from industnerf.parts.catalogue.entries import CatalogueEntry, read_catalogue
 from industnerf.parts.catalogue.part_builder import build_parts, read_draft, write_catalogue
 from industnerf.runner import runner_from_environment
 
@@ -43,22 +45,52 @@ def build_catalogue(
     console.print(f"{len(part_ids)} parts built into {folder}")
 
 
+DROPPED_FIRST = ("drawn with", "bodies", "faces", "designation", "volume, cm³", "family")
+ANY_WIDTH = 1000  # columns
+
+
 def print_catalogue(console: Console, name: str) -> None:
-    """Print the catalogue `name`, one row a part."""
+    """Print the catalogue `name`, one row a part; no cell is cut or broken.
+
+    A terminal that is too narrow shows fewer columns, a file or a pipe has all.
+    """
     entries = read_catalogue(catalogue_folder(name))
-    families = {entry.family for entry in entries}
-    table = Table(title=f"{len(entries)} parts in {len(families)} families")
-    for heading in ("part", "designation", "family", "drawn with"):
-        table.add_column(heading)
-    for heading in ("size, mm", "volume, cm³", "faces", "bodies"):
-        table.add_column(heading, justify="right")
-    for entry in entries:
-        properties = entry.measured
-        size = " x ".join(f"{side:.1f}" for side in properties.extents_mm)
-        counts = (
-            f"{properties.volume_mm3 / 1000:.2f}",
-            str(properties.faces),
-            str(properties.bodies),
-        )
-        table.add_row(entry.id, entry.designation, entry.family, entry.library, size, *counts)
+    columns = catalogue_columns(entries)
+    families = len(set(columns["family"]))
+    title = f"{len(entries)} parts in {families} families"
+    wide = console.options.update(max_width=ANY_WIDTH)
+    for heading in ("", *DROPPED_FIRST):
+        columns.pop(heading, None)
+        table = _table(title, columns)
+        width = console.measure(table, options=wide).maximum
+        if width <= console.width or not console.is_terminal:
+            break
+    console.width = max(width, console.width)  # rather too wide than cut
     console.print(table)
+
+
+def catalogue_columns(entries: Sequence[CatalogueEntry]) -> dict[str, list[str]]:
+    """What `list` shows of each of `entries`, by heading."""
+    measured = [entry.measured for entry in entries]
+    sizes = [" x ".join(f"{side:.1f}" for side in part.extents_mm) for part in measured]
+    return {
+        "part": [entry.id for entry in entries],
+        "designation": [entry.designation for entry in entries],
+        "family": [entry.family for entry in entries],
+        "drawn with": [entry.library for entry in entries],
+        "size, mm": sizes,
+        "volume, cm³": [f"{part.volume_mm3 / 1000:.2f}" for part in measured],
+        "faces": [str(part.faces) for part in measured],
+        "bodies": [str(part.bodies) for part in measured],
+    }
+
+
+def _table(title: str, columns: dict[str, list[str]]) -> Table:
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    texts = ("part", "designation", "family", "drawn with")
+    for heading in columns:
+        justify = "left" if heading in texts else "right"
+        table.add_column(heading, justify=justify, no_wrap=True)
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*row)
+    return table

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 
 from industnerf.artifacts.solids import Solids
-from industnerf.errors import BadParams
+from industnerf.errors import BAD_INPUT, BadParams
 from industnerf.parts.contact_sheet import Tile, render_tile, write_contact_sheet
 from industnerf.parts.io.cad_files import is_cad_file, name_files, unread_files
 from industnerf.parts.io.ingest import used_appearances
@@ -36,7 +36,7 @@ INTERRUPTED_EXIT_CODE = 130  # what a shell reports after Ctrl-C
 def check_cad_files(paths: Sequence[Path], params: Params, out: Path, console: Console) -> int:
     """Print a table and verdicts, and write `check.csv` and `check.png` into `out`.
 
-    Returns 0, 1 if a file is refused, or 130 after Ctrl-C: then for the files that were finished.
+    Returns 0, 2 if a file is refused, or 130 after Ctrl-C: then for the files that were finished.
     Raises BadParams if a folder among `paths` holds no file that could be read, or `out` cannot be
     written.
     """
@@ -54,7 +54,7 @@ def check_cad_files(paths: Sequence[Path], params: Params, out: Path, console: C
     tiles = [tile for number in sorted(results) for tile in results[number][1]]
     if findings:
         _report(findings, tiles, unread, out, console)
-    return code or int(any(finding.refused for finding in findings))
+    return code or (BAD_INPUT if any(finding.refused for finding in findings) else 0)
 
 
 def expand_folders(paths: Sequence[Path]) -> tuple[list[Path], list[Path]]:

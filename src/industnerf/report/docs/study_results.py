@@ -33,6 +33,9 @@ COMPARED_PAIRS = (
 COVERAGE_METHODS = ("industnerf_plus", "industnerf", "hull", "oracle")
 TOLERANCE_COLUMNS = {"covered_0.5mm": "within 0.5 mm", "covered_1mm": "within 1 mm"}
 GOAL_COLUMNS = {"value": "measured", "tsdf": "`tsdf`", "oracle": "`oracle`"}
+CHANGED_SINCE = (
+    "Some settings in `params.yaml` are no longer those of the study. A new run has others here:"
+)
 
 
 def readme_block(folder: Path) -> str:
@@ -213,20 +216,20 @@ def _missed_goals(rows: Sequence[CsvRow]) -> str:
 
 
 def _changes_since(published_params: Path, current_params: Path) -> str:
-    """A sentence on what of params.yaml is no longer as the study had it, or nothing."""
+    """A list of what of params.yaml is no longer as the study had it, or nothing."""
     old, new = (flatten(read_yaml(path)) for path in (published_params, current_params))
     changed = {key for key in old.keys() & new.keys() if old[key] != new[key]}
     changes = {
-        "has changed in": {".".join(key.split(".")[:3]) for key in changed},
-        "has gained": _only_in(new.keys(), old.keys()),
-        "has lost": _only_in(old.keys(), new.keys()),
+        "another value": {".".join(key.split(".")[:3]) for key in changed},
+        "new": _only_in(new.keys(), old.keys()),
+        "removed": _only_in(old.keys(), new.keys()),
     }
-    clauses = [
-        f"{verb} {', '.join(f'`{key}`' for key in _join_methods(keys))}"
-        for verb, keys in changes.items()
+    lines = [
+        f"- {what}: {', '.join(f'`{key}`' for key in _join_methods(keys))}\n"
+        for what, keys in changes.items()
         if keys
     ]
-    return f"Since then params.yaml {' and '.join(clauses)}.\n" if clauses else ""
+    return f"{CHANGED_SINCE}\n\n{''.join(lines)}" if lines else ""
 
 
 def _join_methods(keys: Set[str]) -> list[str]:

@@ -49,6 +49,7 @@ class ColorScale:
 
     ends: Sequence[float]
     start: float  # one of `ends`
+    tolerance: float | None = None  # marked on the scale of deviations
 
 
 def render_cloud_page(
@@ -62,7 +63,7 @@ def render_cloud_page(
 ) -> str:
     """The text of a page that shows `clouds`; `note` explains what their colors mean."""
     colorings = {name: text for name, text in LABELS.items() if _has(clouds, name)}
-    scene = _scene(clouds, unit, max(scale.ends))
+    scene = _scene(clouds, unit, max(scale.ends)) | {"tolerance_mm": scale.tolerance}
     viewer = {
         "names": [cloud.name for cloud in clouds],
         "colorings": colorings,

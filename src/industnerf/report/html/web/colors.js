@@ -86,9 +86,23 @@ function colorsOf(cloud, scene, settings) {
   return { colors: colorEach(cloud.count, coloring.of(cloud, scene, settings)), why: "" };
 }
 
-function ramp(map) {
+// `marks` are shares of its length.
+function ramp(map, marks = []) {
   const stops = [0, 32, 64, 96, 128, 160, 192, 224, 255].map((i) => `rgb(${map.subarray(3 * i, 3 * i + 3)})`);
-  return `<span class="ramp" style="background:linear-gradient(to right,${stops})"></span>`;
+  const lines = marks.map((share) => {
+    const [low, high] = [`calc(${100 * share}% - 1px)`, `calc(${100 * share}% + 1px)`];
+    return `linear-gradient(to right,transparent ${low},#1f2328 ${low},#1f2328 ${high},transparent ${high})`;
+  });
+  const layers = [...lines, `linear-gradient(to right,${stops})`];
+  return `<span class="ramp" style="background:${layers}"></span>`;
+}
+
+function deviationLegend({ limit_mm, tolerance_mm, unit, maps }) {
+  const end = `${limit_mm.toPrecision(3)} ${unit}`;
+  if (!tolerance_mm) return `-${end} ${ramp(maps.deviation)} +${end}: outside the surface`;
+  const half = tolerance_mm / (2 * limit_mm);
+  return `-${end} ${ramp(maps.deviation, [0.5 - half, 0.5 + half])} +${end}: outside the surface; ` +
+    `the marks are the tolerance, ${Number(tolerance_mm.toPrecision(3))} ${unit} on either side`;
 }
 
 function spot([r, g, b], text) {
@@ -101,7 +115,7 @@ function legendOf(settings) {
   const end = `${settings.limit_mm.toPrecision(3)} ${settings.unit}`;
   const named = {
     error: () => `0 ${ramp(settings.maps.error)} ${end} and more`,
-    deviation: () => `-${end} ${ramp(settings.maps.deviation)} ${end}: outside the surface`,
+    deviation: () => deviationLegend(settings),
     height: () => `bottom ${ramp(settings.maps.confidence)} top`,
     confidence: () => `confidence 0 ${ramp(settings.maps.confidence)} 1${truth}`,
     view: () => `each view has a color of its own, ${spot(GRAY, "view unknown")}${truth}`,

@@ -60,6 +60,7 @@ function startViewer(root) {
   const show = () => {
     settings.limit_mm = Number(limit.value) * scene.diagonal_mm;
     settings.unit = scene.unit;
+    settings.tolerance_mm = scene.tolerance_mm;
     settings.has_truth = "truth" in scene.packed;
     const names = sides.map((side) => side.querySelector("select").value);
     for (const points of shown) if (points) deletePoints(renderer, points);

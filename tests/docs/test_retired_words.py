@@ -1,4 +1,4 @@
-"""Retired words of the glossary do not come back in names."""
+"""Retired words do not come back in names."""
 
 import re
 from pathlib import Path
@@ -8,12 +8,12 @@ import pytest
 from tests.docs.names import names_by_file, python_names, words
 
 ROOT = Path(__file__).parents[2]
-GLOSSARY = (ROOT / "docs/glossary.md").read_text(encoding="utf-8")
+RETIRED = (ROOT / "docs/lab/names.md").read_text(encoding="utf-8")
 
 
 def retired_words() -> set[str]:
     """The words of the first column of the last table."""
-    rows = re.findall(r"^\| (`.*?`) \|", GLOSSARY.split("## Retired words")[1], re.MULTILINE)
+    rows = re.findall(r"^\| (`.*?`) \|", RETIRED.split("## Retired words")[1], re.MULTILINE)
     return {word for row in rows for word in re.findall(r"`(\w+)`", row)}
 
 
@@ -24,8 +24,8 @@ def test_no_name_has_a_retired_word():
     assert sorted(found) == []
 
 
-def test_the_glossary_has_retired_words_and_each_once():
-    rows = re.findall(r"`(\w+)`", GLOSSARY.split("## Retired words")[1])
+def test_there_are_retired_words_and_each_is_listed_once():
+    rows = re.findall(r"`(\w+)`", RETIRED.split("## Retired words")[1])
     assert len(rows) > 50
     assert len(rows) == len(set(rows))
 
