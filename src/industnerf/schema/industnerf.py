@@ -224,6 +224,14 @@ class PolishSettings:
 
 
 @dataclass(frozen=True)
+class CaveSettings:
+    """Hollows of the trained field that are filled where the pictures do not show them."""
+
+    max_cost_ratio: NonNegativeFloat
+    min_unseen_fraction: Fraction
+
+
+@dataclass(frozen=True)
 class RecessSettings:
     """Recesses along the normals of faces, cut where the pictures show mouths in these."""
 
@@ -253,6 +261,7 @@ class IndustnerfPlusSettings(IndustnerfSettings):
     max_grid_points: NonNegativeInt
     sdf: SdfSettings
     polish: PolishSettings
+    caves: CaveSettings
     recesses: RecessSettings
     openings: OpeningSettings
 

@@ -13,6 +13,7 @@ from industnerf.methods.industnerf_plus.face_maps import (
 )
 from industnerf.methods.industnerf_plus.faces import Face
 from industnerf.methods.industnerf_plus.pictures import Pictures
+from industnerf.methods.industnerf_plus.recesses import hull_thickness
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays
 from industnerf.methods.industnerf_plus.trials import Trials
 
@@ -95,8 +96,10 @@ def test_a_groove_to_the_border_of_the_face_is_a_gap():
     pictures = photographs(np.maximum(BLOCK, -groove))
     trials = Trials(surface, PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid), pictures)
     face = Face(np.array([0.0, 1.0, 0.0]), 15.3 + MIDDLE, 1000)
-    (outline,) = map_face(trials, face, end_lattice(trials), 0.03).gaps()
+    face_map = map_face(trials, face, end_lattice(trials), 0.03)
+    (outline,) = face_map.gaps()
     assert (outline > 0).sum() * RASTER**2 == pytest.approx(8 * (TOP - 3), rel=0.4)
+    assert hull_thickness(trials, face_map, outline) == pytest.approx(30, abs=2.5)
 
 
 def test_levels_are_medians_and_modes_of_what_is_seen():

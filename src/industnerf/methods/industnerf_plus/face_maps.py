@@ -152,12 +152,8 @@ def map_face(
 
 def end_lattice(trials: Trials) -> Float32[np.ndarray, "views h w"]:
     """How far the rays of every PIXEL_STEPth pixel go (cells); < 0: not known."""
-    rays = trials.rays
-    shape = (len(rays.centers), -(-rays.height // PIXEL_STEP), -(-rays.width // PIXEL_STEP))
-    ends = np.full(shape, -1, np.float32)
-    view, in_view = np.divmod(trials.pixels, rays.height * rays.width)
-    row, column = np.divmod(in_view, rays.width)
-    ends[view, row // PIXEL_STEP, column // PIXEL_STEP] = trials.ends
+    ends = np.full(trials.lattice_shape, -1, np.float32)
+    ends[trials.lattice_index] = trials.ends
     return ends
 
 

@@ -214,3 +214,30 @@ def scatter(
     """Set `values` at the nodes."""
     i = wp.tid()
     values[nodes[i][0], nodes[i][1], nodes[i][2]] = column[i]
+
+
+@wp.kernel
+@no_type_check
+def mark_passed(
+    origins: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    ends: wp.array(dtype=wp.float32),
+    step: float,
+    hull: wp.array3d(dtype=wp.float32),
+    is_passed: wp.array3d(dtype=wp.uint8),
+):
+    """Mark the nodes in the hull that rays pass before they end."""
+    n = wp.tid()
+    t = ends[n] - step
+    while t > 0.0:
+        p = origins[n] + t * directions[n]
+        i = int(wp.round(p[0]))
+        j = int(wp.round(p[1]))
+        k = int(wp.round(p[2]))
+        if i < 0 or j < 0 or k < 0:
+            break
+        if i >= hull.shape[0] or j >= hull.shape[1] or k >= hull.shape[2]:
+            break
+        if hull[i, j, k] < 0.0:
+            is_passed[i, j, k] = wp.uint8(1)
+        t -= step

@@ -16,6 +16,7 @@ from industnerf.methods.industnerf.scene import NerfScene, PosedImages
 from industnerf.methods.industnerf.variant import Variant
 from industnerf.methods.industnerf_plus.adaptive_resolution import adapt_resolution, hull_margin
 from industnerf.methods.industnerf_plus.appearance import Appearance
+from industnerf.methods.industnerf_plus.caves import fill_caves
 from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, from_points, hull_grid
 from industnerf.methods.industnerf_plus.openings import open_recesses
 from industnerf.methods.industnerf_plus.photo_hull import PhotoHull
@@ -137,14 +138,14 @@ class PolishedSurface:
             self._move_by_shading()
 
     def _move_by_shading(self) -> None:
-        """Cut and open recesses and polish, if light is found that explains the pictures."""
+        """Put the surface right in steps, and polish it, if light explains the pictures."""
         polisher = self._make_polisher()
         if not polisher.fit_light():
             self._go_without_light(FEW_PIXELS_WARNING)
         elif self._surface.finishes.outlier_share > self._settings.max_light_outliers:
             self._go_without_light(LIGHT_WARNING)
         else:
-            for change in (self._cut_recesses, self._open_recesses):
+            for change in (self._fill_caves, self._cut_recesses, self._open_recesses):
                 if change():
                     polisher = self._make_polisher()
                     polisher.fit_light()
@@ -160,6 +161,10 @@ class PolishedSurface:
         return Polisher(
             self._surface, self._rays, self._pictures, self._cell_px, self._settings, self._seed
         )
+
+    def _fill_caves(self) -> int:
+        caves = self._soft.variant.settings.caves
+        return fill_caves(self._surface, self._rays, self._pictures, caves)
 
     def _cut_recesses(self) -> int:
         recesses = self._soft.variant.settings.recesses

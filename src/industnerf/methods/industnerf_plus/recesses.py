@@ -179,7 +179,7 @@ class _Cutter:
 
 
 def hull_thickness(trials: Trials, face_map: FaceMap, outline: Float32[np.ndarray, "u v"]) -> float:
-    """How deep the hull goes under the mouth before all of it is outside (cells)."""
+    """How deep the hull goes under the mouth before all of it is outside again (cells)."""
     points = face_map.points(outline > 0)
     points = points[:: max(1, len(points) // 60)]
     size, thickness = np.array(trials.distance.shape), 0.0
@@ -187,7 +187,8 @@ def hull_thickness(trials: Trials, face_map: FaceMap, outline: Float32[np.ndarra
         below = points - depth * face_map.face.normal
         is_in_grid = ((below >= 2) & (below <= size - 3)).all(axis=1)
         hull = map_coordinates(trials.surface.grid.hull, below.T, order=1, cval=9.0)
-        if not (is_in_grid & (hull < -0.5)).any():
-            break
-        thickness = float(depth)
+        if (is_in_grid & (hull < -0.5)).any():
+            thickness = float(depth)
+        elif thickness or not is_in_grid.any():
+            break  # the hull of a gap starts farther down
     return thickness

@@ -66,7 +66,8 @@ class Verdict:
 class Trials:
     """The surface, and a lattice of pixels that judge its changes.
 
-    `points` (cells) are where their rays end, `ends` (cells) how far that is, < 0 where nowhere.
+    `points` (cells) are where their rays end, `ends` (cells) how far that is, < 0 where nowhere;
+    `lattice_index` is where each is on a lattice of `lattice_shape`.
     """
 
     def __init__(self, surface: ShadedSurface, rays: PinholeRays, pictures: Pictures) -> None:
@@ -76,6 +77,14 @@ class Trials:
         self.distance = surface.distance.numpy().copy()
         pixels = pixel_lattice(len(rays.centers), rays.height, rays.width, PIXEL_STEP)
         self.pixels = pixels[pictures.is_inside(pixels)]
+        view, in_view = np.divmod(self.pixels, rays.height * rays.width)
+        row, column = np.divmod(in_view, rays.width)
+        self.lattice_index = view, row // PIXEL_STEP, column // PIXEL_STEP
+        self.lattice_shape = (
+            len(rays.centers),
+            -(-rays.height // PIXEL_STEP),
+            -(-rays.width // PIXEL_STEP),
+        )
         self._weight = np.where(pictures.is_edge(self.pixels), EDGE_WEIGHT, 1.0)
         self.directions = rays.directions(self.pixels).astype(np.float32)
         self.origins = rays.centers.astype(np.float32)[self.pixels // (rays.width * rays.height)]
@@ -134,6 +143,10 @@ class Trials:
         else:
             self._set(change.nodes, change.before, near)
         return verdict if is_better else None
+
+    def apply(self, change: Change) -> None:
+        """Make a change that no judging pixel can see."""
+        self._set(change.nodes, change.after, self._gradient_nodes(change.nodes))
 
     def _set(self, nodes, values, near) -> None:
         self.distance[tuple(nodes.T)] = values
