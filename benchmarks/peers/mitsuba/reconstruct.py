@@ -1,13 +1,15 @@
 """Mitsuba 3 on our views: a mesh from the visual hull, optimized by differentiable rendering.
 
-python benchmarks/peers/mitsuba/reconstruct.py data/views/enclosure-120x80x40 out.ply
+python -m zipfile -e data/views/enclosure-120x80x40/photographs.zip enclosure
+python benchmarks/peers/mitsuba/reconstruct.py enclosure out.ply
 
 Needs `pip install mitsuba cholespy` and LLVM 19, whose libLLVM-19.so DRJIT_LIBLLVM_PATH names
 (Debian: libllvm19; LLVM 15 fails on its code).  It is given the training photographs and the
 background, from which it takes the silhouettes.  A pixel is diffuse reflectance under an
 environment map; vertices, reflectance and environment are optimized together, vertices by large
-steps (Nicolet et al., 2021: Large steps in inverse rendering of geometry).  Discontinuities are by
-projective sampling (Zhang et al., 2023: Projective sampling for differentiable rendering).
+steps (Nicolet et al., 2021: Large steps in inverse rendering of geometry).  Discontinuities of
+outlines are by projective sampling (Zhang et al., 2023: Projective sampling for differentiable
+rendering); those of shadows are left out, with which a step takes 20 times as long.
 """
 
 import argparse
