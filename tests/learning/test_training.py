@@ -93,6 +93,16 @@ def test_the_weights_of_the_last_step_are_kept_where_that_is_asked(tmp_path):
     assert result.val_history.loss.tolist() == [3.0, 1.0, 2.0, 2.0, 3.0]
 
 
+def test_weights_that_were_there_before_do_not_settle_a_training_that_keeps_its_last(tmp_path):
+    falling = [1.0, *np.arange(10.0)[::-1] + 2]
+    settled = {
+        keep: train_scalar(falling, tmp_path / keep, starts_trained=True, keep=keep)[1]
+        for keep in ("best", "last")
+    }
+    assert settled["best"].has_converged
+    assert not settled["last"].has_converged
+
+
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):
     number, result = train_scalar([2.0, 1.0], tmp_path, max_steps=5, val_interval=3)
     assert result.val_history.steps.tolist() == [2, 4]

@@ -611,7 +611,7 @@ def zipped(workspace, root="."):
     return path
 
 
-@pytest.mark.parametrize("root", [".", "project"])
+@pytest.mark.parametrize("root", [".", "project", "a/project"])
 def test_an_archive_is_read_as_the_folder_that_it_holds(workspace, fake, root):
     workspace.run("--npz", "--out", workspace.folder / "of_folder.ply")
     archive = zipped(workspace, root)
@@ -635,6 +635,18 @@ def test_what_is_wrong_with_an_archive_is_said_of_it(workspace):
     archive.write_bytes(archive.read_bytes().replace(b"PK\x01\x02", b"PK\x01\x07", 1))
     code, _, errors = workspace.run("--cameras", archive, "--force")
     assert (code, errors.startswith(f"error: {archive}: cannot be unpacked: ")) == (2, True)
+
+
+def test_a_damaged_archive_is_refused(workspace):
+    """Whatever the decompressor raises."""
+    path = zipped(workspace)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("transforms.json", "camera " * 5000)
+    content = bytearray(path.read_bytes())
+    content[50:60] = b"\xff" * 10
+    path.write_bytes(content)
+    code, _, errors = workspace.run("--cameras", path)
+    assert (code, errors.startswith(f"error: {path}: cannot be unpacked: ")) == (2, True)
 
 
 def test_arrays_of_numpy_are_no_archive(workspace):

@@ -241,9 +241,11 @@ class _Trainer:
     def result(self) -> TrainResult:
         """The summary of a finished training."""
         progress = self.progress
+        # the weights that a training starts from are none of its own, unless they may be kept
+        first = int(self.settings.keep == "last" and progress.val_steps[:1] == [0])
         return TrainResult(
             progress.step,
-            has_converged(progress.val_steps, progress.val_losses),
+            has_converged(progress.val_steps[first:], progress.val_losses[first:]),
             History(np.arange(progress.step), np.array(progress.train_losses), {}),
             # weights that were trained before are validated before the first step
             History(

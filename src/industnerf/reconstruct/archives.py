@@ -1,6 +1,8 @@
 """Cameras and photographs in one zip archive, such as the `photographs.zip` of the stage views."""
 
+import lzma
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -9,6 +11,16 @@ from tempfile import TemporaryDirectory
 
 from industnerf.errors import BadArtifact
 from industnerf.reconstruct.load_images import ImageSet
+
+UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    EOFError,
+    OSError,
+    RuntimeError,  # encrypted
+    NotImplementedError,  # a compression that Python lacks
+)
 
 
 @contextmanager
@@ -26,7 +38,7 @@ def unpacked(cameras: Path) -> Iterator[Path]:
         try:
             with zipfile.ZipFile(cameras) as archive:
                 archive.extractall(folder)
-        except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError) as error:
+        except UNREADABLE as error:
             raise BadArtifact(f"{cameras}: cannot be unpacked: {error}") from None
         try:
             yield _top_folder(folder)
@@ -47,9 +59,10 @@ def _is_archive(path: Path) -> bool:
 
 
 def _top_folder(folder: Path) -> Path:
-    """`folder`, or the one folder that is all it holds."""
-    entries = [entry for entry in folder.iterdir() if entry.name != "__MACOSX"]
-    return entries[0] if len(entries) == 1 and entries[0].is_dir() else folder
+    """`folder`, or the folder in it, as long as that is all it holds."""
+    entries = [e for e in folder.iterdir() if e.name != "__MACOSX" and not e.name.startswith(".")]
+    is_wrapper = len(entries) == 1 and entries[0].is_dir()
+    return _top_folder(entries[0]) if is_wrapper else folder
 
 
 def named_in_archive(image_set: ImageSet, folder: Path, archive: Path) -> ImageSet:

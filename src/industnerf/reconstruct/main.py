@@ -101,9 +101,13 @@ def _run(options: Options, display: Display) -> Summary:
 
 
 def _covered(options: Options, image_set: ImageSet, result: Any) -> float:
-    """The share of the silhouettes that the result covers, where a method finds them by color."""
+    """The share of the silhouettes that the result covers, where a method finds them by color.
+
+    All of them, where the region is narrowed: they may show what is beside it.
+    """
     has_masks = image_set.background is not None and options.background is None
-    if has_masks or options.method != "industnerf_plus":
+    is_narrowed = options.center is not None or options.radius is not None
+    if has_masks or is_narrowed or options.method != "industnerf_plus":
         return 1.0
     views = np.arange(len(image_set.rgb))
     silhouettes = silhouettes_of(views, image_set.rgb, image_set.cameras, result.background)

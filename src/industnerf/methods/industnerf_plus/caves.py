@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 import warp as wp
 from jaxtyping import Bool, Float32, Int64
-from scipy.ndimage import binary_dilation, find_objects, label, minimum
+from scipy.ndimage import binary_dilation, find_objects, label, minimum, minimum_filter
 
 from industnerf.geometry.warp_runtime import warp_device
 from industnerf.methods.industnerf_plus import grid_kernels
@@ -130,6 +130,8 @@ def _fill(
         trials.apply(changes[0])
         return True
     verdicts = [trials.attempt(change, chosen, max_cost_ratio, keep=False) for change in changes]
+    if not any(verdicts):
+        return False
     gains = [verdict.gain if verdict else -np.inf for verdict in verdicts]
     best = changes[int(np.argmax(gains))]
     return trials.attempt(best, chosen, max_cost_ratio, keep=True) is not None
@@ -144,6 +146,11 @@ def pixels_behind(trials: Trials, nodes: Int64[np.ndarray, "n 3"]) -> Int64[np.n
         pixel, is_in_frame = rays.project(nodes.astype(float), np.full(len(nodes), view))
         row, column = np.divmod(pixel[is_in_frame] % (rays.height * rays.width), rays.width)
         depth = np.linalg.norm(nodes[is_in_frame] - center, axis=1)
+        if not len(depth):
+            continue
         np.minimum.at(nearest[view], (row // PIXEL_STEP, column // PIXEL_STEP), depth)
+        cell_px = 1 / (np.linalg.norm(rays.pixel_to_ray[view][:, 0]) * depth.min())
+        size = 2 * int(cell_px / PIXEL_STEP) + 1  # nodes farther apart than pixels leave some out
+        nearest[view] = minimum_filter(nearest[view], size)
     start = nearest[trials.lattice_index] - MARGIN
     return np.flatnonzero((trials.ends > start) | ((trials.ends < 0) & np.isfinite(start)))
