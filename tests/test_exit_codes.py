@@ -2,6 +2,7 @@
 
 import runpy
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -35,7 +36,9 @@ def test_bad_input_ends_with_code_2(command_line, monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     monkeypatch.setenv("INDUSTNERF_MLFLOW", "off")
     monkeypatch.setattr(sys, "argv", [module, *arguments])
-    monkeypatch.delitem(sys.modules, module, raising=False)
+    is_package = find_spec(module).submodule_search_locations is not None
+    run = f"{module}.__main__" if is_package else module
+    monkeypatch.delitem(sys.modules, run, raising=False)  # it may not be run and be imported too
     with pytest.raises(SystemExit) as end:
         runpy.run_module(module, run_name="__main__")
     assert end.value.code == 2

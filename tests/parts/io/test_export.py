@@ -231,7 +231,7 @@ def test_the_command_line_refuses_in_one_sentence(
 ):
     argv = ["export", *arguments, "--set", "organic", "--format", "stl", "--out", str(tmp_path)]
     monkeypatch.setattr(sys, "argv", ["parts", *argv])
-    assert command_line.main() == 1
+    assert command_line.main() == 2
     assert message in capsys.readouterr().err
 
 
