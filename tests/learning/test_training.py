@@ -101,6 +101,10 @@ def test_weights_that_were_there_before_do_not_settle_a_training_that_keeps_its_
     }
     assert settled["best"].has_converged
     assert not settled["last"].has_converged
+    untrained = train_scalar(
+        [1.0], tmp_path / "none", starts_trained=True, keep="last", max_steps=0
+    )
+    assert untrained[1].has_converged
 
 
 def test_the_last_step_is_validated_whatever_its_number(tmp_path):

@@ -241,8 +241,9 @@ class _Trainer:
     def result(self) -> TrainResult:
         """The summary of a finished training."""
         progress = self.progress
-        # the weights that a training starts from are none of its own, unless they may be kept
-        first = int(self.settings.keep == "last" and progress.val_steps[:1] == [0])
+        # the weights that a training starts from are none of its own, unless they are what is kept
+        goes_on = self.settings.keep == "last" and progress.step > 0
+        first = int(goes_on and progress.val_steps[:1] == [0])
         return TrainResult(
             progress.step,
             has_converged(progress.val_steps[first:], progress.val_losses[first:]),
