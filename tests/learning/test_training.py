@@ -95,12 +95,12 @@ def test_the_weights_of_the_last_step_are_kept_where_that_is_asked(tmp_path):
 
 def test_weights_that_were_there_before_do_not_settle_a_training_that_keeps_its_last(tmp_path):
     falling = [1.0, *np.arange(10.0)[::-1] + 2]
-    settled = {
+    results = {
         keep: train_scalar(falling, tmp_path / keep, starts_trained=True, keep=keep)[1]
         for keep in ("best", "last")
     }
-    assert settled["best"].has_converged
-    assert not settled["last"].has_converged
+    assert results["best"].has_converged
+    assert not results["last"].has_converged
     untrained = train_scalar(
         [1.0], tmp_path / "none", starts_trained=True, keep="last", max_steps=0
     )
