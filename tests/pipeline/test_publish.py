@@ -84,7 +84,7 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
     code, output = project.run("python", "-m", "industnerf.report.docs")
     assert code == 0, output
     page = (project.folder / "docs/results/study.md").read_text()
-    assert "has changed" in read_block(page, "study")
+    assert "no longer those of the study" in read_block(page, "study")
     assert lock_mismatches(out, "pipeline") == []
 
 

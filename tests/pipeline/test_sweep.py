@@ -84,7 +84,7 @@ def test_a_folder_of_something_else_stays_as_it_is(project):
     for name in ("table1.csv", "made.json", "sweep.csv"):
         (folder / name).write_text("dear")
     code, output = run_sweep(project, "methods=[ball]", "hydra.sweep.dir=mine")
-    assert (code, "mine holds something else than a sweep" in output) == (1, True)
+    assert (code, "mine holds something else than a sweep" in output) == (2, True)
     assert [path.read_text() for path in sorted(folder.iterdir())] == ["dear"] * 3
 
 
