@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from industnerf.config import load_params
-from industnerf.methods.industnerf_plus.caves import caves, fill_caves, unseen_air
+from industnerf.geometry.cameras import Cameras, look_at, pinhole
+from industnerf.geometry.sphere import fibonacci_sphere
+from industnerf.methods.industnerf_plus.caves import caves, fill_caves, pixels_behind, unseen_air
+from industnerf.methods.industnerf_plus.pictures import Pictures
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays
 from industnerf.methods.industnerf_plus.trials import Trials
 
@@ -73,3 +76,21 @@ def test_nothing_is_filled_where_the_settings_say_so():
     rays = PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid)
     settings = replace(SETTINGS, max_cost_ratio=0.0)
     assert fill_caves(surface, rays, photographs(BLOCK), settings) == 0
+
+
+@pytest.mark.parametrize("px", [160, 640], ids=["2 px a cell", "9 px a cell"])
+def test_all_pixels_that_show_the_nodes_judge(px):
+    cameras = Cameras(
+        np.repeat(pinhole(30.0, px)[None], 3, 0),
+        look_at(4.0 * fibonacci_sphere(3), np.zeros(3)),
+        px,
+        px,
+    )
+    images, background = np.zeros((3, px, px, 3), np.uint8), np.ones((3, 3))
+    pictures = Pictures(images, background, np.full((3, px, px), 5, np.float32))
+    surface = surface_of(BLOCK)
+    trials = Trials(surface, PinholeRays(cameras, np.zeros(3), 1.0, surface.grid), pictures)
+    nodes = np.argwhere(np.abs(surface.distance.numpy()) < 2)
+    shown = np.flatnonzero(trials.ends > 0)
+    assert len(shown) > 100
+    assert np.isin(shown, pixels_behind(trials, nodes)).all()
