@@ -35,6 +35,7 @@ REPORT_FILES = {
     "scores.csv",
     "strata.csv",
     "strata.md",
+    "strata.png",
     "summary.json",
     "table1.csv",
     "table1.md",

@@ -5,7 +5,7 @@ table2.csv table2.md       renderings and confidence
 inspection.csv .md         errors of the clouds in millimeters
 comparisons.csv .md        paired significance tests
 strata.csv .md             methods by stratum of the parts
-contact_sheet.png
+contact_sheet.png strata.png
 sparsification.png         if a method returns candidates
 summary.json               the means, for MLflow
 metrics/ plots/            what `dvc metrics` and `dvc plots` show
@@ -19,8 +19,9 @@ from pathlib import Path
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.content import content_digest
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
-from industnerf.report.figures.pareto import plot_pareto
+from industnerf.report.figures.pareto import plot_pareto, seconds_and_ratios
 from industnerf.report.figures.sparsification import plot_sparsification
+from industnerf.report.figures.strata_heatmap import plot_strata
 from industnerf.report.html.page import load_page_media, render_page
 from industnerf.report.part_subsets import select_viewer_parts
 from industnerf.report.publish.origins import origins_line, origins_md, read_origins
@@ -54,13 +55,16 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     write_text(out / CURVES, curves_csv(study))
     viewer_parts = select_viewer_parts(study, settings.contact_sheet_parts)
     sheet_png = draw_contact_sheet(study, viewer_parts)
-    pareto_png = plot_pareto(results.table1, results.table1_extras)
+    points = seconds_and_ratios(study, costs, results.table1[0].split)
+    pareto_png = plot_pareto(results.table1, results.table1_extras, points)
     sparsification_png = plot_sparsification(study)
     media = load_page_media(study, viewer_parts, sheet_png, pareto_png, sparsification_png)
     provenance = ". ".join(filter(None, (provenance_line(), origins_line(origins))))
     page = render_page(results, media, load_published_grid(grid_folder), provenance)
     write_text(out / "report.html", page)
     (out / "pareto.png").write_bytes(pareto_png)
+    if strata_png := plot_strata(results.strata):
+        (out / "strata.png").write_bytes(strata_png)
     if sheet_png:
         (out / "contact_sheet.png").write_bytes(sheet_png)
     if sparsification_png:

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.figure import Figure
 from PIL import Image
 
-from industnerf.report.figures.pareto import pareto_front, plot_pareto
+from industnerf.report.figures import pareto
+from industnerf.report.figures.pareto import pareto_front, plot_pareto, seconds_and_ratios
+from industnerf.report.tables.costs import CostRow
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 from industnerf.report.tables.table1 import table1_rows
 from industnerf.report.tables.table1_format import Table1Extra
+from industnerf.store import Cost
 from tests.report.conftest import SETTINGS
 
 LEVELS = [0.5, 1.0, 2.0, 4.0, 8.0]
@@ -32,6 +35,11 @@ def test_the_front_is_what_nothing_beats_at_both(points):
     assert pareto_front(points) == brute_force_front(points)
 
 
+def blue_pixel_count(png):
+    red, _, blue = np.moveaxis(np.asarray(Image.open(io.BytesIO(png)).convert("RGB")), 2, 0)
+    return int((blue.astype(int) - red > 60).sum())
+
+
 def test_it_is_drawn_with_the_seconds_that_are_known_and_without_any(study):
     rows = table1_rows(study, SETTINGS)
     blue_pixels = []
@@ -40,11 +48,31 @@ def test_it_is_drawn_with_the_seconds_that_are_known_and_without_any(study):
             Table1Extra(row.emd_even, 10.0**i if has_seconds else None)
             for i, row in enumerate(rows)
         ]
-        picture = Image.open(io.BytesIO(plot_pareto(rows, extras))).convert("RGB")
-        red, _, blue = np.moveaxis(np.asarray(picture).astype(int), 2, 0)
-        blue_pixels.append(int((blue - red > 60).sum()))
+        blue_pixels.append(blue_pixel_count(plot_pareto(rows, extras, {})))
     assert blue_pixels[0] > 50
     assert blue_pixels[1] == 0
+
+
+def test_each_part_is_a_dot_at_its_seconds_and_floors(study, monkeypatch):
+    figures = []
+    monkeypatch.setattr(pareto, "encode_png", lambda figure: figures.append(figure) or b"")
+    rows = table1_rows(study, SETTINGS)
+    split, first = rows[0].split, rows[0].method
+    costs = [
+        CostRow(stage, row.method, row.part_id, Cost(9.0, 1.0, "cpu", 0.0, seconds, 0.0))
+        for row in scores_of(study, first, split)
+        for stage, seconds in (("reconstruct", 2.0), ("evaluate", 7.0))
+    ]
+    points = seconds_and_ratios(study, costs, split)
+    expected = [
+        (2.0, row.score.value / row.score.floor)
+        for row in select_scores(scores_of(study, first, split), *EMD_EVEN)
+    ]
+    assert points[first] == expected
+    assert not any(points[other] for other in points if other != first)  # of unknown seconds
+    plot_pareto(rows, [Table1Extra(None, 2.0) for _ in rows], points)
+    lines = figures[0].axes[0].lines
+    assert any(line.get_xydata().tolist() == [list(point) for point in expected] for line in lines)
 
 
 STUDY_2026_11_26 = {  # seconds a part and EMD (even) of the study of 2026-11-26
@@ -71,10 +99,13 @@ STUDY_2026_11_26 = {  # seconds a part and EMD (even) of the study of 2026-11-26
 )
 def test_every_name_can_be_read(study, monkeypatch, extra_methods):
     figures = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    monkeypatch.setattr(pareto, "encode_png", lambda figure: figures.append(figure) or b"")
     row, has_seconds = table1_rows(study, SETTINGS)[0], STUDY_2026_11_26 | extra_methods
-    rows = [replace(row, method=name, emd_even=emd) for name, (_, emd) in has_seconds.items()]
-    plot_pareto(rows, [Table1Extra(None, seconds) for seconds, _ in has_seconds.values()])
+    rows = [
+        replace(row, method=name, ratio_to_floor=emd / row.floor)
+        for name, (_, emd) in has_seconds.items()
+    ]
+    plot_pareto(rows, [Table1Extra(None, seconds) for seconds, _ in has_seconds.values()], {})
     figures[0].draw_without_rendering()
     (axis,) = figures[0].axes
     assert {text.get_text() for text in axis.texts} == set(has_seconds)

@@ -1,12 +1,18 @@
-"""EMD against seconds: a PNG of its own, because seconds differ between runs."""
+"""All methods at a glance: EMD against seconds, which differ from run to run."""
 
-import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from industnerf.methods.base import Role
+from industnerf.methods.base import Role, Scope
+from industnerf.report.figures.figure_style import encode_png, new_figure
+from industnerf.report.study import Study
+from industnerf.report.tables.costs import CostRow
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 from industnerf.report.tables.table1 import Table1Row
 from industnerf.report.tables.table1_format import Table1Extra
+
+Point = tuple[float, float]
 
 # Where a text may stand beside its point: points right and up, and which of its ends is there.
 LABEL_OFFSETS = [
@@ -17,41 +23,95 @@ LABEL_OFFSETS = [
 DOT_RADIUS = 4  # points from the middle of a dot to its rim, with some air
 
 
-def plot_pareto(rows: Sequence[Table1Row], extras: Sequence[Table1Extra]) -> bytes:
-    """A PNG of EMD (even) against seconds per part, with the Pareto front.
+@dataclass(frozen=True)
+class MethodGroup:
+    """Methods that are drawn alike."""
 
+    label: str
+    color: str
+    is_competitor: bool  # may be on the front; its dot is filled
+
+
+PART_GROUP = MethodGroup("from photographs of the part alone", "#30638e", True)
+DATASET_GROUP = MethodGroup("learns from other parts", "#c8691c", True)
+REFERENCE_GROUP = MethodGroup("bounds and nulls", "#6e7781", False)
+FRONT_COLOR = "#d1495b"
+
+
+def plot_pareto(
+    rows: Sequence[Table1Row],
+    extras: Sequence[Table1Extra],
+    part_points: Mapping[str, Sequence[Point]],
+) -> bytes:
+    """A PNG of EMD over its floor against seconds per part, with the Pareto front.
+
+    Large dots are the means of Table 1, small ones the parts, which `part_points` has by method.
     Rows of another split than the first, and methods whose seconds the store does not know, are
     left out. Bounds and nulls are hollow and not on the front.
     """
-    from matplotlib.figure import Figure
-
-    points = [
-        (extra.seconds, row.emd_even, row.method, extra.role == Role.METHOD)
+    means = [
+        (extra.seconds, row.ratio_to_floor, row.method, _group(row, extra))
         for row, extra in zip(rows, extras, strict=True)
         if extra.seconds and row.split == rows[0].split
     ]
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    figure = new_figure(8.4, 5.4)
     axis = figure.subplots()
     kind = "wall" if any(extra.is_wall_time for extra in extras) else "processor"
-    axis.set(xlabel=f"{kind} seconds a part, reconstruction alone", ylabel="EMD (even), diagonals")
-    if points:
+    axis.set(xlabel=f"{kind} seconds a part, reconstruction alone", ylabel="EMD (even) / floor")
+    if means:
         axis.set(xscale="log", yscale="log")
+        axis.yaxis.set_major_locator(LogLocator(10, subs=(1, 2, 5)))
+        axis.yaxis.set_minor_locator(NullLocator())
+        axis.yaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_major_formatter("{x:g}")
     else:
         axis.text(0.5, 0.5, "the store, which knows the seconds, is not at hand", ha="center")
-    for seconds, emd, _, is_competitor in points:
-        axis.plot(seconds, emd, "o", color="#30638e", mfc="#30638e" if is_competitor else "white")
-    frontier = pareto_front(
-        [(seconds, emd) for seconds, emd, _, is_competitor in points if is_competitor]
-    )
+    for seconds, ratio, method, group in means:
+        fill = group.color if group.is_competitor else "white"
+        axis.plot(seconds, ratio, "o", ms=7, color=group.color, mfc=fill, zorder=3)
+        if dots := part_points.get(method):
+            axis.plot(*zip(*dots, strict=True), ".", ms=3, color=group.color, alpha=0.3, zorder=1)
+    frontier = pareto_front([(x, y) for x, y, _, group in means if group.is_competitor])
     if frontier:
-        axis.step(*zip(*frontier, strict=True), where="post", color="#d1495b", lw=1, zorder=0)
+        axis.step(*zip(*frontier, strict=True), where="post", color=FRONT_COLOR, lw=1, zorder=2)
+    for group in dict.fromkeys(group for *_, group in means):
+        fill = group.color if group.is_competitor else "white"
+        axis.plot([], [], "o", ms=7, color=group.color, mfc=fill, label=group.label)
     axis.grid(color="#eaeef2")
     axis.set_axisbelow(True)
     axis.spines[["top", "right"]].set_visible(False)
-    label_points(axis, [(*point, "black") for *point, _ in points], 8)
-    png = io.BytesIO()
-    figure.savefig(png, dpi=130, metadata={"Software": None})
-    return png.getvalue()
+    if means:
+        axis.plot([], [], ".", ms=3, color=REFERENCE_GROUP.color, label="one part")
+        figure.legend(loc="outside upper center", ncols=4, frameon=False, fontsize=8)
+    label_points(axis, [(x, y, method, "black") for x, y, method, _ in means], 8)
+    return encode_png(figure)
+
+
+def _group(row: Table1Row, extra: Table1Extra) -> MethodGroup:
+    if extra.role != Role.METHOD:
+        return REFERENCE_GROUP
+    return PART_GROUP if row.scope == Scope.PART else DATASET_GROUP
+
+
+def seconds_and_ratios(
+    study: Study, costs: Sequence[CostRow], split: str
+) -> dict[str, list[Point]]:
+    """Method -> seconds and EMD (even) over its floor of each part of `split` with both."""
+    seconds = {
+        (row.method, row.part_id): row.cost.processor_seconds
+        for row in costs
+        if row.stage == "reconstruct"
+    }
+    return {
+        method: [
+            (seconds[method, row.part_id], row.score.value / row.score.floor)
+            for row in select_scores(scores_of(study, method, split), *EMD_EVEN)
+            if seconds.get((method, row.part_id))
+        ]
+        for method in study.methods
+    }
 
 
 def label_points(
