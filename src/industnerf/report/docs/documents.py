@@ -4,6 +4,7 @@ from pathlib import Path
 
 from industnerf.artifacts.files import write_text
 from industnerf.config import PARAMS, load_stages, read_yaml
+from industnerf.report.docs.claims import claims_block
 from industnerf.report.docs.costs import cluster_block, costs_block
 from industnerf.report.docs.hyperparameters.document import render_document
 from industnerf.report.docs.learned_methods import leakage_block, networks_block
@@ -30,6 +31,7 @@ def generated_blocks(root: Path) -> dict[Path, dict[str, str]]:
     if study.exists():
         blocks[README] = {"study": readme_block(study)}
         blocks[RESULTS / "study.md"] = {"study": results_block(study, root / PARAMS)}
+        blocks[RESULTS / "claims.md"] = {"claims": claims_block(study, root / PUBLISHED)}
         blocks[REFERENCE / "scaling.md"] = {
             "costs": costs_block(study),
             "cluster": cluster_block(study),

@@ -96,7 +96,7 @@ def _test_rows(folder: Path) -> list[CsvRow]:
 
 def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str:
     """The named columns of Table 1."""
-    seconds, interval, table = _mean_seconds(folder), _interval_label(folder), table1_cells(folder)
+    seconds, interval, table = mean_seconds(folder), _interval_label(folder), table1_cells(folder)
     cells: dict[str, Callable[[CsvRow], str]] = {
         "method": lambda row: row["method"] + (" (undertrained)" if row["undertrained"] else ""),
         "inputs": lambda row: row["inputs"],
@@ -115,7 +115,7 @@ def _seconds_label(folder: Path) -> str:
     return seconds_label(read_csv(folder / "cost.csv"))
 
 
-def _mean_seconds(folder: Path) -> dict[str, float]:
+def mean_seconds(folder: Path) -> dict[str, float]:
     """Mean seconds of each method for one test part."""
     parts = {row["part_id"] for row in read_csv(folder / "scores.csv") if row["split"] == "test"}
     seconds_by_method = defaultdict(list)

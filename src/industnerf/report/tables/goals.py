@@ -38,6 +38,8 @@ FULLY_VISIBLE_EMD = (
     f"EMD (even) in floors, parts that the rig sees to {FULLY_VISIBLE:g} without pockets"
 )
 SHARE_ABOVE = "share of parts above"
+CONFIDENCE_CORRELATION = "rank correlation of confidence with the distance to the truth"
+MEMORY = "peak memory of any part, GB"
 AUSE_SHARE = "AUSE of confidence, over that of a random order (0: of the true order)"
 
 ScoresByPart = dict[str, Score]  # by part
@@ -179,8 +181,7 @@ def _confidence_goals(study: Study, method: str) -> Iterable[Goal]:
         if (rows := select_scores(scores, *key))
     }
     if SPEARMAN in means:
-        quantity = "rank correlation of confidence with the distance to the truth"
-        yield Goal(method, quantity, -0.5, False, means[SPEARMAN])
+        yield Goal(method, CONFIDENCE_CORRELATION, -0.5, False, means[SPEARMAN])
     if means.get(AUSE_RANDOM):
         yield Goal(method, AUSE_SHARE, 1.0, False, means[AUSE] / means[AUSE_RANDOM])
 
@@ -203,7 +204,7 @@ def _cost_goals(study: Study, costs: Sequence[CostRow], method: str) -> Iterable
     quantity = f"mean {'wall' if is_wall_time else 'processor'} seconds a part"
     yield Goal(method, quantity, bound, False, fmean(seconds), supplement=supplement)
     peak_gb = max(cost.peak_mb for cost in method_costs) * 2**20 / 1e9  # peak_mb counts MiB
-    yield Goal(method, "peak memory of any part, GB", 2.0, False, peak_gb)
+    yield Goal(method, MEMORY, 2.0, False, peak_gb)
 
 
 def add_capture_goals(goals: Sequence[Goal], published: Sequence[Mapping[str, str]]) -> list[Goal]:

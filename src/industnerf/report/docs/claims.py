@@ -1,0 +1,233 @@
+"""docs/results/claims.md: what the paper claims, and what the published results say of it."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean
+
+from industnerf.report import paper_results
+from industnerf.report.docs.study_results import mean_seconds
+from industnerf.report.tables.formats import format_interval, markdown_table, read_csv
+from industnerf.report.tables.goals import AUSE_SHARE, CONFIDENCE_CORRELATION, MEMORY
+from industnerf.report.tables.scores import EMD_EVEN
+
+HOLDS, FAILS, UNDECIDED = "holds", "does not hold", "cannot be told"
+BASELINES = {"r2n2": "3D-R2N2", "atlasnet": "AtlasNet", "occupancy": "Occupancy Networks"}
+CLASSICAL = {"hull": "the visual hull", "carve": "space carving"}
+HEADS = ("section", "claim", "verdict", "measured")
+METHOD = paper_results.METHOD
+REAL_TIME_SECONDS = 1.0
+FOUR_PARTS_RESOLUTION = 0.002  # smaller differences of EMD on four parts prove nothing
+
+CsvRow = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim, and what is measured of it."""
+
+    section: str
+    text: str
+    verdict: str
+    measured: str
+
+    def cells(self) -> tuple[str, ...]:
+        """One for each of HEADS."""
+        return self.section, self.text, f"**{self.verdict}**", self.measured
+
+
+def claims_block(study: Path, sweeps: Path) -> str:
+    """Three tables: the paper's claims, what it does not compare with, and its limitations.
+
+    `study` is a folder of published results beside that of the organic set, `sweeps` that of the
+    published sweeps.
+    """
+    claims = [
+        *_baseline_claims(study, BASELINES),
+        *_family_claim(study),
+        *_view_claim(sweeps / "sweep-views" / "steps.csv"),
+        *_confidence_claim(study),
+        *_unsupervised_claim(study),
+        *_number_claim(study),
+    ]
+    tables = [
+        markdown_table(HEADS, [claim.cells() for claim in group])
+        for group in (
+            claims,
+            [*_baseline_claims(study, CLASSICAL)],
+            [*_cost_limits(study, sweeps), *_organic_limit(study), *_noise_limit(sweeps)],
+        )
+    ]
+    return (
+        f"{tables[0]}\nWhat the paper does not compare with:\n\n{tables[1]}\n"
+        f"Limitations that the paper names (5.1) and does not measure:\n\n{tables[2]}"
+    )
+
+
+def verdict_of(low: float, high: float) -> str:
+    """The verdict on "less": by whether the interval of a difference lies below or above 0."""
+    if high < 0:
+        return HOLDS
+    return FAILS if low > 0 else UNDECIDED
+
+
+def _baseline_claims(study: Path, others: Mapping[str, str]) -> Iterator[Claim]:
+    """4.6.1, by the paired differences of EMD."""
+    rows = {(row["method"], row["other"]): row for row in read_csv(study / "comparisons.csv")}
+    marks = {method: row["undertrained"] for method, row in _table1(study).items()}
+    for other, name in others.items():
+        if row := rows.get((METHOD, other)):
+            low, high = float(row["ci_low"]), float(row["ci_high"])
+            measured = (
+                f"EMD {float(row['difference']):+.4f} ({format_interval(low, high, '+.4f')}), "
+                f"better on {100 * float(row['win_rate']):.0f} % of the parts"
+            )
+            mark = "; it is undertrained here" if marks.get(other) else ""
+            section = "4.6.1" if other in BASELINES else ""
+            yield Claim(section, f"better than {name}", verdict_of(low, high), measured + mark)
+
+
+def _family_claim(study: Path) -> Iterator[Claim]:
+    """4.6.2: it is to be better than each baseline in every family."""
+    means = _family_means(study)
+    baselines = [name for name in BASELINES if name in means]
+    if METHOD not in means or not baselines:
+        return
+    own = means[METHOD]
+    won = [family for family in own if all(own[family] < means[name][family] for name in baselines)]
+    yield Claim(
+        "4.6.2",
+        "consistent quality across object categories",
+        HOLDS if len(won) == len(own) else FAILS,
+        f"better than all three in {len(won)} of {len(own)} families; its own EMD is "
+        f"{min(own.values()):.4f} to {max(own.values()):.4f} by family",
+    )
+
+
+def _family_means(study: Path) -> dict[str, dict[str, float]]:
+    """Method -> family -> mean EMD (even) of the test parts."""
+    values: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for row in read_csv(study / "scores.csv"):
+        if row["split"] == "test" and (row["metric"], row["protocol"]) == EMD_EVEN:
+            values[row["method"]][row["family"]].append(float(row["value"]))
+    return {
+        method: {family: fmean(emds) for family, emds in families.items()}
+        for method, families in values.items()
+    }
+
+
+def _view_claim(steps: Path) -> Iterator[Claim]:
+    """3.4, by the paired differences of EMD from fewer to more views."""
+    rows = [row for row in read_csv(steps) if row["series"] == METHOD] if steps.exists() else []
+    if rows:
+        verdicts = {verdict_of(float(row["ci_low"]), float(row["ci_high"])) for row in rows}
+        verdict = verdicts.pop() if len(verdicts) == 1 else UNDECIDED
+        measured = ", ".join(
+            f"{row['from']} to {row['to']} views {float(row['EMD changes by']):+.4f}"
+            for row in rows
+        )
+        yield Claim("3.4", "more input views, more precision", verdict, f"EMD: {measured}")
+
+
+def _confidence_claim(study: Path) -> Iterator[Claim]:
+    """3.4: a confidence that can be interpreted is higher where the error is smaller."""
+    goals = _goals(study)
+    if CONFIDENCE_CORRELATION in goals:
+        correlation, share = goals[CONFIDENCE_CORRELATION], goals[AUSE_SHARE]
+        yield Claim(
+            "3.4",
+            "confidences can be interpreted",
+            HOLDS if correlation < 0 and share < 1 else FAILS,
+            f"rank correlation with the error {correlation:.2f}; AUSE is {share:.2f} of that of a "
+            "random order",
+        )
+
+
+def _unsupervised_claim(study: Path) -> Iterator[Claim]:
+    row = _table1(study).get(METHOD)
+    if row:
+        parts = int(row["num_train_parts"])
+        yield Claim(
+            "3",
+            "unsupervised",
+            FAILS if parts else HOLDS,
+            f"learns from {parts or 'no'} other parts; is given: {row['inputs']}, and the cameras",
+        )
+
+
+def _number_claim(study: Path) -> Iterator[Claim]:
+    """The paper's own EMD, which has no protocol that could be repeated."""
+    row = _table1(study).get(METHOD)
+    if row:
+        yield Claim(
+            "Table 1",
+            f"an EMD of {paper_results.EMD[METHOD]:.4f}",
+            UNDECIDED,
+            f"{float(row['emd_even']):.4f} here, {float(row['ratio_to_floor']):.2f} floors; the "
+            "paper states no protocol, no number of points and no data",
+        )
+
+
+def _cost_limits(study: Path, sweeps: Path) -> Iterator[Claim]:
+    """Time and memory of one part, and how they grow with its faces."""
+    memory, seconds = _goals(study).get(MEMORY), mean_seconds(study).get(METHOD)
+    if memory is not None and seconds is not None:
+        yield Claim(
+            "5.1",
+            "too slow for real time, too much memory",
+            HOLDS if seconds > REAL_TIME_SECONDS else FAILS,
+            f"{seconds:.0f} s of one core a part, at most {memory:.1f} GB",
+        )
+    trend = sweeps / "sweep-complexity" / "trend.csv"
+    for row in read_csv(trend) if trend.exists() else []:
+        if (row["series"], row["quantity"]) == (METHOD, "seconds"):
+            exponent, error = float(row["exponent"]), float(row["standard error"])
+            yield Claim(
+                "5.1",
+                "cost may grow faster than linearly with complexity",
+                verdict_of(*(1 - exponent + side * 1.96 * error for side in (-1, 1))),
+                f"seconds grow by the {exponent:.2f}th power (standard error {error:.2f}) of the "
+                f"faces, over {row['points']} parts",
+            )
+
+
+def _organic_limit(study: Path) -> Iterator[Claim]:
+    """Whether it is farther from its floor on organic shapes than on industrial parts."""
+    organic = study.with_name("organic")
+    rows = [_table1(folder).get(METHOD) for folder in (study, organic) if folder.exists()]
+    if len(rows) == 2 and all(rows):
+        industrial, other = (float(row["ratio_to_floor"]) for row in rows if row)
+        yield Claim(
+            "5.1",
+            "worse on shapes that are not industrial",
+            HOLDS if other > industrial else FAILS,
+            f"{other:.2f} floors on the organic set, {industrial:.2f} on the study's parts",
+        )
+
+
+def _noise_limit(sweeps: Path) -> Iterator[Claim]:
+    """EMD with the strongest noise against none."""
+    path = sweeps / "sweep-noise-nerf" / "sweep.csv"
+    rows = [row for row in read_csv(path) if row["method"] == METHOD] if path.exists() else []
+    if rows:
+        clean, noisy = (float(row["emd"]) for row in (rows[0], rows[-1]))
+        yield Claim(
+            "5.1",
+            "sensitive to noise in the images",
+            UNDECIDED
+            if abs(noisy - clean) < FOUR_PARTS_RESOLUTION
+            else verdict_of(*(clean - noisy,) * 2),
+            f"EMD {clean:.4f} without, {noisy:.4f} with a standard deviation of "
+            f"{rows[-1]['views.sensor.noise']}, four dev parts",
+        )
+
+
+def _table1(study: Path) -> dict[str, CsvRow]:
+    return {row["method"]: row for row in read_csv(study / "table1.csv") if row["split"] == "test"}
+
+
+def _goals(study: Path) -> dict[str, float]:
+    """The values of the goals of the paper's method, by what is measured."""
+    rows: Sequence[CsvRow] = read_csv(study / "goals.csv")
+    return {row["goal"]: float(row["value"]) for row in rows if row["method"] == METHOD}
