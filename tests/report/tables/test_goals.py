@@ -10,9 +10,8 @@ from industnerf.artifacts.scores import PartScore, Score
 from industnerf.report.tables.costs import CostRow
 from industnerf.report.tables.goals import (
     AUSE_SHARE,
-    SHARE_ABOVE,
+    FULLY_VISIBLE_EMD,
     Goal,
-    SupplementaryValue,
     add_capture_goals,
     evaluate_goals,
     goals_csv,
@@ -32,6 +31,9 @@ EMDS = {  # floor 0.01
     "industnerf": [0.01, 0.03, 0.04, 9.0],
     "industnerf_plus": [0.01, 0.02, 0.005, 9.0],
     "hull": [0.01, 0.08, 0.01, 0.0],
+    "carve": [0.0095, 0.019, 0.0049, 0.0],
+    "r2n2": [0.06, 0.05, 0.085, 0.0],
+    "retrieval": [0.05, 0.06, 0.02, 0.0],
     "oracle": [0.008, 0.01, 0.012, 0.0],
 }
 
@@ -70,7 +72,7 @@ def test_means_are_of_test_parts(evaluated):
 
 
 def test_open_parts_are_seen_whole_and_without_pockets(evaluated):
-    (goal,) = [goal for (_, what), goal in evaluated.items() if "floors" in what]
+    goal = evaluated["industnerf", FULLY_VISIBLE_EMD]
     assert goal.value == pytest.approx(1.0)  # of a alone
     assert goal.is_met
 
@@ -82,6 +84,20 @@ def test_the_hull_is_beaten_part_by_part_and_in_pockets(evaluated):
     deep = evaluated["industnerf_plus", "EMD of the hull over its own, parts with pockets"]
     assert deep.value == pytest.approx(4)
     assert deep.is_met
+
+
+def test_worse_than_carving_counts_from_five_percent_on(evaluated):
+    """By 5.3 % on a, 5.3 % on b and 2 % on c."""
+    worse = evaluated["industnerf_plus", "share of parts worse than space carving by more than 5 %"]
+    assert worse.value == pytest.approx(2 / 3)
+    worst = evaluated["industnerf_plus", "EMD (even) in floors, worst part"]
+    assert worst.value == pytest.approx(2)  # b
+
+
+def test_a_network_is_held_against_a_bound_and_against_retrieval(evaluated):
+    assert evaluated["r2n2", "EMD (even)"].is_met  # 0.065 in the mean
+    ratio = evaluated["r2n2", "EMD over that of retrieval"]
+    assert (ratio.value, ratio.is_met) == (pytest.approx(1.5), False)
 
 
 def test_what_is_to_be_at_least_so_much_is_met_from_above(evaluated):
@@ -101,13 +117,14 @@ def test_the_area_between_sparsification_curves_is_held_against_that_of_chance(e
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(evaluated):
-    seconds = evaluated["industnerf_plus", "mean processor seconds a part"]
-    assert (seconds.value, seconds.is_met) == (25, True)
-    assert seconds.supplement == SupplementaryValue(1 / 3, SHARE_ABOVE)  # 30 is not above 30
+    seconds = evaluated["industnerf_plus", "seconds a part, mean"]
+    assert (seconds.value, seconds.is_met) == (25, False)
+    slow = evaluated["industnerf_plus", "seconds that nine parts in ten stay below"]
+    assert (slow.value, slow.is_met) == (pytest.approx(30.8), False)  # 30 + 0.8 (31 - 30)
     assert evaluated["industnerf_plus", "peak memory of any part, GB"].value == pytest.approx(
         2.27540992
     )  # 2170 MiB
-    assert ("industnerf", "mean processor seconds a part") not in evaluated
+    assert ("industnerf", "seconds a part, mean") not in evaluated
 
 
 def test_the_files_hold_them(evaluated):
@@ -126,7 +143,7 @@ def test_the_files_hold_them(evaluated):
     }
     markdown_text = goals_md(list(evaluated.values()))
     assert "| EMD (even) | at most 0.02 | 0.0267 | **no** | 0.0693 mm |  | 0.01 |" in markdown_text
-    assert " | 25 | yes | 33 % of parts above 30 |  |  |" in markdown_text
+    assert " | seconds a part, mean | at most 22 | 25 | **no** |  |  |  |" in markdown_text
     assert (
         " | at most 0.0005 | 0.002 | **no** | 0.0120 mm², coverage 0.980 |  |  |" in markdown_text
     )
@@ -136,8 +153,7 @@ def test_beside_a_goal_about_clouds_stands_what_the_answer_itself_reaches(evalua
     """Over the same parts; of a reference method that was not run there is nothing."""
     reached = {what: goal.reference_values for (_, what), goal in evaluated.items()}
     assert reached["EMD (even)"] == {"oracle": pytest.approx(0.01)}
-    (floors,) = [value for what, value in reached.items() if "floors" in what]
-    assert floors == {"oracle": pytest.approx(0.8)}  # of a alone
+    assert reached[FULLY_VISIBLE_EMD] == {"oracle": pytest.approx(0.8)}  # of a alone
     wins = reached["share of parts on which it beats the hull"]
     assert wins == {"oracle": pytest.approx(2 / 3)}  # not on c
     deep = reached["EMD of the hull over its own, parts with pockets"]
