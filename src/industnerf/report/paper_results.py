@@ -2,6 +2,13 @@
 
 METHOD = "industnerf"  # our name of the paper's method
 
+MODELS = {  # as Table 1 calls them
+    "industnerf": "Ours",
+    "r2n2": "3D-R2N2",
+    "atlasnet": "AtlasNet",
+    "occupancy": "Occupancy Networks",
+}
+
 EMD = {
     "industnerf": 0.0121665,
     "r2n2": 0.0482132,

@@ -36,7 +36,7 @@ def test_table_1_has_the_test_parts_in_order_of_their_emd(published):
     assert text.startswith("6 test parts of 5 families, ")
     assert "2026-01-02, commit 0123456. Every number is in `results/study`." in text
     lines = text.splitlines()
-    at = lines.index("## Table 1") + 2
+    at = lines.index("## All methods") + 2
     assert lines[at] == (
         "| method | inputs | EMD | 90 % | mm | x floor | failed | wall seconds | paper |"
     )
@@ -47,6 +47,31 @@ def test_table_1_has_the_test_parts_in_order_of_their_emd(published):
     (hull,) = [line for line in lines if line.startswith("| hull |")]
     assert hull.endswith(" | 1 | 1.5 |  |")  # failures, mean seconds, no number of the paper's
     assert "| industnerf | RGB 2D (MSE) | " in text
+
+
+def test_the_papers_tables_come_first_where_asked_for(published):
+    text = results_block(published, beside_paper=True)
+    (emd,) = [
+        row["emd_even"]
+        for row in read_rows(published / "table1.csv")
+        if (row["method"], row["split"]) == ("industnerf", "test")
+    ]
+    lines = text.splitlines()
+    assert [line for line in lines if line.startswith("## ")][:3] == [
+        "## The paper's Table 1",
+        "## The paper's Table 2",
+        "## All methods",
+    ]
+    assert f"| Ours (`industnerf`) | 0.0122 | {float(emd):.4f} | " in text
+    values = {
+        row["loss"]: float(row["value"])
+        for row in read_rows(published / "table2.csv")
+        if (row["method"], row["subset"]) == ("industnerf", "all") and "mm" not in row["unit"]
+    }
+    at = lines.index("## The paper's Table 2") + 4
+    assert [float(line.split(" | ")[2].strip(" |")) for line in lines[at : at + 2]] == [
+        pytest.approx(values[loss], rel=0.01) for loss in ("emd", "rgb_mse")
+    ]
 
 
 def test_the_readme_has_bounds_and_the_best_network(published):
@@ -114,7 +139,7 @@ def test_an_undertrained_network_is_marked_and_the_reason_given(published):
     path = published / "table1.csv"
     path.write_text(path.read_text().replace(",,0,,,", ",,0,,still learning,", 1))
     text = results_text(published)
-    first = text.splitlines()[text.splitlines().index("## Table 1") + 4]
+    first = text.splitlines()[text.splitlines().index("## All methods") + 4]
     name = first.split(" | ")[0].removeprefix("| ")
     assert name.endswith(" (undertrained)")
     assert f"\n- `{name.removesuffix(' (undertrained)')}`: still learning\n" in text

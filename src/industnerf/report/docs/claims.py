@@ -13,7 +13,7 @@ from industnerf.report.tables.goals import AUSE_SHARE, CONFIDENCE_CORRELATION, M
 from industnerf.report.tables.scores import EMD_EVEN
 
 HOLDS, FAILS, UNDECIDED = "holds", "does not hold", "cannot be told"
-BASELINES = {"r2n2": "3D-R2N2", "atlasnet": "AtlasNet", "occupancy": "Occupancy Networks"}
+BASELINES = {method: name for method, name in paper_results.MODELS.items() if name != "Ours"}
 CLASSICAL = {"hull": "the visual hull", "carve": "space carving"}
 HEADS = ("section", "claim", "verdict", "measured")
 METHOD = paper_results.METHOD

@@ -30,7 +30,9 @@ def generated_blocks(root: Path) -> dict[Path, dict[str, str]]:
         blocks[RESULTS / "demo.md"] = {"demo": results_block(demo)}
     if study.exists():
         blocks[README] = {"study": readme_block(study)}
-        blocks[RESULTS / "study.md"] = {"study": results_block(study, root / PARAMS)}
+        blocks[RESULTS / "study.md"] = {
+            "study": results_block(study, root / PARAMS, beside_paper=True)
+        }
         blocks[RESULTS / "claims.md"] = {"claims": claims_block(study, root / PUBLISHED)}
         blocks[REFERENCE / "scaling.md"] = {
             "costs": costs_block(study),

@@ -8,12 +8,14 @@ from pathlib import Path
 from statistics import fmean
 
 from industnerf.config import flatten, read_yaml
+from industnerf.report import paper_results
 from industnerf.report.publish.provenance import describe_provenance, read_provenance
 from industnerf.report.tables.costs import csv_seconds, seconds_label
 from industnerf.report.tables.formats import (
     format_csv_number,
     format_fixed,
     format_interval,
+    format_significant,
     markdown_table,
     optional_float,
     read_csv,
@@ -48,8 +50,10 @@ def readme_block(folder: Path) -> str:
     return f"{_describe_results(folder)}{_table1(folder, shown, columns)}"
 
 
-def results_block(folder: Path, params: Path | None = None) -> str:
-    """Tables 1 and 2 of the results in `folder`, comparisons, coverage and missed goals.
+def results_block(folder: Path, params: Path | None = None, beside_paper: bool = False) -> str:
+    """All methods of the results in `folder`, their comparisons, coverage and missed goals.
+
+    `beside_paper`: the paper's two tables come first.
 
     `params`: today's params.yaml; what has changed in it since is named.
     """
@@ -58,9 +62,14 @@ def results_block(folder: Path, params: Path | None = None) -> str:
         *("method", "inputs", "EMD", interval, "mm", "x floor", "failed", _seconds_label(folder)),
         "paper",
     )
+    paper_tables = {
+        "The paper's Table 1": _paper_table1(folder),
+        "The paper's Table 2": _paper_table2(read_csv(folder / "table2.csv")),
+    }
     sections: dict[str, str] = {
-        "Table 1": _table1(folder, _test_rows(folder), columns) + _undertrained_list(folder),
-        "Table 2": _table2(read_csv(folder / "table2.csv")),
+        **(paper_tables if beside_paper else {}),
+        "All methods": _table1(folder, _test_rows(folder), columns) + _undertrained_list(folder),
+        "Held-out views": _table2(read_csv(folder / "table2.csv")),
         "Comparisons": _comparison_table(read_csv(folder / "comparisons.csv"), interval),
         "Surface within tolerance": _coverage_table(read_csv(folder / "inspection.csv")),
         "Goals": _missed_goals(read_csv(folder / "goals.csv")),
@@ -109,6 +118,44 @@ def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str
         "paper": lambda row: format_fixed(float(row["paper_emd"])) if row["paper_emd"] else "",
     }
     return markdown_table(columns, [[cells[name](row) for name in columns] for row in rows])
+
+
+def _paper_table1(folder: Path) -> str:
+    """The four rows of the paper, the numbers of `folder` beside; empty if none of them ran."""
+    rows, table = {row["method"]: row for row in _test_rows(folder)}, table1_cells(folder)
+    table_rows = [
+        [
+            f"{name} (`{method}`)",
+            f"{paper_results.EMD[method]:.4f}",
+            table[method]["EMD (even)"],
+            table[method][_interval_label(folder)],
+            "undertrained" if rows[method]["undertrained"] else "",
+        ]
+        for method, name in paper_results.MODELS.items()
+        if method in rows
+    ]
+    heads = ["model", "EMD in the paper", "EMD here", _interval_label(folder), "mark"]
+    return markdown_table(heads, table_rows) if table_rows else ""
+
+
+def _paper_table2(rows: Sequence[CsvRow]) -> str:
+    """The paper's losses of its own method, on all test parts; empty if it did not run."""
+    values = {
+        row["loss"]: row["value"]
+        for row in rows
+        if (row["method"], row["subset"]) == (paper_results.METHOD, "all")
+        and not row["unit"].startswith("mm")
+    }
+    table_rows = [
+        [
+            loss.name,
+            format_significant(paper_results.TABLE2[loss.metric]),
+            format_csv_number(values[loss.metric]),
+        ]
+        for loss in LOSSES
+        if loss.metric in values
+    ]
+    return markdown_table(["loss", "in the paper", "here"], table_rows) if table_rows else ""
 
 
 def _seconds_label(folder: Path) -> str:
