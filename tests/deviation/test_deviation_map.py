@@ -105,6 +105,7 @@ def test_the_page_draws_red_outside_and_blue_inside_and_is_no_wider_than_its_win
         page,
         HELPERS
         + """
+        await drawn();
         const pixels = document.createElement("canvas");
         [pixels.width, pixels.height] = [canvas.width, canvas.height];
         const context = pixels.getContext("2d", { willReadFrequently: true });

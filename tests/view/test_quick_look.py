@@ -75,7 +75,7 @@ def test_one_file_fills_the_stage_and_every_coloring_draws(folder):
         """
         const colors = {};
         for (const input of document.querySelectorAll("[name=coloring]")) {
-          set(`[name=coloring][value=${input.value}]`);
+          await set(`[name=coloring][value=${input.value}]`);
           colors[input.value] = canvasColors();
         }
         return { colors, caption: caption("whole") };
@@ -95,7 +95,7 @@ def test_of_two_files_the_distance_shows_where_they_differ(folder):
         folder,
         ["red.ply", "moved.xyz"],
         """
-        set("[name=coloring][value=error]");
+        await set("[name=coloring][value=error]");
         const { options } = document.querySelector("[name=limit]");
         const limits = [...options].map((option) => option.textContent);
         return { colors: canvasColors(), limits, own: caption("right") };

@@ -25,15 +25,16 @@ FLAGS = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--enable-logging=stderr",
+    "--virtual-time-budget=60000",  # ms: what is decoded meanwhile is waited for
     "--window-size=1400,900",
 )
 # The probe's value is left in the page; the policy of the page is the first thing it would break.
 PROBE = """<script>
-addEventListener("load", () => {
+addEventListener("load", async () => {
   const found = document.createElement("pre");
   found.id = "found";
   try {
-    found.textContent = JSON.stringify((() => { %s })());
+    found.textContent = JSON.stringify(await (async () => { %s })());
   } catch (error) {
     found.textContent = JSON.stringify({ thrown: String(error) });
   }

@@ -25,11 +25,16 @@ HELPERS = """
       return { drawn: drawn / (half * flat.height), sum: [red, green, blue] };
     });
   };
-  const set = (where, value) => {
+  const viewer = document.getElementById("viewer");
+  const drawn = async () => {
+    while (viewer?.getAttribute("aria-busy") !== "false") await new Promise((go) => setTimeout(go, 5));
+  };
+  const set = async (where, value) => {
     const control = document.querySelector(where);
     if (control.type === "radio") control.checked = true;
     else control.value = value;
     control.dispatchEvent(new Event("change", { bubbles: true }));
+    await drawn();
   };
   const caption = (side) => document.querySelector(`.pane.${side} .caption`).textContent;
   const column = (table, i) => [...table.tBodies[0].rows].map((row) => row.cells[i].textContent);
@@ -52,16 +57,17 @@ def probe_page(report_page, tmp_path):
 
 def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
     result = probe_page(f"""
+      await drawn();
       const start = canvasColors();
       const of = {{}};
       for (const name of ["error", "confidence", "view", "photo"]) {{
-        set(`[name=coloring][value=${{name}}]`);
+        await set(`[name=coloring][value=${{name}}]`);
         of[name] = canvasColors();
       }}
-      set("[name=coloring][value=error]");
-      set("[name=limit]", "0.05");
+      await set("[name=coloring][value=error]");
+      await set("[name=limit]", "0.05");
       const wide = canvasColors();
-      set("{RIGHT}", "oracle");
+      await set("{RIGHT}", "oracle");
       const other = canvasColors();
       return {{ start, of, wide, other, caption: caption("right") }};
     """)
@@ -78,9 +84,9 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
 def test_both_sides_have_one_camera(probe_page):
     """The same cloud on both sides looks the same, also after a turn."""
     result = probe_page(f"""
-      set("{LEFT}", "oracle");
-      set("{RIGHT}", "oracle");
-      set("[name=coloring][value=photo]");
+      await set("{LEFT}", "oracle");
+      await set("{RIGHT}", "oracle");
+      await set("[name=coloring][value=photo]");
       const before = canvasColors();
       const press = (key) => canvas.dispatchEvent(new KeyboardEvent("keydown", {{ key }}));
       press("ArrowLeft");
@@ -97,12 +103,12 @@ def test_both_sides_have_one_camera(probe_page):
 
 def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(probe_page):
     result = probe_page(f"""
-      set("{RIGHT}", "box");
+      await set("{RIGHT}", "box");
       const failed = [caption("right"), canvasColors()[1].drawn];
-      set("{RIGHT}", "oracle");
+      await set("{RIGHT}", "oracle");
       const silent = {{}};
       for (const name of ["confidence", "view", "photo"]) {{
-        set(`[name=coloring][value=${{name}}]`);
+        await set(`[name=coloring][value=${{name}}]`);
         silent[name] = caption("right");
       }}
       return {{ failed, silent }};
@@ -115,9 +121,9 @@ def test_a_failed_cloud_and_one_that_says_nothing_are_named_and_not_invented(pro
 
 def test_hidden_truth_has_a_color_of_its_own(probe_page):
     result = probe_page("""
-      set("[name=coloring][value=view]");
+      await set("[name=coloring][value=view]");
       const near = canvasColors()[0];
-      set("[name=part]", "far-ball");
+      await set("[name=part]", "far-ball");
       return { near, far: canvasColors()[0], more: document.querySelector("#more").hash };
     """)
     red, _, blue = result["near"]["sum"]

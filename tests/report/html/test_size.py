@@ -70,7 +70,7 @@ def test_a_part_goes_through_its_own_scores_and_not_through_those_of_all(study):
     assert scores.by_key.passes <= 1
 
 
-def test_a_cloud_in_the_viewer_takes_fourteen_bytes_a_point_however_many_it_has(tmp_path):
+def test_a_cloud_in_the_viewer_takes_at_most_fourteen_bytes_a_point_however_many_it_has(tmp_path):
     ball_study.write_part(tmp_path, "near-ball", 2 * SHOWN_POINTS)
     dense = ball_study.study(tmp_path)
     clouds = pack_scene(dense, dense.parts["near-ball"]).clouds

@@ -1,6 +1,7 @@
 """What the viewer is given: the points themselves, their true distances, and nothing made up."""
 
 import base64
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -13,12 +14,14 @@ from industnerf.report.html.viewer import (
     MAX_POINTS,
     SHOWN_POINTS,
     SPAN,
+    STEPS,
     pack_scene,
+    z_order,
 )
 from tests.report import ball_study
 
 KINDS = {"positions": ("<u2", 3), "view": ("<u2", 1), "color": ("u1", 3)}
-STEP = SPAN * ball_study.DIAGONAL_MM / 65535  # mm
+STEP = SPAN * ball_study.DIAGONAL_MM / STEPS  # mm
 
 
 def decode(cloud: dict) -> dict[str, np.ndarray]:
@@ -26,14 +29,25 @@ def decode(cloud: dict) -> dict[str, np.ndarray]:
     arrays = {}
     for name, text in cloud["arrays"].items():
         kind, width = KINDS.get(name, ("u1", 1))
-        flat = np.frombuffer(base64.b64decode(text), kind)
-        arrays[name] = flat.reshape(-1, width).squeeze()
+        planes = np.frombuffer(zlib.decompress(base64.b64decode(text)), "u1")
+        flat = planes.reshape(np.dtype(kind).itemsize, -1).T.copy().view(kind).ravel()
+        if name == "positions":
+            arrays[name] = np.cumsum(flat.reshape(3, -1), axis=1, dtype="u2").T
+        else:
+            arrays[name] = flat.reshape(-1, width).squeeze()
     return arrays
 
 
 def places_mm(steps: np.ndarray) -> np.ndarray:
     """Positions from steps, as viewer.js has them, about the part's center."""
-    return (steps / 65535 - 0.5) * SPAN * ball_study.DIAGONAL_MM + ball_study.CENTER
+    return (steps / STEPS - 0.5) * SPAN * ball_study.DIAGONAL_MM + ball_study.CENTER
+
+
+def nearest(points: np.ndarray, shown: np.ndarray) -> np.ndarray:
+    """The index in `points` of each point that is shown; every point is shown once."""
+    order = cKDTree(points).query(shown)[1]
+    assert sorted(order) == list(range(len(points)))
+    return order
 
 
 def distances_mm(roots: np.ndarray) -> np.ndarray:
@@ -47,10 +61,13 @@ def packed(study):
 
 
 def test_points_are_where_they_were_to_half_a_step_in_one_frame(packed):
-    offset = {
-        name: ball_study.points(2000, radius) - places_mm(decode(packed[name])["positions"])
-        for name, radius in (("truth", 10.0), ("oracle", 10.0), ("hull", 10.2))
-    }
+    offset = {}
+    for name, radius in (("truth", 10.0), ("oracle", 10.0), ("hull", 10.2)):
+        points, shown = (
+            ball_study.points(2000, radius),
+            places_mm(decode(packed[name])["positions"]),
+        )
+        offset[name] = points[nearest(points, shown)] - shown
     center = offset["truth"].mean(axis=0)  # of the samples' box, not quite the ball's
     for differences in offset.values():
         assert len(differences) == 2000
@@ -72,9 +89,11 @@ def test_distances_are_to_the_surface_and_back_to_the_whole_cloud(study, packed)
 
 def test_what_a_method_says_is_kept_and_what_it_does_not_say_is_left_out(packed):
     hull = decode(packed["hull"])
-    np.testing.assert_allclose(hull["confidence"] / 255, np.linspace(0, 1, 2000), atol=0.5 / 255)
-    np.testing.assert_array_equal(hull["view"], np.arange(2000) % 5 + 1)
-    np.testing.assert_array_equal(hull["color"][-1], [200, 200, 200])
+    order = nearest(ball_study.points(2000, 10.2), places_mm(hull["positions"]))
+    confidence = np.linspace(0, 1, 2000)[order]
+    np.testing.assert_allclose(hull["confidence"] / 255, confidence, atol=0.5 / 255)
+    np.testing.assert_array_equal(hull["view"], order % 5 + 1)
+    np.testing.assert_array_equal(hull["color"][np.argmax(order)], [200, 200, 200])
     assert set(packed["oracle"]["arrays"]) == {"positions", "error", "missed"}
 
 
@@ -125,4 +144,18 @@ def test_an_empty_cloud_is_no_reason_to_fall_over(tmp_path):
 
 def test_the_truth_says_what_is_hidden(study, packed):
     known = Truth.load(study.folders.truth / "near-ball")
-    np.testing.assert_array_equal(decode(packed["truth"])["visible"], known.visible)
+    truth = decode(packed["truth"])
+    order = nearest(known.points_mm, places_mm(truth["positions"]))
+    np.testing.assert_array_equal(truth["visible"], known.visible[order])
+
+
+def test_neighbors_in_space_are_neighbors_in_z_order():
+    """By the definition: bits of the axes in turn, the highest first."""
+    steps = np.random.default_rng(0).integers(0, STEPS + 1, (500, 3)).astype(float)
+
+    def code(point):
+        bits = [format(int(axis), "014b") for axis in point]
+        return "".join(bit for triple in zip(*bits, strict=True) for bit in triple)
+
+    by_code = sorted(range(500), key=lambda i: code(steps[i]))
+    np.testing.assert_array_equal(z_order(steps), by_code)

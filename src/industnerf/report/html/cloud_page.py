@@ -13,9 +13,11 @@ from industnerf.report.html.viewer import (
     COLOR_MAPS,
     DISC_SPACINGS,
     SPAN,
+    STEPS,
     Box,
     color_maps_base64,
     to_base64,
+    z_order,
 )
 from industnerf.splats import core_box
 
@@ -129,7 +131,8 @@ def _shown(count: int) -> np.ndarray:
 def _pack(cloud: ShownCloud, box: Box, max_error: float) -> dict[str, Any]:
     indices = _shown(len(cloud.points))
     quantized = np.rint(box.quantize_positions(cloud.points[indices].astype(np.float64)))
-    inside = ((quantized >= 0) & (quantized <= 65535)).all(axis=1)
+    inside = np.flatnonzero(((quantized >= 0) & (quantized <= STEPS)).all(axis=1))
+    inside = inside[z_order(quantized[inside])]
     arrays = {"positions": quantized[inside].astype(np.uint16)}
     shown = indices[inside]
     if cloud.colors is not None:

@@ -1,12 +1,14 @@
 """The 3-D viewer of the page: evenly spread points of each cloud, in about ten bytes a point.
 
-Positions are 16-bit steps of a cube around the part, `SPAN` diagonals wide. Distances are 8-bit
+Positions are 14-bit steps of a cube around the part, `SPAN` diagonals wide. Distances are 8-bit
 square roots: 255 is `MAX_ERROR` diagonals or more. Confidence is in 255ths. A view is its number
 plus one; 0 is unknown. An attribute that is the same at every point of a cloud is left out.
+Points are in Z-order and positions are differences, so that zlib finds small numbers.
 templates/viewer.html.j2 writes the controls and the data, web/viewer.js draws them.
 """
 
 import base64
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -27,9 +29,11 @@ from industnerf.report.tables.formats import format_significant
 from industnerf.report.tables.scores import Scores
 from industnerf.seeds import generator
 
-SHOWN_POINTS = 6000  # of each cloud
+SHOWN_POINTS = 4500  # of each cloud
 MAX_POINTS = 65536  # a denser cloud is first cut to this by chance, as for its score
 SPAN = 3.0  # diagonals
+POSITION_BITS = 14
+STEPS = 2**POSITION_BITS - 1  # of positions
 MAX_ERROR = 0.05  # diagonals
 DISC_SPACINGS = 1.4  # diameter of a disc, in mean distances of the truth's points
 COLORINGS = {
@@ -67,6 +71,7 @@ def pack_scene(study: Study, part: Part) -> ViewerScene:
     center = (truth.points_mm.min(axis=0) + truth.points_mm.max(axis=0)) / 2
     box = Box(center.astype(np.float64), part.diagonal_mm)
     indices = _even_subset(truth.points_mm, study.seed, part.part_id)
+    indices = indices[z_order(np.rint(box.quantize_positions(truth.points_mm[indices])))]
     truth_points = truth.points_mm[indices]
     clouds = {"truth": _pack_truth(truth, indices, box)}
     for method in study.methods:
@@ -96,8 +101,8 @@ class Box:
     diagonal_mm: float
 
     def quantize_positions(self, points_mm: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-        """Positions in [0, 65535], or beyond for points outside."""
-        return 65535 * ((points_mm - self.center_mm) / (SPAN * self.diagonal_mm) + 0.5)
+        """Positions in [0, STEPS], or beyond for points outside."""
+        return STEPS * ((points_mm - self.center_mm) / (SPAN * self.diagonal_mm) + 0.5)
 
     def quantize_distances(self, distances_mm: Float[np.ndarray, "n"]) -> UInt8[np.ndarray, "n"]:
         """Distances as roots in 255ths."""
@@ -118,7 +123,9 @@ def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box,
     max_error_mm = MAX_ERROR * box.diagonal_mm
     indices = _even_subset(cloud.points_mm, seed, cloud.part_id)
     quantized = np.rint(box.quantize_positions(cloud.points_mm[indices]))
-    inside = ((quantized >= 0) & (quantized <= 65535)).all(axis=1)
+    inside = np.flatnonzero(((quantized >= 0) & (quantized <= STEPS)).all(axis=1))
+    num_outside = len(quantized) - len(inside)
+    inside = inside[z_order(quantized[inside])]
     indices, points = indices[inside], cloud.points_mm[indices[inside]]
     arrays = {
         "positions": quantized[inside].astype(np.uint16),
@@ -128,7 +135,6 @@ def _pack_cloud(cloud: Cloud, surface: Mesh, truth_points: np.ndarray, box: Box,
         ),
     } | _point_attributes(cloud, indices)
     caption = f"{len(indices)} of {len(cloud.points_mm)} points"
-    num_outside = len(inside) - len(indices)
     if num_outside:
         caption += f"; {num_outside} more lie outside the viewer"
     return {"count": len(indices), "caption": caption, "arrays": to_base64(arrays)}
@@ -159,12 +165,29 @@ def _even_subset(
     return np.unique(indices)  # fpsample repeats itself where points coincide
 
 
+def z_order(steps: Float[np.ndarray, "n 3"]) -> Int64[np.ndarray, "n"]:
+    """Indices that sort positions of POSITION_BITS along a Z-order curve."""
+    bits = np.unpackbits(np.ascontiguousarray(steps.T).astype(">u2").view(np.uint8), axis=1)
+    interleaved = bits.reshape(3, len(steps), 16).transpose(1, 2, 0).reshape(len(steps), 48)
+    codes = np.zeros(len(steps), np.uint64)
+    for column in interleaved.T:
+        codes = codes << np.uint64(1) | column
+    return np.argsort(codes, kind="stable")
+
+
 def to_base64(arrays: dict[str, np.ndarray]) -> dict[str, str]:
-    """Little-endian bytes in base64."""
-    return {
-        name: base64.b64encode(values.astype(values.dtype.newbyteorder("<")).tobytes()).decode()
-        for name, values in arrays.items()
-    }
+    """Each array as viewer.js decodes it, zlib-compressed, in base64.
+
+    Positions are differences along each axis, modulo 2**16. Of 16-bit numbers all low bytes come
+    first, then all high ones.
+    """
+    texts = {}
+    for name, values in arrays.items():
+        if name == "positions":
+            values = np.diff(values.T, axis=1, prepend=np.uint16(0))
+        planes = values.ravel().view(np.uint8).reshape(-1, values.dtype.itemsize).T
+        texts[name] = base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode()
+    return texts
 
 
 def viewer_context(study: Study, scores: Scores, scenes: Sequence[ViewerScene]) -> dict[str, Any]:

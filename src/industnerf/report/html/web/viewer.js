@@ -1,22 +1,47 @@
 "use strict";
 // The linked viewer: clouds of one part side by side under one camera, most often two.  Clouds lie
-// in the page as base64, a JSON element a part, and are decoded when the part is chosen.
+// in the page as compressed base64, a JSON element a part, and are decoded when they are chosen.
 
 function decodeBase64(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
-const WIDE = new Set(["positions", "view", "deviation"]); // 16 bits a number, the others have 8
+async function inflate(text) {
+  const packed = new Blob([decodeBase64(text)]).stream();
+  const stream = packed.pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
 
-function decode(packed, scene) {
+const WIDE = new Set(["positions", "view", "deviation"]); // 16 bits a number, the others have 8
+const STEPS = 2 ** 14 - 1; // of positions
+
+// All low bytes, then all high ones.
+function joinBytes(bytes) {
+  const half = bytes.length / 2;
+  return Uint16Array.from({ length: half }, (_, i) => bytes[i] | (bytes[half + i] << 8));
+}
+
+// Of three rows of differences, the points.
+function sumUp(differences, scene) {
+  const count = differences.length / 3;
+  const positions = new Float32Array(3 * count);
+  for (let axis = 0; axis < 3; axis++) {
+    let step = 0;
+    for (let i = 0; i < count; i++) {
+      step = (step + differences[axis * count + i]) & 0xffff;
+      positions[3 * i + axis] = (step / STEPS - 0.5) * scene.span;
+    }
+  }
+  return positions;
+}
+
+async function decode(packed, scene) {
   const cloud = { caption: packed.caption, failed: packed.failed, count: packed.count };
   for (const [name, text] of Object.entries(packed.arrays)) {
-    const bytes = decodeBase64(text);
-    cloud[name] = WIDE.has(name) ? new Uint16Array(bytes.buffer) : bytes;
+    const bytes = await inflate(text);
+    cloud[name] = WIDE.has(name) ? joinBytes(bytes) : bytes;
   }
-  if (cloud.positions) {
-    cloud.positions = Float32Array.from(cloud.positions, (n) => (n / 65535 - 0.5) * scene.span);
-  }
+  if (cloud.positions) cloud.positions = sumUp(cloud.positions, scene);
   return cloud;
 }
 
@@ -43,26 +68,30 @@ function startViewer(root) {
     draw(renderer, shown, camera, scene.disc_diameter);
   };
 
-  const cloudOf = (name) => {
-    scene.clouds[name] ??= decode(scene.packed[name], scene);
-    return scene.clouds[name];
+  const load = async (from, names) => {
+    for (const name of names) from.clouds[name] ??= await decode(from.packed[name], from);
   };
 
   // Distance of the truth is to the other side's cloud: what that one misses.
   const onSide = (names, i) => {
-    const cloud = cloudOf(names[i]);
+    const cloud = scene.clouds[names[i]];
     if (names[i] !== "truth" || names[1 - i] === "truth") return cloud;
-    const { missed } = cloudOf(names[1 - i]);
+    const { missed } = scene.clouds[names[1 - i]];
     const asked = missed && settings.coloring === "error";
     return asked ? { ...cloud, error: missed, caption: `${cloud.caption}: what ${names[1 - i]} misses` } : cloud;
   };
 
-  const show = () => {
+  let lastAsked = 0;
+  const show = async () => {
+    const asked = ++lastAsked;
+    root.setAttribute("aria-busy", "true");
     settings.limit_mm = Number(limit.value) * scene.diagonal_mm;
     settings.unit = scene.unit;
     settings.tolerance_mm = scene.tolerance_mm;
     settings.has_truth = "truth" in scene.packed;
     const names = sides.map((side) => side.querySelector("select").value);
+    await load(scene, names);
+    if (asked !== lastAsked) return; // something else was chosen while these were decoded
     for (const points of shown) if (points) deletePoints(renderer, points);
     shown = sides.map((side, i) => {
       const cloud = onSide(names, i);
@@ -78,6 +107,7 @@ function startViewer(root) {
     });
     root.querySelector("#legend").innerHTML = legendOf(settings);
     redraw();
+    root.setAttribute("aria-busy", "false");
   };
 
   const open = (id) => {
