@@ -172,7 +172,7 @@ def outdated_stages(here):
         ("procedural.solids", 7, {"procedural"}),
         ("pretrain.weights", "none", {"pretrain"}),
         ("method.r2n2.max_views", 2, {"pretrain", "train", "reconstruct", "report"}),
-        ("methods", ["oracle", "hull"], {*METHOD_STAGES, "report"}),
+        ("methods", ["oracle", "hull"], {"procedural", *METHOD_STAGES, "report"}),
         ("train.time_limit_s", 5.0, {"train"}),
         ("method.hull.cell_px", 1.0, {"reconstruct"}),
         ("method.retrieval.points", 5, {"train", "reconstruct"}),

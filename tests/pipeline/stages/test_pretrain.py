@@ -145,3 +145,12 @@ def test_solids_are_kept_chunk_by_chunk(run, monkeypatch):
     assert len(second) == 3
     assert first.items() <= second.items()
     assert len(load_procedural_shapes(solids, list(second))) == 5
+
+
+@pytest.mark.parametrize(
+    ("methods", "chunks"), [(("hull", "retrieval"), 0), (("hull", "retrieval_procedural"), 1)]
+)
+def test_solids_are_made_only_for_methods_that_learn_from_them(run, methods, chunks):
+    """A sweep of pictures would else render thousands of solids anew at each of its points."""
+    solids, _ = run(config(methods=methods))
+    assert len(read_index(solids)) == chunks
