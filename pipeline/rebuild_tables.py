@@ -1,10 +1,10 @@
-"""Make the tables of a published study anew from its scores, after a table got a column.
+"""Make tables and figures of a published study anew from its scores, after one was changed.
 
 python -m pipeline.rebuild_tables results/study
 python -m pipeline.rebuild_tables results/organic
 
 No score is measured anew, and none changes; `made.json` says when and at which commit the tables
-were made.  Pictures, which need more than the scores, stay as they are, and so does the goal about
+were made.  Pictures that need more than the scores stay as they are, and so does the goal about
 what the reference rig sees; `python -m industnerf.report.docs` then brings the documents up to
 date.  What is in mm is told by the parts as they are today: if these have another size than those
 that were scored, nothing is written.
@@ -20,19 +20,23 @@ from industnerf.cli import run_command
 from industnerf.config import read_yaml
 from industnerf.errors import BadArtifact
 from industnerf.parts.catalogue.entries import read_catalogue, to_part
-from industnerf.report.build import table_texts
+from industnerf.report.build import score_figures, table_texts
 from industnerf.report.publish.provenance import commit_stamp, read_provenance
 from industnerf.report.publish.published_results import read_published_results
 from industnerf.report.publish.study_folder import readme_text
+from industnerf.report.results import Results
 from industnerf.report.tables.formats import read_csv
 
 
 def main(published: str) -> None:
     folder = Path(published)
-    tables_by_name = rebuilt_tables(folder)
+    results = rebuilt_results(folder)
+    tables_by_name = table_texts(results)
     _check_part_sizes(folder, tables_by_name["table1.csv"])
     for name, text in tables_by_name.items():
         write_text(folder / name, text)
+    for name, png in score_figures(results).items():
+        (folder / name).write_bytes(png)
     provenance = read_provenance(folder) | {"rebuilt": _current_commit()}
     write_json(folder / "made.json", provenance)
     write_text(folder / "README.md", readme_text(folder, provenance))
@@ -62,12 +66,12 @@ def _current_commit() -> dict[str, str]:
     return {name: provenance[name] for name in ("date", "commit")}
 
 
-def rebuilt_tables(published: Path) -> dict[str, str]:
-    """What the tables in the folder `published` should say, by the name of the file."""
+def rebuilt_results(published: Path) -> Results:
+    """What the tables in the folder `published` should say."""
     parts_path = Path(read_yaml(published / "params.yaml")["parts"]["path"])
     if ".." in parts_path.parts:  # of a preset, which ran in runs/<preset>
         parts_path = Path(os.path.normpath(Path("runs") / published.name / parts_path))
-    return table_texts(read_published_results(published, map(to_part, read_catalogue(parts_path))))
+    return read_published_results(published, map(to_part, read_catalogue(parts_path)))
 
 
 if __name__ == "__main__":

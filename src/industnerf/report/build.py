@@ -19,7 +19,7 @@ from pathlib import Path
 from industnerf.artifacts.files import write_json, write_text
 from industnerf.content import content_digest
 from industnerf.report.figures.contact_sheet import draw_contact_sheet
-from industnerf.report.figures.pareto import plot_pareto, seconds_and_ratios
+from industnerf.report.figures.pareto import plot_pareto
 from industnerf.report.figures.sparsification import plot_sparsification
 from industnerf.report.figures.strata_heatmap import plot_strata
 from industnerf.report.html.page import load_page_media, render_page
@@ -55,21 +55,29 @@ def build_report(study: Study, settings: ReportParams, grid_folder: Path, out: P
     write_text(out / CURVES, curves_csv(study))
     viewer_parts = select_viewer_parts(study, settings.contact_sheet_parts)
     sheet_png = draw_contact_sheet(study, viewer_parts)
-    points = seconds_and_ratios(study, costs, results.table1[0].split)
-    pareto_png = plot_pareto(results.table1, results.table1_extras, points)
+    figures = score_figures(results)
     sparsification_png = plot_sparsification(study)
-    media = load_page_media(study, viewer_parts, sheet_png, pareto_png, sparsification_png)
+    media = load_page_media(
+        study, viewer_parts, sheet_png, figures["pareto.png"], sparsification_png
+    )
     provenance = ". ".join(filter(None, (provenance_line(), origins_line(origins))))
     page = render_page(results, media, load_published_grid(grid_folder), provenance)
     write_text(out / "report.html", page)
-    (out / "pareto.png").write_bytes(pareto_png)
-    if strata_png := plot_strata(results.strata):
-        (out / "strata.png").write_bytes(strata_png)
+    for name, png in figures.items():
+        (out / name).write_bytes(png)
     if sheet_png:
         (out / "contact_sheet.png").write_bytes(sheet_png)
     if sparsification_png:
         (out / "sparsification.png").write_bytes(sparsification_png)
     write_json(out / "summary.json", _summary(results, out))
+
+
+def score_figures(results: Results) -> dict[str, bytes]:
+    """The figures that need no more than `results`, by the names of their files."""
+    figures = {"pareto.png": plot_pareto(results)}
+    if strata := plot_strata(results.strata):
+        figures["strata.png"] = strata
+    return figures
 
 
 def write_tables(results: Results, out: Path) -> None:

@@ -1,11 +1,18 @@
 """All tables of a report, made once from a study and its costs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from industnerf.report.statistics.comparisons import Comparison, compare_methods
 from industnerf.report.study import Study
-from industnerf.report.tables.costs import CostRow, MethodCost, method_costs, seconds_per_part
+from industnerf.report.tables.costs import (
+    CostRow,
+    MethodCost,
+    Point,
+    method_costs,
+    seconds_and_ratios,
+    seconds_per_part,
+)
 from industnerf.report.tables.goals import Goal, evaluate_goals
 from industnerf.report.tables.inspection import InspectionRow, inspection_rows
 from industnerf.report.tables.strata import StratumRow, stratum_rows
@@ -34,6 +41,7 @@ class Results:
     inspection: Sequence[InspectionRow]
     goals: Sequence[Goal]
     costs: Sequence[MethodCost]
+    part_points: Mapping[str, Sequence[Point]]  # of the parts in the first row's split, by method
 
     @staticmethod
     def from_study(
@@ -61,6 +69,7 @@ class Results:
             inspection_rows(study),
             evaluate_goals(study, costs),
             method_costs(study, costs),
+            seconds_and_ratios(study, costs, rows[0].split) if rows else {},
         )
 
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from industnerf.report.figures import pareto
-from industnerf.report.figures.pareto import pareto_front, plot_pareto, seconds_and_ratios
-from industnerf.report.tables.costs import CostRow
+from industnerf.report.figures.pareto import pareto_front, plot_pareto
+from industnerf.report.results import Results
+from industnerf.report.tables.costs import CostRow, seconds_and_ratios
 from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 from industnerf.report.tables.table1 import table1_rows
 from industnerf.report.tables.table1_format import Table1Extra
@@ -35,6 +36,12 @@ def test_the_front_is_what_nothing_beats_at_both(points):
     assert pareto_front(points) == brute_force_front(points)
 
 
+def drawn(study, rows, extras, part_points=None):
+    """The results of `study` with other rows."""
+    results = Results.from_study(study, SETTINGS)
+    return replace(results, table1=rows, table1_extras=extras, part_points=part_points or {})
+
+
 def blue_pixel_count(png):
     red, _, blue = np.moveaxis(np.asarray(Image.open(io.BytesIO(png)).convert("RGB")), 2, 0)
     return int((blue.astype(int) - red > 60).sum())
@@ -48,7 +55,7 @@ def test_it_is_drawn_with_the_seconds_that_are_known_and_without_any(study):
             Table1Extra(row.emd_even, 10.0**i if has_seconds else None)
             for i, row in enumerate(rows)
         ]
-        blue_pixels.append(blue_pixel_count(plot_pareto(rows, extras, {})))
+        blue_pixels.append(blue_pixel_count(plot_pareto(drawn(study, rows, extras))))
     assert blue_pixels[0] > 50
     assert blue_pixels[1] == 0
 
@@ -70,7 +77,7 @@ def test_each_part_is_a_dot_at_its_seconds_and_floors(study, monkeypatch):
     ]
     assert points[first] == expected
     assert not any(points[other] for other in points if other != first)  # of unknown seconds
-    plot_pareto(rows, [Table1Extra(None, 2.0) for _ in rows], points)
+    plot_pareto(drawn(study, rows, [Table1Extra(None, 2.0) for _ in rows], points))
     lines = figures[0].axes[0].lines
     assert any(line.get_xydata().tolist() == [list(point) for point in expected] for line in lines)
 
@@ -105,7 +112,8 @@ def test_every_name_can_be_read(study, monkeypatch, extra_methods):
         replace(row, method=name, ratio_to_floor=emd / row.floor)
         for name, (_, emd) in has_seconds.items()
     ]
-    plot_pareto(rows, [Table1Extra(None, seconds) for seconds, _ in has_seconds.values()], {})
+    extras = [Table1Extra(None, seconds) for seconds, _ in has_seconds.values()]
+    plot_pareto(drawn(study, rows, extras))
     figures[0].draw_without_rendering()
     (axis,) = figures[0].axes
     assert {text.get_text() for text in axis.texts} == set(has_seconds)

@@ -27,7 +27,8 @@ HELPERS = """
   };
   const viewer = document.getElementById("viewer");
   const drawn = async () => {
-    while (viewer?.getAttribute("aria-busy") !== "false") await new Promise((go) => setTimeout(go, 5));
+    const busy = () => viewer.getAttribute("aria-busy") !== "false";
+    while (busy()) await new Promise((go) => setTimeout(go, 5));
   };
   const set = async (where, value) => {
     const control = document.querySelector(where);

@@ -11,8 +11,10 @@ from industnerf.report.docs.learned_methods import leakage_block, networks_block
 from industnerf.report.docs.markdown_blocks import write_blocks
 from industnerf.report.docs.protocol_readings import protocol_block
 from industnerf.report.docs.study_results import readme_block, results_block
+from industnerf.report.docs.summary import copy_figures, summary_block
 from industnerf.report.sweeps.preset_table import PUBLISHED, sweep_table
 
+SUMMARY = Path("docs/results.md")
 README, REFERENCE, RESULTS = Path("README.md"), Path("docs/reference"), Path("docs/results")
 STUDY, DEMO, GRID = (Path("results") / name for name in ("study", "demo", "grid"))
 LEAKAGE = PUBLISHED / "leakage"
@@ -33,6 +35,7 @@ def generated_blocks(root: Path) -> dict[Path, dict[str, str]]:
         blocks[RESULTS / "study.md"] = {
             "study": results_block(study, root / PARAMS, beside_paper=True)
         }
+        blocks[SUMMARY] = {"summary": summary_block(study)}
         blocks[RESULTS / "claims.md"] = {"claims": claims_block(study, root / PUBLISHED)}
         blocks[REFERENCE / "scaling.md"] = {
             "costs": costs_block(study),
@@ -61,5 +64,6 @@ def write_documents(root: Path) -> list[Path]:
     blocks = generated_blocks(root)
     for document, contents in blocks.items():
         write_blocks(root / document, contents)
+    copy_figures(root / STUDY, root / RESULTS)
     write_text(root / REFERENCE / "hyperparameters.md", hyperparameters_page(root))
     return [*blocks, REFERENCE / "hyperparameters.md"]

@@ -42,7 +42,7 @@ CHANGED_SINCE = (
 
 def readme_block(folder: Path) -> str:
     """The rows of `README_METHODS` and of the best network, and where they come from."""
-    rows = _test_rows(folder)
+    rows = test_rows(folder)
     networks = [row for row in rows if row["size"]]
     best_network = min(networks, key=lambda row: float(row["emd_even"]), default={"method": ""})
     shown = [row for row in rows if row["method"] in (*README_METHODS, best_network["method"])]
@@ -68,7 +68,7 @@ def results_block(folder: Path, params: Path | None = None, beside_paper: bool =
     }
     sections: dict[str, str] = {
         **(paper_tables if beside_paper else {}),
-        "All methods": _table1(folder, _test_rows(folder), columns) + _undertrained_list(folder),
+        "All methods": _table1(folder, test_rows(folder), columns) + _undertrained_list(folder),
         "Held-out views": _table2(read_csv(folder / "table2.csv")),
         "Comparisons": _comparison_table(read_csv(folder / "comparisons.csv"), interval),
         "Surface within tolerance": _coverage_table(read_csv(folder / "inspection.csv")),
@@ -99,7 +99,7 @@ def _interval_label(folder: Path) -> str:
     return f"{100 * read_provenance(folder)['interval']:g} %"
 
 
-def _test_rows(folder: Path) -> list[CsvRow]:
+def test_rows(folder: Path) -> list[CsvRow]:
     return [row for row in read_csv(folder / "table1.csv") if row["split"] == "test"]
 
 
@@ -122,7 +122,7 @@ def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str
 
 def _paper_table1(folder: Path) -> str:
     """The four rows of the paper, the numbers of `folder` beside; empty if none of them ran."""
-    rows, table = {row["method"]: row for row in _test_rows(folder)}, table1_cells(folder)
+    rows, table = {row["method"]: row for row in test_rows(folder)}, table1_cells(folder)
     table_rows = [
         [
             f"{name} (`{method}`)",
@@ -176,7 +176,7 @@ def _undertrained_list(folder: Path) -> str:
     """The networks that are marked as undertrained, and why."""
     reasons = [
         f"- `{row['method']}`: {row['undertrained']}"
-        for row in _test_rows(folder)
+        for row in test_rows(folder)
         if row["undertrained"]
     ]
     return "\n".join(["\nUndertrained networks:", "", *reasons, ""]) if reasons else ""

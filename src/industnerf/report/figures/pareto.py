@@ -1,18 +1,14 @@
 """All methods at a glance: EMD against seconds, which differ from run to run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from industnerf.methods.base import Role, Scope
 from industnerf.report.figures.figure_style import encode_png, new_figure
-from industnerf.report.study import Study
-from industnerf.report.tables.costs import CostRow
-from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
+from industnerf.report.results import Results
 from industnerf.report.tables.table1 import Table1Row
 from industnerf.report.tables.table1_format import Table1Extra
-
-Point = tuple[float, float]
 
 # Where a text may stand beside its point: points right and up, and which of its ends is there.
 LABEL_OFFSETS = [
@@ -38,17 +34,14 @@ REFERENCE_GROUP = MethodGroup("bounds and nulls", "#6e7781", False)
 FRONT_COLOR = "#d1495b"
 
 
-def plot_pareto(
-    rows: Sequence[Table1Row],
-    extras: Sequence[Table1Extra],
-    part_points: Mapping[str, Sequence[Point]],
-) -> bytes:
+def plot_pareto(results: Results) -> bytes:
     """A PNG of EMD over its floor against seconds per part, with the Pareto front.
 
-    Large dots are the means of Table 1, small ones the parts, which `part_points` has by method.
+    Large dots are the means of Table 1, small ones the parts.
     Rows of another split than the first, and methods whose seconds the store does not know, are
     left out. Bounds and nulls are hollow and not on the front.
     """
+    rows, extras = results.table1, results.table1_extras
     means = [
         (extra.seconds, row.ratio_to_floor, row.method, _group(row, extra))
         for row, extra in zip(rows, extras, strict=True)
@@ -71,7 +64,7 @@ def plot_pareto(
     for seconds, ratio, method, group in means:
         fill = group.color if group.is_competitor else "white"
         axis.plot(seconds, ratio, "o", ms=7, color=group.color, mfc=fill, zorder=3)
-        if dots := part_points.get(method):
+        if dots := results.part_points.get(method):
             axis.plot(*zip(*dots, strict=True), ".", ms=3, color=group.color, alpha=0.3, zorder=1)
     frontier = pareto_front([(x, y) for x, y, _, group in means if group.is_competitor])
     if frontier:
@@ -93,25 +86,6 @@ def _group(row: Table1Row, extra: Table1Extra) -> MethodGroup:
     if extra.role != Role.METHOD:
         return REFERENCE_GROUP
     return PART_GROUP if row.scope == Scope.PART else DATASET_GROUP
-
-
-def seconds_and_ratios(
-    study: Study, costs: Sequence[CostRow], split: str
-) -> dict[str, list[Point]]:
-    """Method -> seconds and EMD (even) over its floor of each part of `split` with both."""
-    seconds = {
-        (row.method, row.part_id): row.cost.processor_seconds
-        for row in costs
-        if row.stage == "reconstruct"
-    }
-    return {
-        method: [
-            (seconds[method, row.part_id], row.score.value / row.score.floor)
-            for row in select_scores(scores_of(study, method, split), *EMD_EVEN)
-            if seconds.get((method, row.part_id))
-        ]
-        for method in study.methods
-    }
 
 
 def label_points(

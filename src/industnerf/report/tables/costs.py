@@ -11,8 +11,11 @@ from statistics import fmean
 from industnerf.artifacts.files import write_text
 from industnerf.report.study import Study, StudyFolders
 from industnerf.report.tables.formats import csv_text, format_fixed, markdown_table
+from industnerf.report.tables.scores import EMD_EVEN, scores_of, select_scores
 from industnerf.stage import read_index
 from industnerf.store import Cost, Store
+
+Point = tuple[float, float]  # seconds, and EMD (even) over its floor
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,25 @@ def seconds_per_part(rows: Sequence[CostRow], method: str, parts: Collection[str
         if (row.stage, row.method) == ("reconstruct", method) and row.part_id in parts
     ]
     return fmean(seconds) if seconds else None
+
+
+def seconds_and_ratios(
+    study: Study, costs: Sequence[CostRow], split: str
+) -> dict[str, list[Point]]:
+    """Method -> seconds and EMD (even) over its floor of each part of `split` with both."""
+    seconds = {
+        (row.method, row.part_id): row.cost.processor_seconds
+        for row in costs
+        if row.stage == "reconstruct"
+    }
+    return {
+        method: [
+            (seconds[method, row.part_id], row.score.value / row.score.floor)
+            for row in select_scores(scores_of(study, method, split), *EMD_EVEN)
+            if seconds.get((method, row.part_id))
+        ]
+        for method in study.methods
+    }
 
 
 CPU_TIME_NOTE = "Times are processor seconds: user and system time of all threads."

@@ -1,0 +1,85 @@
+"""docs/results.md: what the published study shows, in sentences with their numbers."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from industnerf.report import paper_results
+from industnerf.report.docs.claims import BASELINES
+from industnerf.report.docs.study_results import mean_seconds, test_rows
+from industnerf.report.tables.formats import format_interval, read_csv
+
+PLUS, CARVE, HULL, RETRIEVAL = "industnerf_plus", "carve", "hull", "retrieval"
+FIGURES = ("contact_sheet.png", "pareto.png", "strata.png", "sparsification.png")
+
+CsvRow = dict[str, str]
+
+
+def summary_block(study: Path) -> str:
+    """A list of findings; what was not run has none."""
+    return "".join(f"- {sentence}\n" for sentence in _findings(study))
+
+
+def copy_figures(study: Path, target: Path) -> None:
+    """Bring the published figures to `target`: pages cannot show what lies outside docs/."""
+    for name in FIGURES:
+        if (study / name).exists():
+            shutil.copyfile(study / name, target / name)
+
+
+def _findings(study: Path) -> Iterator[str]:
+    rows = {row["method"]: row for row in test_rows(study)}
+    seconds = mean_seconds(study)
+    comparisons = {
+        (row["method"], row["other"]): row for row in read_csv(study / "comparisons.csv")
+    }
+    for method, name in ((PLUS, "our additions"), (paper_results.METHOD, "the paper's method")):
+        if method in rows:
+            versus = [
+                _versus(comparisons[method, other], text)
+                for other, text in ((CARVE, "space carving"), (HULL, "the visual hull"))
+                if (method, other) in comparisons
+            ]
+            own = f"{_score(rows[method])}{_time(seconds, method)}"
+            yield " ".join([f"**`{method}`**, {name}: {own}.", *versus])
+    networks = [rows[name] for name in BASELINES if name in rows]
+    if networks:
+        scores = ", ".join(f"`{row['method']}` {float(row['emd_even']):.4f}" for row in networks)
+        marked = [f"`{row['method']}`" for row in networks if row["undertrained"]]
+        retrieval = (
+            f" Retrieval of the most similar part has {float(rows[RETRIEVAL]['emd_even']):.4f}."
+            if RETRIEVAL in rows
+            else ""
+        )
+        marks = f"Undertrained: {', '.join(marked)}." if marked else "None is undertrained."
+        yield f"**The paper's networks**: EMD {scores}.{retrieval} {marks}"
+    covered = {row["method"]: row for row in read_csv(study / "inspection.csv")}
+    if PLUS in covered and "covered_1mm" in covered[PLUS]:
+        shares = ", ".join(
+            f"`{method}` {100 * float(covered[method]['covered_1mm']):.0f} %"
+            for method in (PLUS, CARVE, HULL, paper_results.METHOD, "oracle")
+            if method in covered
+        )
+        yield f"**Surface within 1 mm** of the reconstruction: {shares}."
+    failures = sum(int(row["failures"]) for row in rows.values())
+    attempts = sum(int(row["parts"]) for row in rows.values())
+    yield f"**Failures**: {failures} of {attempts} reconstructions."
+
+
+def _score(row: CsvRow) -> str:
+    return (
+        f"EMD {float(row['emd_even']):.4f}, {float(row['ratio_to_floor']):.2f} floors, "
+        f"{float(row['emd_mm']):.2f} mm"
+    )
+
+
+def _time(seconds: dict[str, float], method: str) -> str:
+    return f", {seconds[method]:.0f} s a part" if method in seconds else ""
+
+
+def _versus(row: CsvRow, name: str) -> str:
+    low, high = float(row["ci_low"]), float(row["ci_high"])
+    return (
+        f"Against {name}: {float(row['difference']):+.4f} ({format_interval(low, high, '+.4f')}), "
+        f"better on {100 * float(row['win_rate']):.0f} % of the parts."
+    )
