@@ -50,7 +50,7 @@ def test_table_1_has_the_test_parts_in_order_of_their_emd(published):
 
 
 def test_the_papers_tables_come_first_where_asked_for(published):
-    text = results_block(published, beside_paper=True)
+    text = results_block(published, with_paper_tables=True)
     (emd,) = [
         row["emd_even"]
         for row in read_rows(published / "table1.csv")

@@ -33,7 +33,7 @@ def generated_blocks(root: Path) -> dict[Path, dict[str, str]]:
     if study.exists():
         blocks[README] = {"study": readme_block(study)}
         blocks[RESULTS / "study.md"] = {
-            "study": results_block(study, root / PARAMS, beside_paper=True)
+            "study": results_block(study, root / PARAMS, with_paper_tables=True)
         }
         blocks[SUMMARY] = {"summary": summary_block(study)}
         blocks[RESULTS / "claims.md"] = {"claims": claims_block(study, root / PUBLISHED)}

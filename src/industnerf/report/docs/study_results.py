@@ -50,10 +50,10 @@ def readme_block(folder: Path) -> str:
     return f"{_describe_results(folder)}{_table1(folder, shown, columns)}"
 
 
-def results_block(folder: Path, params: Path | None = None, beside_paper: bool = False) -> str:
+def results_block(folder: Path, params: Path | None = None, with_paper_tables: bool = False) -> str:
     """All methods of the results in `folder`, their comparisons, coverage and missed goals.
 
-    `beside_paper`: the paper's two tables come first.
+    `with_paper_tables`: the paper's two tables come first.
 
     `params`: today's params.yaml; what has changed in it since is named.
     """
@@ -67,7 +67,7 @@ def results_block(folder: Path, params: Path | None = None, beside_paper: bool =
         "The paper's Table 2": _paper_table2(read_csv(folder / "table2.csv")),
     }
     sections: dict[str, str] = {
-        **(paper_tables if beside_paper else {}),
+        **(paper_tables if with_paper_tables else {}),
         "All methods": _table1(folder, test_rows(folder), columns) + _undertrained_list(folder),
         "Held-out views": _table2(read_csv(folder / "table2.csv")),
         "Comparisons": _comparison_table(read_csv(folder / "comparisons.csv"), interval),

@@ -60,20 +60,20 @@ class MethodResults:
     def share_below(self, other: str, factor: float = 1.0) -> float | None:
         """Share of the parts whose EMD is below `factor` times that of `other`."""
         pairs = self._pairs_with(other)
-        return fmean(own < factor * theirs for own, theirs in pairs) if pairs else None
+        return fmean(own < factor * reference for own, reference in pairs) if pairs else None
 
     def share_above(self, other: str, factor: float) -> float | None:
         """Share of the parts whose EMD is above `factor` times that of `other`."""
         pairs = self._pairs_with(other)
-        return fmean(own > factor * theirs for own, theirs in pairs) if pairs else None
+        return fmean(own > factor * reference for own, reference in pairs) if pairs else None
 
     def ratio_to(self, other: str, stratum: str = "") -> float | None:
         """Mean EMD over that of `other`, over the parts of `stratum`; empty: over all."""
         pairs = self._pairs_with(other, stratum)
         if not pairs:
             return None
-        own, theirs = zip(*pairs, strict=True)
-        return fmean(own) / fmean(theirs)
+        own, reference = zip(*pairs, strict=True)
+        return fmean(own) / fmean(reference)
 
     def ause_share(self) -> float | None:
         """AUSE over that of a random order; of the means, not part by part."""
@@ -100,10 +100,10 @@ class MethodResults:
 
     def _pairs_with(self, other: str, stratum: str = "") -> list[tuple[float, float]]:
         """EMD, and that of `other`, of the parts that have both."""
-        own, theirs = self._emds(), emd_even_by_part(self.study, other)
+        own, reference = self._emds(), emd_even_by_part(self.study, other)
         return [
-            (own[part].value, theirs[part].value)
-            for part in own.keys() & theirs.keys()
+            (own[part].value, reference[part].value)
+            for part in own.keys() & reference.keys()
             if not stratum or stratum in self.study.parts[part].strata
         ]
 

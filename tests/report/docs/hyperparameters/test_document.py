@@ -30,7 +30,7 @@ def stages(root: Path) -> dict:
         ("method.r2n2.size", ["pretrain", "train", "reconstruct"]),
         ("parts.units", ["solids"]),
         ("parts.path", ["solids", "parts"]),  # it stands in their commands
-        ("methods", ["pretrain", "train", "reconstruct", "evaluate", "report"]),
+        ("methods", ["procedural", "pretrain", "train", "reconstruct", "evaluate", "report"]),
         ("preset", ["report"]),
     ],
 )
