@@ -7,7 +7,9 @@ from industnerf.methods.industnerf_plus.face_maps import (
     RASTER,
     FaceMap,
     _even_level,
+    _look_up_views,
     _median_levels,
+    _round_outline,
     end_lattice,
     map_face,
 )
@@ -110,3 +112,50 @@ def test_levels_are_medians_and_modes_of_what_is_seen():
     assert _even_level(gray[:, 1:], weight[:, 1:], 0.03) == pytest.approx(0.205)
     assert _even_level(np.linspace(0, 1, 40)[:, None], np.ones((40, 1)), 0.03) is None
     assert _even_level(gray, np.zeros_like(gray), 0.03) is None
+
+
+def plain_map(other_share: np.ndarray, is_face: np.ndarray) -> FaceMap:
+    """A map that is all section, one entry a cell apart along x and y."""
+    everywhere = np.ones(other_share.shape, bool)
+    axes = np.eye(3)[:2]
+    return FaceMap(
+        TOP_FACE, axes, np.zeros(2), everywhere, ~everywhere, is_face, other_share.astype(float)
+    )
+
+
+def test_the_outline_of_a_disc_is_one_and_that_of_a_square_its_own():
+    """A raster of a disc of 9 entries is off by up to half an entry, its area by 1 %."""
+    u, v = np.indices((60, 60)) - 30.0
+    for mask, inside, outside in (
+        (np.hypot(u, v) < 9, (9 - np.hypot(u, v)) * RASTER, 0.15),
+        (np.maximum(abs(u), abs(v)) < 9, (9 - np.maximum(abs(u), abs(v))) * RASTER, 0.75),
+    ):
+        (outline,) = plain_map(mask, ~mask).mouths()
+        near = np.abs(inside) < 2
+        tolerance = outside + RASTER  # smoothing moves a border by up to an entry
+        assert np.abs(outline - inside)[near & (np.minimum(abs(u), abs(v)) < 4)].max() < tolerance
+    round_away = np.abs(_round_outline(np.hypot(u, v) < 9) - RASTER * (9 - np.hypot(u, v)))
+    assert round_away.max() < 0.1
+
+
+def test_a_mouth_without_a_rim_of_face_is_none():
+    """What is about it looks like no face on three quarters of the way round."""
+    u, v = np.indices((60, 60)) - 30.0
+    mask = np.hypot(u, v) < 9
+    assert len(plain_map(mask, ~mask).mouths()) == 1
+    assert plain_map(mask, ~mask & (u > 0) & (v > 0)).mouths() == []
+
+
+def test_what_matter_before_the_plane_hides_does_not_count():
+    surface = surface_of(BLOCK)
+    pictures = photographs(BLOCK)
+    trials = Trials(surface, PinholeRays(VIEWS, np.zeros(3), 1.0, surface.grid), pictures)
+    point = np.array([[MIDDLE, MIDDLE, TOP_FACE.offset]])
+    ends = end_lattice(trials)
+    _, open_weight = _look_up_views(trials, TOP_FACE, point, ends)
+    distance = np.linalg.norm(trials.rays.centers - point, axis=1)
+    for before, is_hidden in ((0.5, False), (20.0, True)):
+        nearer = np.where(ends >= 0, (distance - before)[:, None, None], ends)
+        _, weight = _look_up_views(trials, TOP_FACE, point, nearer.astype(np.float32))
+        assert open_weight.any()
+        np.testing.assert_allclose(weight, 0 if is_hidden else open_weight)
