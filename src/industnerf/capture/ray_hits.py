@@ -41,15 +41,13 @@ class Surface:
         self, camera_center: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
     ) -> SurfacePoints:
         """The first intersections of the rays from `camera_center`."""
-        hits = self.scene.cast(camera_center[None], directions)
-        ray = np.flatnonzero(hits.face >= 0)
-        face, uv = hits.face.take(ray), hits.uv.take(ray, axis=0)
+        ray, t, face, uv = self.scene.cast_from(camera_center, directions)
         (u, v), normal = uv.T, np.empty((3, len(ray)), np.float32)
         for axis, (n, du, dv) in enumerate(self._normals):
             normal[axis] = n.take(face) + u * du.take(face) + v * dv.take(face)
         is_backface = (self._face_normals @ camera_center < self._plane_offset).take(face)
         normal[:, is_backface] *= -1
-        return SurfacePoints(ray, hits.t.take(ray), face, uv, normal, is_backface, camera_center)
+        return SurfacePoints(ray, t, face, uv, normal, is_backface, camera_center)
 
     def offset_along_normal(self, hits: SurfacePoints) -> Float[np.ndarray, "hits 3"]:
         """The points (mm) on the round surface that the facets stand for, never below these.
