@@ -97,7 +97,7 @@ def write(views: Views, frames: list[RgbdImage]) -> tuple[float, int]:
         start = perf_counter()
         save_views(replace(views, folder=Path(folder)), frames)
         seconds = perf_counter() - start
-        return seconds, sum(path.stat().st_size for path in Path(folder).glob("*/*.png"))
+        return seconds, sum(path.stat().st_size for path in Path(folder).iterdir())
 
 
 def shares(profile: cProfile.Profile) -> list[float]:

@@ -63,9 +63,12 @@ def pixel_means(
     has_contrast = (highest - np.minimum(corners.min(axis=1), centers) > SUPERSAMPLE_THRESHOLD).any(
         axis=0
     )
-    contrast_pixels = np.stack([u, v], axis=1)[has_contrast].astype(np.float32)
-    points = (contrast_pixels[:, None] + hammersley_points(num_samples)).reshape(-1, 2)
-    fine_samples = radiance_at(points).reshape(channels, -1, num_samples)
+    points = np.empty((np.count_nonzero(has_contrast), num_samples, 2), np.float32)
+    for axis, (start, offset) in enumerate(
+        zip((u, v), hammersley_points(num_samples).T, strict=True)
+    ):
+        np.add.outer(start[has_contrast].astype(np.float32), offset, out=points[..., axis])
+    fine_samples = radiance_at(points.reshape(-1, 2)).reshape(channels, -1, num_samples)
     mean, coverage = np.maximum(radiance, 0), (radiance[0] >= 0).astype(np.float32)
     first, second, third, fourth = np.maximum(corners, 0).swapaxes(0, 1)
     # Half the weight on the center: right on average for an edge along the pixel's side.

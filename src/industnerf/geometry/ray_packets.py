@@ -1,11 +1,11 @@
 """Rays from one point, cast eight at a time: embree's answers in less than half the time.
 
 Neighboring rays meet the same boxes of embree's tree, so a packet walks it once for all eight.
-Face, t, u and v come from the same arithmetic as a single ray's and have the same bits.  One thing
-may differ: of two faces that a ray meets at equal t, on the side that they share, the tree's order
-picks one.  So hits within EDGE_BAND of a side are cast again, singly.
+Its t, u and v come from the same arithmetic as a single ray's and have the same bits.  One thing
+may differ: of two faces that a ray meets at equal t, on the side that they share, the order of the
+walk picks one.  So hits within EDGE_BAND of a side are cast again, singly.
 
-`embreex` casts single rays only.  Embree's C interface is called here from compiled code.
+`embreex` casts single rays only: compiled code calls embree's own C interface here.
 """
 
 import ctypes
@@ -20,7 +20,8 @@ from jaxtyping import Float32, Int, Int32
 from industnerf.geometry.warp_runtime import init_warp
 
 init_warp()
-wp.set_module_options({"enable_backward": False})
+# unfused: products are rounded as numpy rounds them
+wp.set_module_options({"enable_backward": False, "fuse_fp": False})
 
 EDGE_BAND = wp.constant(1e-3)  # barycentric weight; faces that tied were seen below 5e-5
 TRIANGLES, INDICES, VERTICES, UINT3, FLOAT3, ROBUST = 0, 0, 1, 0x5003, 0x9003, 1 << 2  # rtcore.h
@@ -138,22 +139,43 @@ def cast_all_packets(
     uv: wp.array(dtype=wp.float32),
     count: wp.array(dtype=wp.int32),
 ):
-    """One thread."""
+    """One thread: hits keep the order of the rays."""
     cast_packets(
-        intersect1,
-        intersect8,
-        scene,
-        origin,
-        directions,
-        rays,
-        scale,
-        EDGE_BAND,
-        ids,
-        t,
-        face,
-        uv,
-        count,
-    )
+        intersect1, intersect8, scene, origin, directions, rays, scale, EDGE_BAND,
+        ids, t, face, uv, count,
+    )  # fmt: skip
+
+
+@wp.kernel
+@no_type_check
+def interpolate_all(
+    face: wp.array(dtype=wp.int32),
+    uv: wp.array(dtype=wp.float32),
+    corner_vectors: wp.array(dtype=wp.float32),
+    hits: wp.int32,
+    vectors: wp.array(dtype=wp.float32),
+):
+    """One thread a hit."""
+    hit = wp.tid()
+    first = 9 * face[hit]
+    for axis in range(3):
+        along_u = uv[2 * hit] * corner_vectors[first + 3 + axis]
+        along_v = uv[2 * hit + 1] * corner_vectors[first + 6 + axis]
+        vectors[axis * hits + hit] = corner_vectors[first + axis] + along_u + along_v
+
+
+def interpolate(
+    hits: PacketHits, corner_vectors: Float32[np.ndarray, "m 3 3"]
+) -> Float32[np.ndarray, "3 hits"]:
+    """The vectors at `hits`: linear over each of `m` faces.
+
+    `corner_vectors` has a face's vector at its first corner and the differences to the others'.
+    """
+    count = len(hits.face)
+    vectors = np.empty((3, count), np.float32)
+    inputs = [_as_warp(x) for x in (hits.face, hits.uv, corner_vectors)]
+    wp.launch(interpolate_all, count, [*inputs, count], [_as_warp(vectors)], device="cpu")
+    return vectors
 
 
 class PacketScene:
@@ -196,13 +218,8 @@ class PacketScene:
         uv, count = np.empty((rays, 2), np.float32), np.zeros(1, np.int32)
         arrays = [_as_warp(x) for x in (origin, directions, ids, t, face, uv, count)]
         functions = self._intersect1, self._intersect8, self._scene
-        wp.launch(
-            cast_all_packets,
-            1,
-            [*functions, *arrays[:2], rays, scale],
-            arrays[2:],
-            device="cpu",
-        )
+        inputs = [*functions, *arrays[:2], rays, scale]
+        wp.launch(cast_all_packets, 1, inputs, arrays[2:], device="cpu")
         hits = int(count[0])
         return PacketHits(ids[:hits], t[:hits], face[:hits], uv[:hits])
 

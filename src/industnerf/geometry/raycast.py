@@ -68,7 +68,7 @@ class RaycastingScene:
 
         Rays that follow each other should be neighbors: they are cast eight at a time.
         """
-        return self._packets.cast(self._to_box(origin), directions, self._size)
+        return self._packets.cast(self._to_box(origin[None])[0], directions, self._size)
 
     @cached_property
     def _packets(self) -> "PacketScene":
