@@ -60,26 +60,21 @@ def pixel_means(
     centers = radiance.reshape(channels, -1).take(edge_ids, axis=1)
     corners = corner_radiance(u, v, radiance_at)
     highest = np.maximum(corners.max(axis=1), centers)
-    has_contrast = (highest - np.minimum(corners.min(axis=1), centers) > SUPERSAMPLE_THRESHOLD).any(
-        axis=0
-    )
-    points = np.empty((np.count_nonzero(has_contrast), num_samples, 2), np.float32)
-    for axis, (start, offset) in enumerate(
-        zip((u, v), hammersley_points(num_samples).T, strict=True)
-    ):
-        np.add.outer(start[has_contrast].astype(np.float32), offset, out=points[..., axis])
-    fine_samples = radiance_at(points.reshape(-1, 2)).reshape(channels, -1, num_samples)
+    lowest = np.minimum(corners.min(axis=1), centers)
+    has_contrast = (highest - lowest > SUPERSAMPLE_THRESHOLD).any(axis=0)
+    points = sample_points(u[has_contrast], v[has_contrast], num_samples)
+    samples = radiance_at(points).reshape(channels, -1, num_samples)
+
     mean, coverage = np.maximum(radiance, 0), (radiance[0] >= 0).astype(np.float32)
     first, second, third, fourth = np.maximum(corners, 0).swapaxes(0, 1)
     # Half the weight on the center: right on average for an edge along the pixel's side.
     coarse_means = (4 * np.maximum(centers, 0) + ((first + second) + (third + fourth))) / 8
-    coverage.flat[edge_ids] = (4 * (centers[0] >= 0) + (corners[0] >= 0).sum(axis=0)) / 8
-    contrast_ids = edge_ids[has_contrast]
-    coverage.flat[contrast_ids] = (fine_samples[0] >= 0).mean(axis=1)
-    fine_means = np.maximum(fine_samples, 0).mean(axis=2)
+    fine_means, contrast_ids = np.maximum(samples, 0).mean(axis=2), edge_ids[has_contrast]
     for plane, coarse, fine in zip(mean, coarse_means, fine_means, strict=True):
         plane.flat[edge_ids] = coarse
         plane.flat[contrast_ids] = fine
+    coverage.flat[edge_ids] = (4 * (centers[0] >= 0) + (corners[0] >= 0).sum(axis=0)) / 8
+    coverage.flat[contrast_ids] = (samples[0] >= 0).mean(axis=1)
     return mean, coverage
 
 
@@ -88,23 +83,30 @@ def corner_radiance(
 ) -> Float32[np.ndarray, "channels 4 n"]:
     """Radiance at the corners of the pixels (u, v), each corner sampled once.
 
-    The corners are sampled by tiles of 8 x 8, so that one follows its neighbors.
+    Rays are fast where they follow their neighbors, so corners come by tiles of 8 x 8.
     """
-    tiles_across = int(u.max(initial=0)) // 8 + 2
-    columns, rows = (np.stack([u, u + 1, u, u + 1]), np.stack([v, v, v + 1, v + 1]))
-    tile = (rows >> 3) * tiles_across + (columns >> 3)
-    corner_ids = tile << 6 | (rows & 7) << 3 | columns & 7
+    column, row = np.stack([u, u + 1, u, u + 1]), np.stack([v, v, v + 1, v + 1])
+    tiles_across = int(column.max(initial=0)) // 8 + 1
+    tile = (row >> 3) * tiles_across + (column >> 3)
+    corner_ids = tile << 6 | (row & 7) << 3 | column & 7
     is_needed = np.zeros(int(corner_ids.max(initial=0)) + 1, bool)
     is_needed[corner_ids] = True
     needed_ids = np.flatnonzero(is_needed)
     tile_row, tile_column = np.divmod(needed_ids >> 6, tiles_across)
-    needed_rows, needed_columns = (
-        tile_row << 3 | needed_ids >> 3 & 7,
-        tile_column << 3 | needed_ids & 7,
-    )
-    values = radiance_at(np.stack([needed_columns, needed_rows], axis=1).astype(np.float32))
+    needed = tile_column << 3 | needed_ids & 7, tile_row << 3 | needed_ids >> 3 & 7
+    values = radiance_at(np.stack(needed, axis=1).astype(np.float32))
     position = np.cumsum(is_needed, dtype=np.int32) - 1
     return values.take(position.take(corner_ids), axis=1)
+
+
+def sample_points(
+    u: Int[np.ndarray, "n"], v: Int[np.ndarray, "n"], num_samples: int
+) -> Float32[np.ndarray, "n*{num_samples} 2"]:
+    """Image coordinates of the samples of the pixels (u, v), pixel by pixel."""
+    points = np.empty((len(u), num_samples, 2), np.float32)
+    for axis, offsets in enumerate(hammersley_points(num_samples).T):
+        np.add.outer((u, v)[axis].astype(np.float32), offsets, out=points[..., axis])
+    return points.reshape(-1, 2)
 
 
 def hammersley_points(n: int) -> Float32[np.ndarray, "n 2"]:
