@@ -70,6 +70,25 @@ def test_where_faces_tie_packets_choose_as_single_rays_do(name):
     assert_same(scene.cast_from(CAMERA_CENTER, directions), single_hits(scene, directions))
 
 
+def test_where_bodies_cross_packets_choose_as_single_rays_do():
+    """Rays at the curve along which two balls meet, in the middle of their faces."""
+    one, two = trimesh.creation.icosphere(3, 15.0), trimesh.creation.icosphere(3, 12.0)
+    two.apply_transform(trimesh.transformations.rotation_matrix(0.3, [1, 2, 3]))
+    two.apply_translation([9.0, 2, 1])
+    segments = trimesh.intersections  # of triangles of one with the planes of the other's
+    solid, points = trimesh.util.concatenate([one, two]), []
+    for normal, corner in zip(two.face_normals, two.triangles[:, 0], strict=True):
+        lines = segments.mesh_plane(one, normal, corner)
+        points.append(lines.reshape(-1, 3))
+        points.append(lines.mean(axis=1))
+    aims = np.concatenate(points)
+    aims = aims[np.abs(np.linalg.norm(aims - [9.0, 2, 1], axis=1) - 12) < 0.1]
+    directions = (aims - CAMERA_CENTER).astype(np.float32)
+    assert len(directions) > 1000
+    scene = scene_of(solid)
+    assert_same(scene.cast_from(CAMERA_CENTER, directions), single_hits(scene, directions))
+
+
 @pytest.mark.parametrize("count", [0, 1, 7, 8, 9])
 def test_any_number_of_rays_will_do(count):
     solid = SOLIDS["box"]

@@ -1,30 +1,31 @@
 """Rays from one point, cast eight at a time: embree's answers in less than half the time.
 
 Neighboring rays meet the same boxes of embree's tree, so a packet walks it once for all eight.
-Its t, u and v come from the same arithmetic as a single ray's and have the same bits.  One thing
-may differ: of two faces that a ray meets at equal t, on the side that they share, the order of the
-walk picks one.  So hits within EDGE_BAND of a side are cast again, singly.
+Its t, u and v come from the same arithmetic as a single ray's and have the same bits.  What may
+differ is which boxes a ray enters, and so two kinds of hit are cast again, singly:
 
-`embreex` casts single rays only: compiled code calls embree's own C interface here.
+- next to a face's side: a single ray may miss the face's box by a rounding, or take the face
+  beyond the side at equal t;
+- on a face that crosses another, where t may be equal on both.
 """
 
-import ctypes
-import weakref
-from functools import cache
-from typing import Any, NamedTuple, no_type_check  # compiled, not called: nothing to check
+from typing import NamedTuple, no_type_check  # compiled, not called: nothing to check
 
 import numpy as np
 import warp as wp
 from jaxtyping import Float32, Int, Int32
 
+from industnerf.geometry.crossing_faces import crossing_faces, on_cpu
+from industnerf.geometry.embree_tree import RAY, EmbreeTree
 from industnerf.geometry.warp_runtime import init_warp
 
 init_warp()
 # unfused: products are rounded as numpy rounds them
 wp.set_module_options({"enable_backward": False, "fuse_fp": False})
 
-EDGE_BAND = wp.constant(1e-3)  # barycentric weight; faces that tied were seen below 5e-5
-TRIANGLES, INDICES, VERTICES, UINT3, FLOAT3, ROBUST = 0, 0, 1, 0x5003, 0x9003, 1 << 2  # rtcore.h
+# Distance from a side, across the ray, in sizes of the mesh.  Some size 1 away roundings move a
+# ray by 1e-6; hits that differ were seen in a thousand million rays, all nearer than 3e-6.
+SIDE_BAND = 1e-5
 
 
 class PacketHits(NamedTuple):
@@ -36,13 +37,9 @@ class PacketHits(NamedTuple):
     uv: Float32[np.ndarray, "hits 2"]  # barycentric weights of the face's 2nd and 3rd corner
 
 
-CAST_PACKETS = """
-    struct alignas(16) Ray {
-        float origin[3], near, direction[3], time, far;
-        unsigned mask, id, flags;
-        float normal[3], u, v;
-        unsigned face, geometry, instance[2];
-    };
+CAST_PACKETS = (
+    RAY
+    + """
     struct alignas(32) Packet {
         float origin[3][8], near[8], direction[3][8], time[8], far[8];
         unsigned mask[8], id[8], flags[8];
@@ -50,12 +47,10 @@ CAST_PACKETS = """
         unsigned face[8], geometry[8], instance[2][8];
     };
     struct { unsigned flags, features; void *context, *filter, *intersect; } coherent = {
-        1u << 16, ~0u, nullptr, nullptr, nullptr
+        1u << 16, none, nullptr, nullptr, nullptr
     };
     auto* const cast_one = (void (*)(void*, Ray*, void*))intersect1;
     auto* const cast_eight = (void (*)(const int*, void*, Packet*, void*))intersect8;
-    void* const tree = (void*)scene;
-    const unsigned none = ~0u;
     const float far = 1e37f;  // as embreex has it
     int found = 0;
     for (int first = 0; first < rays; first += 8) {
@@ -76,21 +71,24 @@ CAST_PACKETS = """
         }
         cast_eight(valid, tree, &packet, &coherent);
         for (int k = 0; k < 8 && first + k < rays; ++k) {
-            if (packet.face[k] == none) continue;
-            float hit_t = packet.far[k], u = packet.u[k], v = packet.v[k];
             unsigned hit_face = packet.face[k];
-            if (u < edge_band || v < edge_band || 1 - u - v < edge_band) {
-                Ray ray;
-                for (int axis = 0; axis < 3; ++axis) {
-                    ray.origin[axis] = origin.data[axis];
-                    ray.direction[axis] = directions.data[3 * (first + k) + axis];
-                }
-                ray.near = ray.time = 0;
-                ray.far = far;
-                ray.mask = ray.face = ray.geometry = ray.instance[0] = ray.instance[1] = none;
-                ray.id = ray.flags = 0;
+            if (hit_face == none) continue;
+            float hit_t = packet.far[k], u = packet.u[k], v = packet.v[k];
+            float area = 0, length = 0;  // twice the area that the ray sees, times its length
+            for (int axis = 0; axis < 3; ++axis) {
+                area += packet.normal[axis][k] * packet.direction[axis][k];
+                length += packet.direction[axis][k] * packet.direction[axis][k];
+            }
+            length = sqrtf(length);
+            const float w = 1 - u - v, least = u < v ? (u < w ? u : w) : (v < w ? v : w);
+            if (least * fabsf(area) < band.data[hit_face] * length) {
+                Ray ray = ray_of(origin.data, directions.data + 3 * (first + k), far);
                 cast_one(tree, &ray, nullptr);
-                hit_t = ray.far, u = ray.u, v = ray.v, hit_face = ray.face;
+                hit_face = ray.face;
+                if (hit_face == none) continue;
+                hit_t = ray.far;
+                u = ray.u;
+                v = ray.v;
             }
             ids.data[found] = first + k;
             t.data[found] = hit_t * scale;
@@ -102,6 +100,7 @@ CAST_PACKETS = """
     }
     count.data[0] = found;
 """
+)
 
 
 @wp.func_native(CAST_PACKETS)
@@ -110,11 +109,11 @@ def cast_packets(
     intersect1: wp.uint64,
     intersect8: wp.uint64,
     scene: wp.uint64,
+    band: wp.array(dtype=wp.float32),
     origin: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     rays: wp.int32,
     scale: wp.float32,
-    edge_band: wp.float32,
     ids: wp.array(dtype=wp.int64),
     t: wp.array(dtype=wp.float32),
     face: wp.array(dtype=wp.int32),
@@ -129,6 +128,7 @@ def cast_all_packets(
     intersect1: wp.uint64,
     intersect8: wp.uint64,
     scene: wp.uint64,
+    band: wp.array(dtype=wp.float32),
     origin: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     rays: wp.int32,
@@ -141,7 +141,7 @@ def cast_all_packets(
 ):
     """One thread: hits keep the order of the rays."""
     cast_packets(
-        intersect1, intersect8, scene, origin, directions, rays, scale, EDGE_BAND,
+        intersect1, intersect8, scene, band, origin, directions, rays, scale,
         ids, t, face, uv, count,
     )  # fmt: skip
 
@@ -173,8 +173,8 @@ def interpolate(
     """
     count = len(hits.face)
     vectors = np.empty((3, count), np.float32)
-    inputs = [_as_warp(x) for x in (hits.face, hits.uv, corner_vectors)]
-    wp.launch(interpolate_all, count, [*inputs, count], [_as_warp(vectors)], device="cpu")
+    inputs = [on_cpu(x) for x in (hits.face, hits.uv, corner_vectors)]
+    wp.launch(interpolate_all, count, [*inputs, count], [on_cpu(vectors)], device="cpu")
     return vectors
 
 
@@ -187,24 +187,10 @@ class PacketScene:
         vertices: Float32[np.ndarray, "n 3"],
         faces: Int32[np.ndarray, "m 3"],
     ) -> None:
-        embree, device = _embree(library_file)
-        self._intersect1, self._intersect8 = (
-            ctypes.cast(function, ctypes.c_void_p).value
-            for function in (embree.rtcIntersect1, embree.rtcIntersect8)
-        )
-        self._scene = embree.rtcNewScene(device)
-        weakref.finalize(self, embree.rtcReleaseScene, self._scene)
-        embree.rtcSetSceneFlags(self._scene, ROBUST)
-        geometry = embree.rtcNewGeometry(device, TRIANGLES)
-        for kind, number_format, values in ((INDICES, UINT3, faces), (VERTICES, FLOAT3, vertices)):
-            buffer = embree.rtcSetNewGeometryBuffer(
-                geometry, kind, 0, number_format, 12, len(values)
-            )
-            ctypes.memmove(buffer, np.ascontiguousarray(values).ctypes.data, values.nbytes)
-        embree.rtcCommitGeometry(geometry)
-        embree.rtcAttachGeometry(self._scene, geometry)
-        embree.rtcReleaseGeometry(geometry)
-        embree.rtcCommitScene(self._scene)
+        self._tree, corners = EmbreeTree(library_file, vertices, faces), vertices[faces]
+        longest_side = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        self._band = np.float32(SIDE_BAND) * longest_side
+        self._band[crossing_faces(self._tree, corners)] = np.inf
 
     def cast(
         self,
@@ -212,44 +198,13 @@ class PacketScene:
         directions: Float32[np.ndarray, "rays 3"],
         scale: float,
     ) -> PacketHits:
-        """Where the rays from `origin` first meet the mesh; t counts in `scale` of the box."""
-        rays = len(directions)
+        """Where the rays from `origin` first meet the mesh; t is multiplied by `scale`."""
+        rays, tree = len(directions), self._tree
         ids, t, face = (np.empty(rays, x) for x in (np.int64, np.float32, np.int32))
         uv, count = np.empty((rays, 2), np.float32), np.zeros(1, np.int32)
-        arrays = [_as_warp(x) for x in (origin, directions, ids, t, face, uv, count)]
-        functions = self._intersect1, self._intersect8, self._scene
-        inputs = [*functions, *arrays[:2], rays, scale]
-        wp.launch(cast_all_packets, 1, inputs, arrays[2:], device="cpu")
+        arrays = [on_cpu(x) for x in (self._band, origin, directions)]
+        inputs = [tree.intersect1, tree.intersect8, tree.scene, *arrays, rays, scale]
+        outputs = [on_cpu(x) for x in (ids, t, face, uv, count)]
+        wp.launch(cast_all_packets, 1, inputs, outputs, device="cpu")
         hits = int(count[0])
         return PacketHits(ids[:hits], t[:hits], face[:hits], uv[:hits])
-
-
-def _as_warp(values: np.ndarray) -> Any:
-    """The same memory, flat."""
-    dtype = wp.dtype_from_numpy(values.dtype)
-    return wp.array(values.reshape(-1), dtype=dtype, device="cpu", copy=False)
-
-
-@cache
-def _embree(library_file: str) -> tuple[ctypes.CDLL, int]:
-    """Embree's C interface, which the library `library_file` is linked to, and a device of it."""
-    embree, pointer, integer = ctypes.CDLL(library_file), ctypes.c_void_p, ctypes.c_uint
-    for name, result, arguments in (
-        ("rtcNewDevice", pointer, [ctypes.c_char_p]),
-        ("rtcNewScene", pointer, [pointer]),
-        ("rtcSetSceneFlags", None, [pointer, integer]),
-        ("rtcCommitScene", None, [pointer]),
-        ("rtcReleaseScene", None, [pointer]),
-        ("rtcNewGeometry", pointer, [pointer, integer]),
-        (
-            "rtcSetNewGeometryBuffer",
-            pointer,
-            [pointer, integer, integer, integer, ctypes.c_size_t, ctypes.c_size_t],
-        ),
-        ("rtcCommitGeometry", None, [pointer]),
-        ("rtcAttachGeometry", integer, [pointer, pointer]),
-        ("rtcReleaseGeometry", None, [pointer]),
-    ):
-        function = getattr(embree, name)
-        function.restype, function.argtypes = result, arguments
-    return embree, embree.rtcNewDevice(None)
