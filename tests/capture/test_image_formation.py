@@ -9,7 +9,9 @@ from scipy.spatial import ConvexHull
 
 from industnerf.artifacts.part import UNSPECIFIED, Appearance, Mesh
 from industnerf.artifacts.views import RgbdImage
+from industnerf.capture import image_formation
 from industnerf.capture.image_formation import (
+    bounding_window,
     candidate_pixels,
     composite,
     pixel_center_rays,
@@ -18,6 +20,7 @@ from industnerf.capture.image_formation import (
 from industnerf.capture.light import Lights
 from industnerf.capture.materials import Materials
 from industnerf.capture.ray_hits import Surface
+from industnerf.capture.render import view_shading
 from industnerf.capture.rigs import bounding_ball, cameras_around
 from industnerf.capture.rng import RandomStreams
 from industnerf.capture.shading import LambertianShading
@@ -30,6 +33,8 @@ from industnerf.geometry.cameras import (
     project,
     unproject,
 )
+from industnerf.geometry.ray_packets import PacketHits
+from industnerf.geometry.raycast import RaycastingScene
 
 RADIUS = 10.0  # mm, of the ball
 BALL = trimesh.creation.icosphere(subdivisions=5, radius=RADIUS)
@@ -258,3 +263,52 @@ def test_directions_go_through_pixel_centers_at_depth_one(settings):
     uv, depth = project(c2w[:3, 3] + rays.astype(float), K, c2w)
     np.testing.assert_allclose(uv, pixel_centers(64, 64), rtol=0, atol=1e-4)  # float32 of 64 px
     np.testing.assert_allclose(depth, 1, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("shading", "resolution"), [("matte", 193), ("photorealistic", 64)])
+@pytest.mark.parametrize("solid", [BOX, BALL, RING], ids=["box", "ball", "ring"])
+def test_packets_in_a_window_give_the_bytes_of_single_rays_everywhere(
+    solid, shading, resolution, settings, as_mesh, monkeypatch
+):
+    """Two finishes, hence three channels; the slow twin casts every ray of the frame, alone."""
+    mesh = as_mesh(solid)
+    split = (np.arange(len(mesh.faces)) % 2).astype(np.uint8)
+    mesh = Mesh(mesh.vertices, mesh.faces, split)
+    settings = replace(settings, resolution=resolution, shading=shading)
+    cameras, _ = cameras_around(*bounding_ball(mesh.vertices), settings)
+    finishes = [UNSPECIFIED, Appearance("red", (0.8, 0.1, 0.1), 0.0, 0.3)]
+    materials = Materials.from_mesh(mesh, finishes, settings.albedo)
+    streams = RandomStreams(0, "part", "view")
+
+    def render_all() -> list[RgbdImage]:
+        surface = Surface(mesh, settings.crease_deg)
+        shade = view_shading(surface, materials, settings, streams)
+        background = np.array([0.2, 0.6, 1.0])
+        return [
+            render_image(surface, shade, K, c2w, background, settings, streams)
+            for K, c2w in zip(cameras.K, cameras.c2w, strict=True)
+        ]
+
+    fast = render_all()
+    monkeypatch.setattr(
+        image_formation, "candidate_pixels", lambda points, side: np.ones((side, side), bool)
+    )
+    monkeypatch.setattr(RaycastingScene, "cast_from", single_rays)
+    for image, slow_image in zip(fast, render_all(), strict=True):
+        for plane, slow_plane in zip(vars(image).values(), vars(slow_image).values(), strict=True):
+            assert plane.tobytes() == slow_plane.tobytes()
+
+
+def single_rays(self: RaycastingScene, origin: np.ndarray, directions: np.ndarray) -> PacketHits:
+    hits = self.cast(origin[None], directions)
+    ray = np.flatnonzero(hits.face >= 0)
+    return PacketHits(ray, hits.t[ray], hits.face[ray], hits.uv[ray])
+
+
+def test_the_window_holds_the_part_and_its_neighbors():
+    is_inside = np.zeros((8, 9), bool)
+    is_inside[3, 4] = is_inside[5, 8] = True
+    rows, columns = bounding_window(is_inside)
+    assert range(8)[rows] == range(2, 7)
+    assert range(9)[columns] == range(3, 9)
+    assert is_inside[bounding_window(np.zeros((8, 9), bool))].size == 0

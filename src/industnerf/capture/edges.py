@@ -41,49 +41,72 @@ def edge_mask(
 
 
 def pixel_means(
-    radiance: Float32[np.ndarray, "channels side side"],
+    radiance: Float32[np.ndarray, "channels h w"],
     edge_ids: Int[np.ndarray, "edges"],
     radiance_at: RadianceAt,
     num_samples: int,
-) -> tuple[Float32[np.ndarray, "channels side side"], Float32[np.ndarray, "side side"]]:
+    top_left: tuple[int, int] = (0, 0),
+) -> tuple[Float32[np.ndarray, "channels h w"], Float32[np.ndarray, "h w"]]:
     """Mean over each pixel of the part's radiance, and of its coverage.
 
-    `radiance` is that of the pixel centers, `edge_ids` are the flat indices of the pixels on an
-    edge.  Of those the corners are sampled too: four pixels share each.  Where corners and center
-    differ little they give the mean, and where they differ much `num_samples` further points do.
+    `radiance` is that of the pixel centers in a window of the image, whose first pixel is
+    `top_left` (row, column); `edge_ids` are the flat indices of the window's pixels on an edge.
+    Of those the corners are sampled too: four pixels share each.  Where corners and center differ
+    little they give the mean, and where they differ much `num_samples` further points do.
     """
-    side = radiance.shape[-1]
-    v, u = np.divmod(edge_ids, side)
-    centers = radiance.reshape(len(radiance), -1)[:, edge_ids]
-    # Half the weight on the center: right on average for an edge along the pixel's side.
-    corner_samples = np.concatenate(
-        [np.repeat(centers[..., None], 4, axis=2), corner_radiance(u, v, side, radiance_at)], axis=2
-    )
-    has_contrast = (np.ptp(corner_samples, axis=2) > SUPERSAMPLE_THRESHOLD).any(axis=0)
-    contrast_pixels = np.stack([u, v], axis=1)[has_contrast].astype(np.float32)
-    points = (contrast_pixels[:, None] + hammersley_points(num_samples)).reshape(-1, 2)
-    fine_samples = radiance_at(points).reshape(len(radiance), -1, num_samples)
+    channels, _, width = radiance.shape
+    v, u = np.divmod(edge_ids, width)
+    u, v = u + top_left[1], v + top_left[0]
+    centers = radiance.reshape(channels, -1).take(edge_ids, axis=1)
+    corners = corner_radiance(u, v, radiance_at)
+    highest = np.maximum(corners.max(axis=1), centers)
+    lowest = np.minimum(corners.min(axis=1), centers)
+    has_contrast = (highest - lowest > SUPERSAMPLE_THRESHOLD).any(axis=0)
+    points = sample_points(u[has_contrast], v[has_contrast], num_samples)
+    samples = radiance_at(points).reshape(channels, -1, num_samples)
+
     mean, coverage = np.maximum(radiance, 0), (radiance[0] >= 0).astype(np.float32)
-    for ids, estimates in ((edge_ids, corner_samples), (edge_ids[has_contrast], fine_samples)):
-        for plane, values in zip(mean, np.maximum(estimates, 0).mean(axis=2), strict=True):
-            plane.flat[ids] = values
-        coverage.flat[ids] = (estimates[0] >= 0).mean(axis=1)
+    first, second, third, fourth = np.maximum(corners, 0).swapaxes(0, 1)
+    # Half the weight on the center: right on average for an edge along the pixel's side.
+    coarse_means = (4 * np.maximum(centers, 0) + ((first + second) + (third + fourth))) / 8
+    fine_means, contrast_ids = np.maximum(samples, 0).mean(axis=2), edge_ids[has_contrast]
+    for plane, coarse, fine in zip(mean, coarse_means, fine_means, strict=True):
+        plane.flat[edge_ids] = coarse
+        plane.flat[contrast_ids] = fine
+    coverage.flat[edge_ids] = (4 * (centers[0] >= 0) + (corners[0] >= 0).sum(axis=0)) / 8
+    coverage.flat[contrast_ids] = (samples[0] >= 0).mean(axis=1)
     return mean, coverage
 
 
 def corner_radiance(
-    u: Int[np.ndarray, "n"], v: Int[np.ndarray, "n"], side: int, radiance_at: RadianceAt
-) -> Float32[np.ndarray, "channels n 4"]:
-    """Radiance at the corners of the pixels (u, v), each corner sampled once."""
-    corners = ((side + 1) * v + u)[:, None] + [0, 1, side + 1, side + 2]
-    needed = np.zeros((side + 1) ** 2, bool)
-    needed[corners] = True
-    needed_ids = np.flatnonzero(needed)
-    rows, columns = np.divmod(needed_ids, side + 1)
-    needed_values = radiance_at(np.stack([columns, rows], axis=1).astype(np.float32))
-    corner_values = np.empty((len(needed_values), len(needed)), np.float32)
-    corner_values[:, needed_ids] = needed_values
-    return corner_values[:, corners]
+    u: Int[np.ndarray, "n"], v: Int[np.ndarray, "n"], radiance_at: RadianceAt
+) -> Float32[np.ndarray, "channels 4 n"]:
+    """Radiance at the corners of the pixels (u, v), each corner sampled once.
+
+    Rays are fast where they follow their neighbors, so corners come by tiles of 8 x 8.
+    """
+    column, row = np.stack([u, u + 1, u, u + 1]), np.stack([v, v, v + 1, v + 1])
+    tiles_across = int(column.max(initial=0)) // 8 + 1
+    tile = (row >> 3) * tiles_across + (column >> 3)
+    corner_ids = tile << 6 | (row & 7) << 3 | column & 7
+    is_needed = np.zeros(int(corner_ids.max(initial=0)) + 1, bool)
+    is_needed[corner_ids] = True
+    needed_ids = np.flatnonzero(is_needed)
+    tile_row, tile_column = np.divmod(needed_ids >> 6, tiles_across)
+    needed = tile_column << 3 | needed_ids & 7, tile_row << 3 | needed_ids >> 3 & 7
+    values = radiance_at(np.stack(needed, axis=1).astype(np.float32))
+    position = np.cumsum(is_needed, dtype=np.int32) - 1
+    return values.take(position.take(corner_ids), axis=1)
+
+
+def sample_points(
+    u: Int[np.ndarray, "n"], v: Int[np.ndarray, "n"], num_samples: int
+) -> Float32[np.ndarray, "n*{num_samples} 2"]:
+    """Image coordinates of the samples of the pixels (u, v), pixel by pixel."""
+    points = np.empty((len(u), num_samples, 2), np.float32)
+    for axis, offsets in enumerate(hammersley_points(num_samples).T):
+        np.add.outer((u, v)[axis].astype(np.float32), offsets, out=points[..., axis])
+    return points.reshape(-1, 2)
 
 
 def hammersley_points(n: int) -> Float32[np.ndarray, "n 2"]:

@@ -32,24 +32,22 @@ class Surface:
         self._corners = triangles
         self._face_normals = face_normals(triangles)
         self._plane_offset = np.einsum("ij,ij->i", self._face_normals, triangles[:, 0])
-        # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0): for each axis n0 and the two differences
-        normals = corner_normals(mesh.vertices, mesh.faces, crease_deg)
-        normals[:, 1:] -= normals[:, :1]
-        self._normals = np.ascontiguousarray(normals.transpose(2, 1, 0))
+        # n(u, v) = n0 + u (n1 - n0) + v (n2 - n0): n0 and the two differences
+        self._normals = corner_normals(mesh.vertices, mesh.faces, crease_deg)
+        self._normals[:, 1:] -= self._normals[:, :1]
 
     def intersect(
         self, camera_center: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
     ) -> SurfacePoints:
         """The first intersections of the rays from `camera_center`."""
-        hits = self.scene.cast(camera_center[None], directions)
-        ray = np.flatnonzero(hits.face >= 0)
-        face, uv = hits.face.take(ray), hits.uv.take(ray, axis=0)
-        (u, v), normal = uv.T, np.empty((3, len(ray)), np.float32)
-        for axis, (n, du, dv) in enumerate(self._normals):
-            normal[axis] = n.take(face) + u * du.take(face) + v * dv.take(face)
-        is_backface = (self._face_normals @ camera_center < self._plane_offset).take(face)
-        normal[:, is_backface] *= -1
-        return SurfacePoints(ray, hits.t.take(ray), face, uv, normal, is_backface, camera_center)
+        from industnerf.geometry.ray_packets import interpolate  # Warp is slow to import
+
+        hits = self.scene.cast_from(camera_center, directions)
+        is_backface = self._face_normals @ camera_center < self._plane_offset
+        is_backface = is_backface.take(hits.face)
+        normal = interpolate(hits, self._normals)
+        normal *= np.where(is_backface, np.float32(-1), np.float32(1))
+        return SurfacePoints(*hits, normal, is_backface, camera_center)
 
     def offset_along_normal(self, hits: SurfacePoints) -> Float[np.ndarray, "hits 3"]:
         """The points (mm) on the round surface that the facets stand for, never below these.
@@ -61,7 +59,8 @@ class Surface:
         corners = self._corners.take(hits.face, axis=0)
         weights = np.concatenate([1 - hits.uv.sum(axis=1, keepdims=True), hits.uv], axis=1)
         positions = np.einsum("ni,nij->nj", weights, corners)
-        normals = self._normals.take(hits.face, axis=2).transpose(1, 2, 0)
+        by_axis = np.ascontiguousarray(self._normals.take(hits.face, axis=0).transpose(2, 1, 0))
+        normals = by_axis.transpose(1, 2, 0)
         normals[1:] += normals[0]
         normals[:, hits.is_backface] *= -1
         offset = np.zeros_like(positions)

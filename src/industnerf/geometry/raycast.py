@@ -2,11 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int32
 
 from industnerf.geometry.sphere import fibonacci_sphere
+
+if TYPE_CHECKING:
+    from industnerf.geometry.ray_packets import PacketHits, PacketScene
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,8 @@ class RaycastingScene:
         self._size = max(float(np.ptp(vertices, axis=0).max()), 1e-30)
         # robust: no ray slips between two faces that share an edge
         self._scene = EmbreeScene(robust=True)
-        TriangleMesh(self._scene, self._to_box(vertices), np.ascontiguousarray(faces, np.int32))
+        self._mesh = self._to_box(vertices), np.ascontiguousarray(faces, np.int32)
+        TriangleMesh(self._scene, *self._mesh)
 
     def _to_box(self, points: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
         return ((points - self._origin) / self._size).astype(np.float32)
@@ -54,6 +60,23 @@ class RaycastingScene:
         t[face < 0] = np.inf
         t *= np.float32(self._size)
         return Hits(t, face, np.stack([hits["u"], hits["v"]], axis=1))
+
+    def cast_from(
+        self, origin: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
+    ) -> "PacketHits":
+        """What `cast` finds, of the rays that hit, in less than half the time.
+
+        Rays that follow each other should be neighbors: they are cast eight at a time.
+        """
+        return self._packets.cast(self._to_box(origin[None])[0], directions, self._size)
+
+    @cached_property
+    def _packets(self) -> "PacketScene":
+        from embreex import rtcore_scene
+
+        from industnerf.geometry.ray_packets import PacketScene
+
+        return PacketScene(rtcore_scene.__file__, *self._mesh)
 
     def distance(
         self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]

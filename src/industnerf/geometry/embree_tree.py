@@ -1,0 +1,86 @@
+"""Embree's own C interface, for compiled code that asks what `embreex` does not.
+
+Numbers, and the order of fields, are those of Embree 4's rtcore.h.
+"""
+
+import ctypes
+import weakref
+from functools import cache
+
+import numpy as np
+from jaxtyping import Float32, Int32
+
+TRIANGLES, INDICES, VERTICES, UINT3, FLOAT3 = 0, 0, 1, 0x5003, 0x9003
+ROBUST, FILTER_IN_ARGUMENTS = 1 << 2, 1 << 3
+
+RAY = """
+    const unsigned none = ~0u;
+    struct alignas(16) Ray {
+        float origin[3], near, direction[3], time, far;
+        unsigned mask, id, flags;
+        float normal[3], u, v;
+        unsigned face, geometry, instance[2];
+    };
+    const auto ray_of = [](const float* origin, const float* direction, float far) {
+        Ray ray;
+        for (int axis = 0; axis < 3; ++axis) {
+            ray.origin[axis] = origin[axis];
+            ray.direction[axis] = direction[axis];
+        }
+        ray.near = ray.time = 0;
+        ray.far = far;
+        ray.mask = ray.face = ray.geometry = ray.instance[0] = ray.instance[1] = ~0u;
+        ray.id = ray.flags = 0;
+        return ray;
+    };
+    void* const tree = (void*)scene;
+"""
+
+
+class EmbreeTree:
+    """Embree's tree over a triangle mesh, and the addresses of the functions that walk it."""
+
+    def __init__(
+        self,
+        library_file: str,
+        vertices: Float32[np.ndarray, "n 3"],
+        faces: Int32[np.ndarray, "m 3"],
+    ) -> None:
+        embree, device = _embree(library_file)
+        self.intersect1, self.intersect8 = (
+            ctypes.cast(function, ctypes.c_void_p).value
+            for function in (embree.rtcIntersect1, embree.rtcIntersect8)
+        )
+        self.scene = embree.rtcNewScene(device)
+        weakref.finalize(self, embree.rtcReleaseScene, self.scene)
+        embree.rtcSetSceneFlags(self.scene, ROBUST | FILTER_IN_ARGUMENTS)
+        geometry = embree.rtcNewGeometry(device, TRIANGLES)
+        for kind, form, rows in ((INDICES, UINT3, faces), (VERTICES, FLOAT3, vertices)):
+            buffer = embree.rtcSetNewGeometryBuffer(geometry, kind, 0, form, 12, len(rows))
+            ctypes.memmove(buffer, np.ascontiguousarray(rows).ctypes.data, rows.nbytes)
+        embree.rtcCommitGeometry(geometry)
+        embree.rtcAttachGeometry(self.scene, geometry)
+        embree.rtcReleaseGeometry(geometry)
+        embree.rtcCommitScene(self.scene)
+
+
+@cache
+def _embree(library_file: str) -> tuple[ctypes.CDLL, int]:
+    """The library that `library_file` is linked to, and a device of it."""
+    embree = ctypes.CDLL(library_file)
+    pointer, number, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t
+    for name, result, *arguments in (
+        ("rtcNewDevice", pointer, ctypes.c_char_p),
+        ("rtcNewScene", pointer, pointer),
+        ("rtcSetSceneFlags", None, pointer, number),
+        ("rtcCommitScene", None, pointer),
+        ("rtcReleaseScene", None, pointer),
+        ("rtcNewGeometry", pointer, pointer, number),
+        ("rtcSetNewGeometryBuffer", pointer, pointer, number, number, number, size, size),
+        ("rtcCommitGeometry", None, pointer),
+        ("rtcAttachGeometry", number, pointer, pointer),
+        ("rtcReleaseGeometry", None, pointer),
+    ):
+        function = getattr(embree, name)
+        function.restype, function.argtypes = result, arguments
+    return embree, embree.rtcNewDevice(None)
