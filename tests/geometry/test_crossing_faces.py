@@ -1,6 +1,5 @@
 """Faces that others pass through, of bodies whose crossing is known."""
 
-import embreex.rtcore_scene
 import numpy as np
 import pytest
 import trimesh
@@ -12,7 +11,7 @@ from industnerf.geometry.embree_tree import EmbreeTree
 def crossing_in(solid: trimesh.Trimesh) -> np.ndarray:
     vertices = np.array(solid.vertices, np.float32)
     faces = np.array(solid.faces, np.int32)
-    tree = EmbreeTree(embreex.rtcore_scene.__file__, vertices, faces)
+    tree = EmbreeTree(vertices, faces)
     return crossing_faces(tree, vertices[faces])
 
 

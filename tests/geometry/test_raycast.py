@@ -1,5 +1,6 @@
 """Embree against the textbook's intersection, one ray and one triangle at a time."""
 
+import ctypes
 import subprocess
 import sys
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from jaxtyping import TypeCheckError
 
+from industnerf.geometry.embree_tree import load_embree
 from industnerf.geometry.raycast import RaycastingScene, parallel_ray_bundles
 from industnerf.geometry.sphere import fibonacci_sphere
 
@@ -150,3 +152,11 @@ def test_neighboring_rays_are_a_cell_apart():
     cell = np.linalg.norm(HIGH - LOW) / 8
     for steps in (np.diff(grid, axis=0), np.diff(grid, axis=1)):
         np.testing.assert_allclose(np.linalg.norm(steps, axis=-1), cell, rtol=1e-12)
+
+
+def test_embree_is_held_to_the_vectors_that_all_processors_have():
+    """Property 34 of Embree 4's device: whether packets of 16 rays are native, as with AVX-512."""
+    embree, device = load_embree()
+    get = embree.rtcGetDeviceProperty
+    get.restype, get.argtypes = ctypes.c_ssize_t, (ctypes.c_void_p, ctypes.c_uint)
+    assert [get(device, number) for number in (33, 34)] == [1, 0]  # of 8, of 16

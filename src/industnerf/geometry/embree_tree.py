@@ -1,17 +1,21 @@
-"""Embree's own C interface, for compiled code that asks what `embreex` does not.
+"""Embree's own C interface, of the library that ships with `embreex`.
 
-Numbers, and the order of fields, are those of Embree 4's rtcore.h.
+Embree would use the widest vectors of the processor, whose roundings are others: it is held to
+AVX2, so that all processors give the same bytes. Numbers, and the order of fields, are those of
+Embree 4's rtcore.h.
 """
 
 import ctypes
 import weakref
 from functools import cache
+from importlib.util import find_spec
 
 import numpy as np
 from jaxtyping import Float32, Int32
 
 TRIANGLES, INDICES, VERTICES, UINT3, FLOAT3 = 0, 0, 1, 0x5003, 0x9003
-ROBUST, FILTER_IN_ARGUMENTS = 1 << 2, 1 << 3
+ROBUST, FILTER_IN_ARGUMENTS = 1 << 2, 1 << 3  # robust: no ray slips between two faces of a side
+INSTRUCTIONS = b"isa=avx2"
 
 RAY = """
     const unsigned none = ~0u;
@@ -42,14 +46,13 @@ class EmbreeTree:
 
     def __init__(
         self,
-        library_file: str,
         vertices: Float32[np.ndarray, "n 3"],
         faces: Int32[np.ndarray, "m 3"],
     ) -> None:
-        embree, device = _embree(library_file)
-        self.intersect1, self.intersect8 = (
+        embree, device = load_embree()
+        self.intersect1, self.intersect8, self.occluded1 = (
             ctypes.cast(function, ctypes.c_void_p).value
-            for function in (embree.rtcIntersect1, embree.rtcIntersect8)
+            for function in (embree.rtcIntersect1, embree.rtcIntersect8, embree.rtcOccluded1)
         )
         self.scene = embree.rtcNewScene(device)
         weakref.finalize(self, embree.rtcReleaseScene, self.scene)
@@ -65,9 +68,9 @@ class EmbreeTree:
 
 
 @cache
-def _embree(library_file: str) -> tuple[ctypes.CDLL, int]:
-    """The library that `library_file` is linked to, and a device of it."""
-    embree = ctypes.CDLL(library_file)
+def load_embree() -> tuple[ctypes.CDLL, int]:
+    """The library that a module of `embreex` is linked to, and a device of it."""
+    embree = ctypes.CDLL(find_spec("embreex.rtcore_scene").origin)
     pointer, number, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t
     for name, result, *arguments in (
         ("rtcNewDevice", pointer, ctypes.c_char_p),
@@ -83,4 +86,4 @@ def _embree(library_file: str) -> tuple[ctypes.CDLL, int]:
     ):
         function = getattr(embree, name)
         function.restype, function.argtypes = result, arguments
-    return embree, embree.rtcNewDevice(None)
+    return embree, embree.rtcNewDevice(INSTRUCTIONS)

@@ -51,7 +51,7 @@ CAST_PACKETS = (
     };
     auto* const cast_one = (void (*)(void*, Ray*, void*))intersect1;
     auto* const cast_eight = (void (*)(const int*, void*, Packet*, void*))intersect8;
-    const float far = 1e37f;  // as embreex has it
+    const float far = 1e37f;
     int found = 0;
     for (int first = 0; first < rays; first += 8) {
         alignas(32) int valid[8];
@@ -183,11 +183,11 @@ class PacketScene:
 
     def __init__(
         self,
-        library_file: str,
+        tree: EmbreeTree,
         vertices: Float32[np.ndarray, "n 3"],
         faces: Int32[np.ndarray, "m 3"],
     ) -> None:
-        self._tree, corners = EmbreeTree(library_file, vertices, faces), vertices[faces]
+        self._tree, corners = tree, vertices[faces]
         longest_side = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         self._band = np.float32(SIDE_BAND) * longest_side
         self._band[crossing_faces(self._tree, corners)] = np.inf

@@ -1,4 +1,4 @@
-"""Ray casting at a triangle mesh, by embree, which only this module imports."""
+"""Ray casting at a triangle mesh, by embree."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int32
 
+from industnerf.geometry.embree_tree import EmbreeTree
 from industnerf.geometry.sphere import fibonacci_sphere
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # warp takes a second
     from industnerf.geometry.ray_packets import PacketHits, PacketScene
 
 
@@ -31,15 +32,10 @@ class RaycastingScene:
     """
 
     def __init__(self, vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]) -> None:
-        from embreex.mesh_construction import TriangleMesh
-        from embreex.rtcore_scene import EmbreeScene
-
         self._origin = vertices.min(axis=0)
         self._size = max(float(np.ptp(vertices, axis=0).max()), 1e-30)
-        # robust: no ray slips between two faces that share an edge
-        self._scene = EmbreeScene(robust=True)
         self._mesh = self._to_box(vertices), np.ascontiguousarray(faces, np.int32)
-        TriangleMesh(self._scene, *self._mesh)
+        self._tree = EmbreeTree(*self._mesh)
 
     def _to_box(self, points: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
         return ((points - self._origin) / self._size).astype(np.float32)
@@ -51,15 +47,18 @@ class RaycastingScene:
 
         `directions` may have any length; `t` counts in it.
         """
-        starts = np.empty(directions.shape, np.float32)
-        starts[:] = self._to_box(origins)
-        hits = self._scene.run(
-            starts, directions.astype(np.float32, copy=False), query="INTERSECT", output=True
-        )
-        t, face = hits["tfar"], hits["primID"]
+        from industnerf.geometry.single_rays import cast_singly
+
+        t, face, uv = cast_singly(self._tree, *self._rays(origins, directions))
         t[face < 0] = np.inf
         t *= np.float32(self._size)
-        return Hits(t, face, np.stack([hits["u"], hits["v"]], axis=1))
+        return Hits(t, face, uv)
+
+    def _rays(self, origins: Float[np.ndarray, "_ 3"], directions: Float[np.ndarray, "rays 3"]):
+        """Origins in the box and directions, both float32 and one for each ray."""
+        starts = np.empty(directions.shape, np.float32)
+        starts[:] = self._to_box(origins)
+        return starts, np.ascontiguousarray(directions, np.float32)
 
     def cast_from(
         self, origin: Float[np.ndarray, "3"], directions: Float32[np.ndarray, "rays 3"]
@@ -72,11 +71,9 @@ class RaycastingScene:
 
     @cached_property
     def _packets(self) -> "PacketScene":
-        from embreex import rtcore_scene
-
         from industnerf.geometry.ray_packets import PacketScene
 
-        return PacketScene(rtcore_scene.__file__, *self._mesh)
+        return PacketScene(self._tree, *self._mesh)
 
     def distance(
         self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]
@@ -88,8 +85,9 @@ class RaycastingScene:
         self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
     ) -> Bool[np.ndarray, "rays"]:
         """Whether the rays from `origins` (mm) meet the mesh at all: cheaper than where."""
-        towards = directions.astype(np.float32, copy=False)
-        return self._scene.run(self._to_box(origins), towards, query="OCCLUDED") >= 0
+        from industnerf.geometry.single_rays import are_occluded
+
+        return are_occluded(self._tree, *self._rays(origins, directions))
 
 
 def parallel_ray_bundles(
