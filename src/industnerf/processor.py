@@ -4,7 +4,8 @@ Libraries pick their kernels by what the processor can do and by who made it, an
 the order of their sums.  Over a training such roundings grow: AtlasNet ends a third of its error
 away.  So all are held to AVX2 (x86-64-v3), which every machine of the last ten years has.  They
 read their environment as they load: `pin` comes before numpy.  Where matrix products of torch run
-is said in `industnerf.torch_kernels`, Warp's flags in `industnerf.geometry.warp_runtime`.
+is said in `industnerf.torch_kernels`, Warp's flags in `industnerf.geometry.warp_runtime`, and
+Embree's in `industnerf.geometry.embree_tree`.
 """
 
 import os

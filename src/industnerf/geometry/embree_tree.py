@@ -8,7 +8,6 @@ Embree 4's rtcore.h.
 import ctypes
 import weakref
 from functools import cache
-from importlib.util import find_spec
 
 import numpy as np
 from jaxtyping import Float32, Int32
@@ -70,7 +69,9 @@ class EmbreeTree:
 @cache
 def load_embree() -> tuple[ctypes.CDLL, int]:
     """The library that a module of `embreex` is linked to, and a device of it."""
-    embree = ctypes.CDLL(find_spec("embreex.rtcore_scene").origin)
+    from embreex import rtcore_scene  # an import, so that its version is part of every key
+
+    embree = ctypes.CDLL(rtcore_scene.__file__)
     pointer, number, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t
     for name, result, *arguments in (
         ("rtcNewDevice", pointer, ctypes.c_char_p),
