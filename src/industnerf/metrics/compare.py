@@ -49,10 +49,10 @@ def compare(
             value.value for value in visible if (value.metric, value.protocol) == ("emd", "P1-even")
         )
     else:
-        full = emd(*(side.even_points(n, only_visible=False) for side in (truth, predicted)))
+        full = emd(*(side.even_points(n, only_visible=False) for side in (truth, predicted))).value
     iid = emd(
         truth.even_points(n, only_visible=True), random_points(predicted.visible_points, n, rng)
-    )
+    ).value
     return [
         *visible,
         MetricValue("emd", "P1-iid", iid, "diagonal"),
@@ -68,7 +68,7 @@ def compare_visible(
 ) -> list[MetricValue]:
     """The deterministic metrics of the visible surface: geometry alone."""
     n = settings.points
-    even = emd(*(side.even_points(n, only_visible=True) for side in (truth, predicted)))
+    even = emd(*(side.even_points(n, only_visible=True) for side in (truth, predicted))).value
     return [
         MetricValue("emd", "P1-even", even, "diagonal"),
         *dense_metrics(reference, truth, predicted, settings),
