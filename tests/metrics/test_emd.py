@@ -295,6 +295,16 @@ def test_few_candidates_only_cost_rounds(monkeypatch):
     assert_certified(result, assignment(a, b))
 
 
+@GROUND_COSTS
+def test_after_the_first_round_few_pairs_are_solved(ground):
+    """The solver's time goes by their number; the first round has 18 a point and more."""
+    a, b = box(1, 3000), box(2, 3000)
+    assert certified_emd(a, b, ground, max_rounds=1).rounds == 0  # the first round is not enough
+    result = certified_emd(a, b, ground)
+    assert result.pairs < 12 * len(a)
+    assert result.value == pytest.approx(certified_emd(a, b, ground, max_rounds=0).value, rel=1e-12)
+
+
 def test_too_few_rounds_fall_back_to_the_dense_problem():
     a, b = CLOUD_PAIRS["half missing"]
     assert certified_emd(a, b).rounds > 1
