@@ -39,7 +39,7 @@ DENSE_POINTS = 256  # so few points on one side as well
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 2 to 6 are usual
 PAIRS_PER_POINT_AND_ROUND = 4  # pairs that may join in one round, per point
-KEPT_SHARE = 0.3  # of the candidates, after the first round
+DROPPING_ROUNDS = 3  # not more: a pair might be dropped and come back for ever
 ROW_BLOCK = 1024  # rows of the dense problem tested at a time
 
 Cost = Float64[np.ndarray, "n m"] | sparse.coo_array
@@ -114,8 +114,8 @@ def _sparse_emd(
             )
             if not len(rows):
                 return certify(a, b, plan, ground, min_reduced_cost, rounds, len(pair_ids))
-            if rounds == 1:  # once: what a later round drops might come back for ever
-                pair_ids = _tight_pairs(a, b, plan, pair_ids, ground)
+            if rounds <= DROPPING_ROUNDS:
+                pair_ids = _tight_pairs(a, b, plan, pair_ids, -reduced.min(), ground)
             pair_ids = _merge_pairs(
                 pair_ids, rows * len(b.mass) + cols, reduced, len(a.mass) + len(b.mass)
             )
@@ -167,18 +167,17 @@ def _tight_pairs(
     b: WeightedCloud,
     plan: TransportPlan,
     pair_ids: Int64[np.ndarray, "k"],
+    max_reduced: float,
     ground: GroundCost,
 ) -> Int64[np.ndarray, "j"]:
-    """The pairs of `plan`, and the KEPT_SHARE of `pair_ids` with the least reduced cost.
+    """The pairs of `plan`, and those of `pair_ids` whose reduced cost is below `max_reduced`.
 
-    The first round needs many candidates, for it starts from rough potentials.  The solver's time
-    goes by their number; a pair that a later round misses is found again by `violated_pairs`.
+    The solver's time goes by their number.  Potentials seldom change by more than the largest
+    violation; what is missed all the same, `violated_pairs` finds again.
     """
     rows, cols = np.divmod(pair_ids, len(b.mass))
     reduced = ground.rowwise(a.points[rows], b.points[cols]) - plan.u[rows] - plan.v[cols]
-    num_kept = math.ceil(KEPT_SHARE * len(pair_ids))
-    tight = np.argpartition(reduced, num_kept - 1)[:num_kept]
-    return np.concatenate([pair_ids[tight], plan.rows * len(b.mass) + plan.cols])
+    return np.concatenate([pair_ids[reduced < max_reduced], plan.rows * len(b.mass) + plan.cols])
 
 
 def _merge_pairs(
