@@ -25,8 +25,11 @@ def main() -> None:
             return farthest_points(points, COMPARED)
 
         truth = even(DENSE)
-        floor = emd(even(DENSE), truth)
-        print(f"| {part_id} |", *(f"{emd(even(count), truth) / floor:.2f} |" for count in COUNTS))
+        floor = emd(even(DENSE), truth).value
+        print(
+            f"| {part_id} |",
+            *(f"{emd(even(count), truth).value / floor:.2f} |" for count in COUNTS),
+        )
 
 
 if __name__ == "__main__":

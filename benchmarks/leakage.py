@@ -92,7 +92,7 @@ def emds_by_set(
 
     def score(part: int, shapes: Shapes, row: int) -> float:
         diagonal = float(np.linalg.norm(parts.extents[part]))
-        return emd(shapes.surface(row), parts.surface(part)) / diagonal
+        return emd(shapes.surface(row), parts.surface(part)).value / diagonal
 
     def score_sets(part: int, shapes: Shapes, count: int, by: str = "features") -> float:
         total, query = len(shapes.features), getattr(parts, by)[part]

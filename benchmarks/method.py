@@ -195,7 +195,7 @@ def even_emd(job: Job, points: np.ndarray, settings: EvaluateParams) -> tuple[fl
         settings.occlusion_margin,
     )
     a, b = part_frame.normalize(truth[truth_artifact.visible]), part_frame.normalize(points[kept])
-    value = emd(farthest_points(a, settings.points), farthest_points(b, settings.points))
+    value = emd(farthest_points(a, settings.points), farthest_points(b, settings.points)).value
     return value, truth_artifact.floors["emd P1-even"].value
 
 

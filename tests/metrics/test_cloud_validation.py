@@ -10,6 +10,11 @@ from industnerf.metrics.cloud_validation import validate_cloud
     [
         (np.zeros((5, 2)), r"'a' has shape \(5, 2\)"),
         (np.zeros(3), r"'a' has shape \(3,\)"),
+        (5.0, r"'a' has shape \(\)"),
+        ([[0, 0, 0], [0, 0]], r"'a' is no array of points \(n, 3\)"),
+        (np.zeros((2, 3), complex), "'a' is of complex128; coordinates must be real"),
+        ([["0", "1", "2"]], "'a' is of <U1"),
+        (None, "'a' is of object"),
         (np.zeros((0, 3)), "'a' is empty"),
         (np.array([[0, 0, 0], [0, np.nan, 0], [0, 0, np.inf]]), "'a' has 2 of 3 .* row 1"),
     ],

@@ -56,7 +56,7 @@ def test_floors_are_known_to_one_per_cent_whatever_the_seed():
 
 def test_the_mean_of_two_levels_is_the_mean_of_many_solutions():
     truth = truth_points()
-    many = [emd(truth, draw) for draw in islice(draws(100), 300)]
+    many = [emd(truth, draw).value for draw in islice(draws(100), 300)]
     error = np.std(many) / np.sqrt(len(many))
     floor = iid_floor(truth, draws(1))
     assert floor.standard_error <= FLOOR_ERROR * floor.value
@@ -67,7 +67,7 @@ def test_the_counts_in_cells_tell_how_the_emd_varies():
     truth = truth_points()
     cells = CoarseCells(truth)
     assert cells.emd(truth) == 0.0
-    pairs = [(emd(truth, draw), cells.emd(draw)) for draw in islice(draws(1), 40)]
+    pairs = [(emd(truth, draw).value, cells.emd(draw)) for draw in islice(draws(1), 40)]
     assert np.corrcoef(pairs, rowvar=False)[0, 1] > 0.95
 
 

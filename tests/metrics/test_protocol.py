@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import fpsample
 import numpy as np
 import pytest
 import trimesh
@@ -180,6 +181,22 @@ def test_of_several_answers_the_mean_counts(part):
         expected = (2 * alone[0][kind] + alone[1][kind]) / 3
         assert both[kind] == pytest.approx(expected, rel=1e-6), kind
     assert both["emd", "P1-full"] == alone[0]["emd", "P1-full"]
+
+
+def test_of_several_answers_the_truth_is_reduced_once(part, monkeypatch):
+    reduced = []
+
+    def counting(points, *arguments, **options):
+        reduced.append(len(points))
+        return sampling(points, *arguments, **options)
+
+    sampling = fpsample.bucket_fps_kdline_sampling
+    clouds = [surface_samples(part.mesh, 3000, seed=seed).astype(np.float32) for seed in (3, 4, 5)]
+    save_extra_clouds(part.folder / "cloud", clouds[1:])
+    monkeypatch.setattr(fpsample, "bucket_fps_kdline_sampling", counting)
+    part.scores(clouds[0])
+    # the visible truth and all of it, three clouds, and all of the first
+    assert len(reduced) == 6
 
 
 def test_an_answer_without_a_point_counts_as_a_failure(part):

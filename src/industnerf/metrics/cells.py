@@ -1,8 +1,8 @@
 """Clouds of weighted points, and their division into small cells by a k-d tree.
 
-One division serves twice: the cells' centroids are the next coarser cloud, and a cell's center
-and radius bound the distance of all its points at once.  Cells are padded to one width: where
-a cell has fewer points, `members` is -1.
+One division serves twice: the cells' centroids are the next coarser cloud, and all points of a cell
+are bounded at once.  Neighboring cells are near each other.  Cells are padded to one width: where a
+cell has fewer points, `members` is -1.
 """
 
 import math
@@ -27,7 +27,6 @@ class KdCells:
     order: Int64[np.ndarray, "n"]  # points of the cloud, cell after cell
     members: Int64[np.ndarray, "cells size"]  # -1 pads
     coarse: WeightedCloud  # centroid and mass of each cell
-    radius: Float64[np.ndarray, "cells"]  # largest distance of a member from the centroid
 
 
 def normalize_clouds(
@@ -78,5 +77,4 @@ def _build_cells(
     points, mass = cloud.points[order], cloud.mass[order]
     total = np.add.reduceat(mass, starts)
     center = np.add.reduceat(points * mass[:, None], starts) / total[:, None]
-    radius = np.maximum.reduceat(np.linalg.norm(points - center[cell], axis=1), starts)
-    return KdCells(order, members, WeightedCloud(center, total), radius)
+    return KdCells(order, members, WeightedCloud(center, total))

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from industnerf.metrics.emd import emd
 from industnerf.metrics.nearest_distances import chamfer, fscore, nearest_distances
 from industnerf.metrics.reference_rig import ReferenceSurface
-from industnerf.metrics.subsample import farthest_points, random_points
+from industnerf.metrics.subsample import random_points
 from industnerf.metrics.surface_samples import SampledSurface
 from industnerf.schema import EvaluateParams
 
@@ -49,10 +49,10 @@ def compare(
             value.value for value in visible if (value.metric, value.protocol) == ("emd", "P1-even")
         )
     else:
-        full = emd(farthest_points(truth.points, n), farthest_points(predicted.points, n))
+        full = emd(*(side.even_points(n, only_visible=False) for side in (truth, predicted))).value
     iid = emd(
-        farthest_points(truth.visible_points, n), random_points(predicted.visible_points, n, rng)
-    )
+        truth.even_points(n, only_visible=True), random_points(predicted.visible_points, n, rng)
+    ).value
     return [
         *visible,
         MetricValue("emd", "P1-iid", iid, "diagonal"),
@@ -68,9 +68,7 @@ def compare_visible(
 ) -> list[MetricValue]:
     """The deterministic metrics of the visible surface: geometry alone."""
     n = settings.points
-    even = emd(
-        farthest_points(truth.visible_points, n), farthest_points(predicted.visible_points, n)
-    )
+    even = emd(*(side.even_points(n, only_visible=True) for side in (truth, predicted))).value
     return [
         MetricValue("emd", "P1-even", even, "diagonal"),
         *dense_metrics(reference, truth, predicted, settings),

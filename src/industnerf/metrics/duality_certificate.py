@@ -6,9 +6,10 @@ for any plan that carries every point's mass, and any potentials that no pair vi
 than -min_reduced_cost (sums weighted by mass; masses add to 1).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Float64, Int64
 
 from industnerf.errors import MetricError
 from industnerf.metrics.cells import WeightedCloud
@@ -20,13 +21,34 @@ ABSOLUTE_GAP = 1e-12  # of the unit, or its square: rounding, where the clouds a
 
 
 @dataclass(frozen=True)
-class CertifiedEmd:
-    """A certified cost: the truth is in [value - gap, value], in the clouds' unit or its square."""
+class MassPlan:
+    """What is carried where: `mass` from point `row` of the first cloud to `column` of the other.
 
-    value: float
-    gap: float
+    Only pairs that carry something, in the order of rows, then columns; the masses add to 1.
+    """
+
+    row: Int64[np.ndarray, "k"]
+    column: Int64[np.ndarray, "k"]
+    mass: Float64[np.ndarray, "k"]
+
+
+@dataclass(frozen=True)
+class CertifiedEmd:
+    """A cost, the plan that has it, and the proof that no plan is cheaper by more than `gap`.
+
+    Lengths are in the clouds' unit, or its square.
+    """
+
+    value: float  # mean cost of the plan
+    gap: float  # the true minimum is in [value - gap, value]
+    plan: MassPlan = field(compare=False, repr=False)
     rounds: int  # of sparse solves; 0: the dense problem was solved
     pairs: int  # given to the solver in the last round
+
+    @property
+    def lower_bound(self) -> float:
+        """What dual potentials prove: no plan costs less."""
+        return self.value - self.gap
 
 
 def allowed_gap(value: float) -> float:
@@ -71,4 +93,11 @@ def certify(
             f"EMD of {len(a.mass)} and {len(b.mass)} points is not proven: the plan found costs "
             f"{value:.17g}, their extent being 1, but the potentials only prove {bound:.17g}"
         )
-    return CertifiedEmd(value, max(gap, 0.0), rounds, pairs)
+    return CertifiedEmd(value, max(gap, 0.0), _mass_plan(plan), rounds, pairs)
+
+
+def _mass_plan(plan: TransportPlan) -> MassPlan:
+    """The pairs of `plan` that carry mass, in order, a mass of 1 in all."""
+    order = np.lexsort((plan.cols, plan.rows))
+    order = order[plan.flow[order] > 0]
+    return MassPlan(plan.rows[order], plan.cols[order], plan.flow[order] / plan.flow.sum())

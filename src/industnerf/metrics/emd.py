@@ -16,7 +16,7 @@ import warnings
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float, Float64, Int64
+from jaxtyping import Float64, Int64
 from scipy import sparse
 
 from industnerf.errors import MetricError
@@ -39,40 +39,49 @@ DENSE_POINTS = 256  # so few points on one side as well
 MAX_PIVOTS = 10**9  # a stop for a simplex gone astray: 8192 points take about 10**6
 MAX_ROUNDS = 30  # 2 to 6 are usual
 PAIRS_PER_POINT_AND_ROUND = 4  # pairs that may join in one round, per point
+DROPPING_ROUNDS = 3  # not more: a pair might be dropped and come back for ever
 ROW_BLOCK = 1024  # rows of the dense problem tested at a time
 
 Cost = Float64[np.ndarray, "n m"] | sparse.coo_array
 
 
-def emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
-    """Least mean distance, in the clouds' unit, over which `a` is carried onto `b`.
+def emd(a: object, b: object, *, squared: bool = False) -> CertifiedEmd:
+    """The earth mover's distance of two point clouds, with its plan and its proof.
 
-    Points of `a` weigh 1/n, of `b` 1/m.  Not squared, not scaled.  At most 1e-9 above the truth
-    (or 2e-12 of the longest side of the box around both clouds); raises MetricError rather than
-    return anything else.
+    Exact optimal transport between equal weights: each point of `a` sends 1/n, each of `b` receives
+    1/m -- Rubner et al. (2000), The earth mover's distance; eq. 14 of the paper.  It is the
+    Wasserstein distance W1, the least mean distance over which one cloud is carried onto the other.
+
+    - `a`, `b`: arrays, or what numpy makes one of, of shapes (n, 3) and (m, 3), in any unit of
+      length, float32 or float64.  A point that is there twice weighs twice; other weights are
+      not supported.
+    - `squared`: by the square of the distance instead, W2 squared.  Another plan may be cheapest.
+
+    Returns `value` in the clouds' unit, or its square; `plan`, at most n + m - 1 triples of row,
+    column and mass; and as certificate `lower_bound` and `gap`, the difference of both.  The gap is
+    at most 1e-9 of the value (or 2e-12 of the longest side of the box around both clouds, with
+    squares 4e-12 of that squared).  Same clouds, same bytes.
+
+    Takes about 0.2 s of one core at 4096 points a side; 1 to 4 s, seldom 8, and 400 MB at 16 384.
+
+    Raises MetricError if a cloud is empty, not (n, 3) or not finite, or if the minimum cannot be
+    proven: never is anything else returned.
     """
-    return certified_emd(a, b).value
-
-
-def squared_emd(a: Float[np.ndarray, "n 3"], b: Float[np.ndarray, "m 3"]) -> float:
-    """The other reading of "EMD", W2 squared: the least mean squared distance, in squared units.
-
-    Another plan than that of `emd` may be the cheapest.  At most 1e-9 above the truth (or 4e-12 of
-    the square of the longest side); raises MetricError rather than return anything else.
-    """
-    return certified_emd(a, b, SQUARED_EUCLIDEAN).value
+    return certified_emd(
+        validate_cloud(a, "a"), validate_cloud(b, "b"), SQUARED_EUCLIDEAN if squared else EUCLIDEAN
+    )
 
 
 def certified_emd(
-    a: Float[np.ndarray, "n 3"],
-    b: Float[np.ndarray, "m 3"],
+    a: Float64[np.ndarray, "n 3"],
+    b: Float64[np.ndarray, "m 3"],
     ground: GroundCost = EUCLIDEAN,
     *,
     max_pivots: int = MAX_PIVOTS,
     max_rounds: int = MAX_ROUNDS,
 ) -> CertifiedEmd:
-    """EMD under the cost `ground`, certified.  `max_rounds=0` solves the dense problem."""
-    left, right, unit = normalize_clouds(validate_cloud(a, "a"), validate_cloud(b, "b"))
+    """As `emd`, of finite clouds under any cost; `max_rounds=0` solves the dense problem."""
+    left, right, unit = normalize_clouds(a, b)
     result, unit_cost = None, ground.of_length(unit)
     if max_rounds > 0 and not _is_small(left, right):
         result = _sparse_emd(left, right, ground, max_pivots, max_rounds)
@@ -105,6 +114,8 @@ def _sparse_emd(
             )
             if not len(rows):
                 return certify(a, b, plan, ground, min_reduced_cost, rounds, len(pair_ids))
+            if rounds <= DROPPING_ROUNDS:
+                pair_ids = _tight_pairs(a, b, plan, pair_ids, -reduced.min(), ground)
             pair_ids = _merge_pairs(
                 pair_ids, rows * len(b.mass) + cols, reduced, len(a.mass) + len(b.mass)
             )
@@ -149,6 +160,24 @@ def _coarse_plan(
 def _is_small(a: WeightedCloud, b: WeightedCloud) -> bool:
     n, m = len(a.mass), len(b.mass)
     return n * m <= DENSE_PAIRS or min(n, m) <= DENSE_POINTS
+
+
+def _tight_pairs(
+    a: WeightedCloud,
+    b: WeightedCloud,
+    plan: TransportPlan,
+    pair_ids: Int64[np.ndarray, "k"],
+    max_reduced: float,
+    ground: GroundCost,
+) -> Int64[np.ndarray, "j"]:
+    """The pairs of `plan`, and those of `pair_ids` whose reduced cost is below `max_reduced`.
+
+    The solver's time goes by their number.  Potentials seldom change by more than the largest
+    violation; what is missed all the same, `violated_pairs` finds again.
+    """
+    rows, cols = np.divmod(pair_ids, len(b.mass))
+    reduced = ground.rowwise(a.points[rows], b.points[cols]) - plan.u[rows] - plan.v[cols]
+    return np.concatenate([pair_ids[reduced < max_reduced], plan.rows * len(b.mass) + plan.cols])
 
 
 def _merge_pairs(

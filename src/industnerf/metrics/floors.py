@@ -63,14 +63,14 @@ def measure_floors(
 
     @cache
     def even(k: int) -> list[MetricValue]:
-        value = emd(truth_visible, farthest_points(sample_truth(k).visible_points, n))
+        value = emd(truth_visible, farthest_points(sample_truth(k).visible_points, n)).value
         return [MetricValue("emd", "P1-even", value, "diagonal")]
 
     def full(k: int) -> list[MetricValue]:
         if truth.evaluated.all() and sample_truth(k).evaluated.all():
             value = even(k)[0].value
         else:
-            value = emd(truth_full, farthest_points(sample_truth(k).points, n))
+            value = emd(truth_full, farthest_points(sample_truth(k).points, n)).value
         return [MetricValue("emd", "P1-full", value, "diagonal")]
 
     return {
@@ -132,7 +132,7 @@ def iid_floor(truth: Points, draws: Iterator[Points]) -> Floor:
         needs_pair = difference_mean.standard_error > coarse_mean.standard_error
         if len(differences) < MIN_PAIRS or (needs_pair and len(differences) < MAX_PAIRS):
             points = next(draws)
-            differences.append(emd(truth, points) - cells.emd(points))
+            differences.append(emd(truth, points).value - cells.emd(points))
         elif len(coarse) < MAX_COARSE:
             coarse += [cells.emd(next(draws)) for _ in range(COARSE_BATCH)]
         else:

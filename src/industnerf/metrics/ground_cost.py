@@ -32,6 +32,22 @@ class GroundCost:
         """A lower bound of the cost from one of the distance, which may be below 0."""
         return np.square(np.maximum(distance, 0.0)) if self.squared else distance
 
+    def tangent(
+        self, differences: Float64[np.ndarray, "k 3"]
+    ) -> tuple[Float64[np.ndarray, "k"], Float64[np.ndarray, "k 3"]]:
+        """The cost at each difference d of two points, and its slope c'(d).
+
+        The cost is convex: nowhere is it below c(d) + c'(d) (x - d).
+        """
+        if self.squared:
+            return np.square(differences).sum(axis=1), 2 * differences
+        lengths = np.sqrt(np.square(differences).sum(axis=1))
+        is_long = lengths[:, None] > 0  # at 0 itself the slope 0 will do
+        slopes = np.divide(
+            differences, lengths[:, None], out=np.zeros_like(differences), where=is_long
+        )
+        return lengths, slopes
+
     def rowwise(
         self, a: Float64[np.ndarray, "k 3"], b: Float64[np.ndarray, "k 3"]
     ) -> Float64[np.ndarray, "k"]:

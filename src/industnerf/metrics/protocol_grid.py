@@ -14,7 +14,7 @@ from jaxtyping import Float
 from industnerf.artifacts.cloud import Cloud
 from industnerf.artifacts.files import write_json
 from industnerf.artifacts.truth import Truth
-from industnerf.metrics.emd import emd, squared_emd
+from industnerf.metrics.emd import emd
 from industnerf.metrics.protocol import Evaluator
 from industnerf.metrics.subsample import farthest_points, random_points
 from industnerf.metrics.surface_samples import SampledSurface, sample_reference
@@ -63,12 +63,12 @@ def emd_grid(
             )
             protocol = (count, reduction, surface)
             cells += _in_both_units(
-                protocol, "distance", emd(truth_subset, predicted_subset), diagonal_in_edges
+                protocol, "distance", emd(truth_subset, predicted_subset).value, diagonal_in_edges
             )
             cells += _in_both_units(
                 protocol,
                 "squared",
-                squared_emd(truth_subset, predicted_subset),
+                emd(truth_subset, predicted_subset, squared=True).value,
                 diagonal_in_edges**2,
             )
     return cells

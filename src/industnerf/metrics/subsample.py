@@ -43,6 +43,8 @@ def _replace_duplicates(indices: Int64[np.ndarray, "m"], n: int) -> Int64[np.nda
 
     fpsample repeats itself once every point left coincides with a chosen one.
     """
+    if np.bincount(indices).max() == 1:
+        return indices
     unique = indices[np.sort(np.unique(indices, return_index=True)[1])]
     spare = np.setdiff1d(np.arange(n), unique)[: len(indices) - len(unique)]
     return np.concatenate([unique, spare])

@@ -54,9 +54,12 @@ def _nearest_cells(
     own_cells: KdCells, other_cells: KdCells, v: Float64[np.ndarray, "q"], ground: GroundCost
 ) -> Int64[np.ndarray, "p k"]:
     """The cells of `other_cells` with the smallest reduced cost from each cell of `own_cells`."""
-    k = min(NEAREST_CELLS, len(v))
-    reduced = ground.matrix(own_cells.coarse.points, other_cells.coarse.points) - v
-    return np.argpartition(reduced, k - 1, axis=1)[:, :k]
+    k, nearest = min(NEAREST_CELLS, len(v)), []
+    for start in range(0, len(own_cells.coarse.points), CHUNK):
+        own = own_cells.coarse.points[start : start + CHUNK]
+        reduced = ground.matrix(own, other_cells.coarse.points) - v
+        nearest.append(np.argpartition(reduced, k - 1, axis=1)[:, :k])
+    return np.concatenate(nearest)
 
 
 def _extend_potentials(

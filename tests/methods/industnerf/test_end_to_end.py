@@ -74,7 +74,9 @@ def emd_of(name: str, method: str, seed: int) -> float:
     """P1-even, mm, by 1000 points."""
     images = make_posed_images(SOLIDS[name], 40, PX, BACKGROUNDS[method])
     cloud = run(images, small_default_settings(method), seed).points.astype(float) - CENTER
-    return emd(*(farthest_points(x, 1000) for x in (sample_surface(SOLIDS[name], 30000), cloud)))
+    return emd(
+        *(farthest_points(x, 1000) for x in (sample_surface(SOLIDS[name], 30000), cloud))
+    ).value
 
 
 @pytest.mark.skipif(
