@@ -30,7 +30,7 @@ def study(finished_run, tmp_path, monkeypatch):
     monkeypatch.setattr(grid, "METHODS", ("oracle", "hull"))
     monkeypatch.setattr(grid, "check_finished", lambda *_, **__: None)  # there is no DVC here
     monkeypatch.setattr(protocol_grid, "POINT_COUNTS", (32, 64))
-    monkeypatch.setattr(protocol_grid, "LARGE_POINT_COUNT", 96)
+    monkeypatch.setattr(protocol_grid, "LARGE_POINT_COUNTS", (96,))
     return tmp_path
 
 

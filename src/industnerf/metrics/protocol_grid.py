@@ -22,7 +22,7 @@ from industnerf.schema import EvaluateParams
 from industnerf.seeds import generator
 
 POINT_COUNTS = (1024, 2048, 4096)  # on either side
-LARGE_POINT_COUNT = 8192  # of a few parts: it takes seconds
+LARGE_POINT_COUNTS = (8192, 16384)  # of a few parts: each takes seconds
 REDUCTIONS, SURFACES = ("even", "iid"), ("visible", "full")
 
 
@@ -102,11 +102,11 @@ def measure_grid(
 ) -> None:
     """Write `grid.json`: the cells of every cloud, and of one second sample of the truth.
 
-    `include_large`: with LARGE_POINT_COUNT points too.  A cloud of which no point counts has none.
+    `include_large`: with LARGE_POINT_COUNTS points too.  A cloud of which no point counts has none.
     """
     evaluator = Evaluator(part, Truth.load(truth), settings, seed)
     reference = evaluator.reference
-    point_counts = (*POINT_COUNTS, LARGE_POINT_COUNT) if include_large else POINT_COUNTS
+    point_counts = (*POINT_COUNTS, *LARGE_POINT_COUNTS) if include_large else POINT_COUNTS
     diagonal_in_edges = reference.diagonal_mm / float(np.ptp(reference.mesh.vertices, axis=0).max())
     rngs = {name: generator(seed, "grid", part.name, name) for name in [FLOOR, *clouds]}
     surfaces = {FLOOR: sample_reference(part.name, reference, settings, seed, "floor")[1]}
