@@ -82,6 +82,16 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
     assert "EMD 0.0100 = 0.346 mm (1.00 x floor)" in result["caption"]
 
 
+def test_a_browser_that_cannot_unpack_says_so(report_page, tmp_path):
+    old = report_page.replace(
+        "</head>", "<script>delete window.DecompressionStream</script></head>", 1
+    )
+    probe = 'return document.querySelector("#legend").textContent;'
+    visited = visit(old, probe, tmp_path)
+    assert "cannot unpack" in visited.result
+    assert visited.console_messages == []
+
+
 def test_both_sides_have_one_camera(probe_page):
     """The same cloud on both sides looks the same, also after a turn."""
     result = probe_page(f"""

@@ -48,9 +48,10 @@ async function decode(packed, scene) {
 function startViewer(root) {
   const canvas = root.querySelector("canvas");
   const renderer = newRenderer(canvas);
-  if (!renderer) {
+  const lacks = !renderer ? "draws no WebGL 2" : !window.DecompressionStream ? "cannot unpack zlib" : "";
+  if (lacks) {
     root.querySelector("#legend").textContent =
-      "This browser draws no WebGL 2: the pictures beside or below show the same clouds.";
+      `This browser ${lacks}: the pictures beside or below show the same clouds.`;
     return;
   }
   const first = root.querySelector("[name=coloring]:checked").value;
