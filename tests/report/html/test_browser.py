@@ -83,9 +83,7 @@ def test_the_viewer_draws_both_sides_and_every_choice_shows(probe_page):
 
 
 def test_a_browser_that_cannot_unpack_says_so(report_page, tmp_path):
-    old = report_page.replace(
-        "</head>", "<script>delete window.DecompressionStream</script></head>", 1
-    )
+    old = report_page.replace("<h2", "<script>delete window.DecompressionStream</script><h2", 1)
     probe = 'return document.querySelector("#legend").textContent;'
     visited = visit(old, probe, tmp_path)
     assert "cannot unpack" in visited.result
