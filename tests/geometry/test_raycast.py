@@ -1,6 +1,7 @@
 """Embree against the textbook's intersection, one ray and one triangle at a time."""
 
 import ctypes
+import pickle
 import subprocess
 import sys
 
@@ -160,3 +161,18 @@ def test_embree_is_held_to_the_vectors_that_all_processors_have():
     get = embree.rtcGetDeviceProperty
     get.restype, get.argtypes = ctypes.c_ssize_t, (ctypes.c_void_p, ctypes.c_uint)
     assert [get(device, number) for number in (33, 34)] == [1, 0]  # of 8, of 16
+
+
+@pytest.mark.parametrize("count", [100, 20_000])
+def test_a_mesh_may_lie_in_memory_either_way(count):
+    vertices, faces = soup(count)
+    origins = 200 * fibonacci_sphere(500) + 50
+    directions = (50 - origins) / 150
+    expected = RaycastingScene(vertices, faces).cast(origins, directions)
+    other = RaycastingScene(np.array(vertices, order="F"), np.array(faces, order="F"))
+    np.testing.assert_array_equal(other.cast(origins, directions).t, expected.t)
+
+
+def test_a_scene_is_not_sent_to_another_process():
+    with pytest.raises(TypeError, match="lives in one process"):
+        pickle.dumps(RaycastingScene(*TRIANGLE))

@@ -8,6 +8,7 @@ Embree 4's rtcore.h.
 import ctypes
 import weakref
 from functools import cache
+from typing import NoReturn
 
 import numpy as np
 from jaxtyping import Float32, Int32
@@ -57,13 +58,19 @@ class EmbreeTree:
         weakref.finalize(self, embree.rtcReleaseScene, self.scene)
         embree.rtcSetSceneFlags(self.scene, ROBUST | FILTER_IN_ARGUMENTS)
         geometry = embree.rtcNewGeometry(device, TRIANGLES)
-        for kind, form, rows in ((INDICES, UINT3, faces), (VERTICES, FLOAT3, vertices)):
+        for kind, form, values in ((INDICES, UINT3, faces), (VERTICES, FLOAT3, vertices)):
+            rows = np.ascontiguousarray(values)  # alive while it is copied from
             buffer = embree.rtcSetNewGeometryBuffer(geometry, kind, 0, form, 12, len(rows))
-            ctypes.memmove(buffer, np.ascontiguousarray(rows).ctypes.data, rows.nbytes)
+            if len(rows) and not buffer:
+                raise MemoryError(f"embree has no room for {len(rows)} rows of a mesh")
+            ctypes.memmove(buffer, rows.ctypes.data, rows.nbytes)
         embree.rtcCommitGeometry(geometry)
         embree.rtcAttachGeometry(self.scene, geometry)
         embree.rtcReleaseGeometry(geometry)
         embree.rtcCommitScene(self.scene)
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a tree of embree lives in one process: build it anew from its mesh")
 
 
 @cache
@@ -87,4 +94,7 @@ def load_embree() -> tuple[ctypes.CDLL, int]:
     ):
         function = getattr(embree, name)
         function.restype, function.argtypes = result, arguments
-    return embree, embree.rtcNewDevice(INSTRUCTIONS)
+    device = embree.rtcNewDevice(INSTRUCTIONS)
+    if not device:
+        raise RuntimeError(f"embree cannot compute with {INSTRUCTIONS.decode()} on this processor")
+    return embree, device

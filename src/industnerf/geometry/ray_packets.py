@@ -7,6 +7,8 @@ differ is which boxes a ray enters, and so two kinds of hit are cast again, sing
 - next to a face's side: a single ray may miss the face's box by a rounding, or take the face
   beyond the side at equal t;
 - on a face that crosses another, where t may be equal on both.
+
+Of faces that lie in each other, all of which a ray meets at once, a packet may choose another one.
 """
 
 from typing import NamedTuple, no_type_check  # compiled, not called: nothing to check

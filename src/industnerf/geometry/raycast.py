@@ -65,9 +65,11 @@ class RaycastingScene:
     ) -> "PacketHits":
         """What `cast` finds, of the rays that hit, in less than half the time.
 
-        Rays that follow each other should be neighbors: they are cast eight at a time.
+        Rays that follow each other should be neighbors: they are cast eight at a time.  Of faces
+        that lie in each other another one may be found.
         """
-        return self._packets.cast(self._to_box(origin[None])[0], directions, self._size)
+        towards = np.ascontiguousarray(directions, np.float32)
+        return self._packets.cast(self._to_box(origin[None])[0], towards, self._size)
 
     @cached_property
     def _packets(self) -> "PacketScene":
