@@ -117,14 +117,21 @@ def test_the_area_between_sparsification_curves_is_held_against_that_of_chance(e
 
 
 def test_seconds_are_a_mean_and_memory_is_the_largest(evaluated):
-    seconds = evaluated["industnerf_plus", "seconds a part, mean"]
+    seconds = evaluated["industnerf_plus", "processor seconds a part, mean"]
     assert (seconds.value, seconds.is_met) == (25, False)
-    slow = evaluated["industnerf_plus", "seconds that nine parts in ten stay below"]
+    slow = evaluated["industnerf_plus", "processor seconds that nine parts in ten stay below"]
     assert (slow.value, slow.is_met) == (pytest.approx(30.8), False)  # 30 + 0.8 (31 - 30)
     assert evaluated["industnerf_plus", "peak memory of any part, GB"].value == pytest.approx(
         2.27540992
     )  # 2170 MiB
-    assert ("industnerf", "seconds a part, mean") not in evaluated
+    assert ("industnerf", "processor seconds a part, mean") not in evaluated
+
+
+def test_seconds_of_old_results_are_said_to_be_by_the_clock():
+    costs = [CostRow("reconstruct", "industnerf_plus", "a", Cost(20.0, 70.0, "cpu"))]
+    goals = evaluate_goals(make_study(PARTS, EMDS), costs)
+    (goal,) = [goal for goal in goals if "seconds a part" in goal.quantity]
+    assert (goal.quantity, goal.value) == ("wall seconds a part, mean", 20.0)
 
 
 def test_the_files_hold_them(evaluated):
@@ -143,7 +150,9 @@ def test_the_files_hold_them(evaluated):
     }
     markdown_text = goals_md(list(evaluated.values()))
     assert "| EMD (even) | at most 0.02 | 0.0267 | **no** | 0.0693 mm |  | 0.01 |" in markdown_text
-    assert " | seconds a part, mean | at most 22 | 25 | **no** |  |  |  |" in markdown_text
+    assert (
+        " | processor seconds a part, mean | at most 22 | 25 | **no** |  |  |  |" in markdown_text
+    )
     assert (
         " | at most 0.0005 | 0.002 | **no** | 0.0120 mm², coverage 0.980 |  |  |" in markdown_text
     )

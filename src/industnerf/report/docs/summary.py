@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from industnerf.report import paper_results
-from industnerf.report.docs.claims import BASELINES
+from industnerf.report.docs.claims import BASELINES, difference_text
 from industnerf.report.docs.study_results import mean_seconds, test_rows
-from industnerf.report.tables.formats import format_interval, read_csv
+from industnerf.report.tables.costs import seconds_label
+from industnerf.report.tables.formats import read_csv
 
 PLUS, CARVE, HULL, RETRIEVAL = "industnerf_plus", "carve", "hull", "retrieval"
 FIGURES = ("contact_sheet.png", "pareto.png", "strata.png", "sparsification.png")
@@ -36,11 +37,11 @@ def _findings(study: Path) -> Iterator[str]:
     for method, name in ((PLUS, "our additions"), (paper_results.METHOD, "the paper's method")):
         if method in rows:
             versus = [
-                _versus(comparisons[method, other], text)
+                f"Against {text}: {difference_text(comparisons[method, other])}."
                 for other, text in ((CARVE, "space carving"), (HULL, "the visual hull"))
                 if (method, other) in comparisons
             ]
-            own = f"{_score(rows[method])}{_time(seconds, method)}"
+            own = f"{_score(rows[method])}{_time(study, seconds.get(method))}"
             yield " ".join([f"**`{method}`**, {name}: {own}.", *versus])
     networks = [rows[name] for name in BASELINES if name in rows]
     if networks:
@@ -63,7 +64,7 @@ def _findings(study: Path) -> Iterator[str]:
         yield f"**Surface within 1 mm** of the reconstruction: {shares}."
     failures = sum(int(row["failures"]) for row in rows.values())
     attempts = sum(int(row["parts"]) for row in rows.values())
-    yield f"**Failures**: {failures} of {attempts} reconstructions."
+    yield f"**Failures**: {failures} of {attempts} clouds, those of bounds and nulls among them."
 
 
 def _score(row: CsvRow) -> str:
@@ -73,13 +74,6 @@ def _score(row: CsvRow) -> str:
     )
 
 
-def _time(seconds: dict[str, float], method: str) -> str:
-    return f", {seconds[method]:.0f} s a part" if method in seconds else ""
-
-
-def _versus(row: CsvRow, name: str) -> str:
-    low, high = float(row["ci_low"]), float(row["ci_high"])
-    return (
-        f"Against {name}: {float(row['difference']):+.4f} ({format_interval(low, high, '+.4f')}), "
-        f"better on {100 * float(row['win_rate']):.0f} % of the parts."
-    )
+def _time(study: Path, seconds: float | None) -> str:
+    label = seconds_label(read_csv(study / "cost.csv"))
+    return f", {seconds:.0f} {label} a part" if seconds is not None else ""

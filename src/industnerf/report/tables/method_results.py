@@ -90,6 +90,11 @@ class MethodResults:
         seconds = [cost.processor_seconds for cost in self._costs()]
         return quantiles(seconds, n=10, method="inclusive")[-1] if len(seconds) > 1 else None
 
+    @property
+    def has_wall_time(self) -> bool:
+        """Whether seconds are by the clock: results are older than the record of processor time."""
+        return any(cost.cpu_seconds is None for cost in self._costs())
+
     def peak_gb(self) -> float | None:
         """Peak memory of the part that needs most."""
         peaks = [cost.peak_mb * 2**20 / 1e9 for cost in self._costs()]  # peak_mb counts MiB

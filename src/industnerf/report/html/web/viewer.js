@@ -91,7 +91,13 @@ function startViewer(root) {
     settings.tolerance_mm = scene.tolerance_mm;
     settings.has_truth = "truth" in scene.packed;
     const names = sides.map((side) => side.querySelector("select").value);
-    await load(scene, names);
+    try {
+      await load(scene, names);
+    } catch (error) {
+      root.querySelector("#legend").textContent = `The clouds cannot be read: ${error}`;
+      root.setAttribute("aria-busy", "false");
+      return;
+    }
     if (asked !== lastAsked) return; // something else was chosen while these were decoded
     for (const points of shown) if (points) deletePoints(renderer, points);
     shown = sides.map((side, i) => {
