@@ -6,8 +6,7 @@ import warp as wp
 
 from industnerf.geometry import tsdf, tsdf_kernels
 from industnerf.geometry.cameras import unit_ball_projections
-from industnerf.geometry.warp_launch import launch
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import launch, warp_device
 from tests.methods.solids import cameras_around
 
 CAMERAS = cameras_around(5, 192, 30.0)

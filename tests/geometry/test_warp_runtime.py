@@ -4,7 +4,7 @@ import pytest
 import torch
 import warp as wp
 
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 
 
 @pytest.mark.parametrize("name", ["cpu", "cuda", "cuda:1"])

@@ -6,7 +6,7 @@ import warp as wp
 
 from industnerf.config import load_params
 from industnerf.geometry.silhouettes import silhouette_distances
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.photohull import kernels
 from industnerf.photohull.space_carving import SpaceCarver, color_ranges, surface_voxels
 from industnerf.photohull.voxel_grid import depth_in_hull, unit_frame_cameras_about

@@ -5,7 +5,7 @@ import platform
 
 import warp as wp
 
-from industnerf import environment, processor
+from industnerf import processor
 
 # Whatever the processor is, kernels are compiled for the same one; the rest is Warp's default.
 CPU_FLAGS = (
@@ -32,13 +32,3 @@ def init_warp() -> None:
         finally:
             os.dup2(stderr_copy, 2)
             os.close(stderr_copy)
-
-
-def warp_device() -> str:
-    """The device of `device.device`; torch, slow to import, is loaded only if Warp sees a GPU."""
-    name = environment.get_str("INDUSTNERF_DEVICE")
-    if name or not wp.is_cuda_available():
-        return name or "cpu"
-    from industnerf.device import device
-
-    return str(device())

@@ -6,7 +6,7 @@ import warp as wp
 from scipy.ndimage import gaussian_filter
 
 from industnerf.geometry.cameras import Cameras, look_at, pinhole
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.methods.industnerf_plus import surface_kernels
 from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid
 from industnerf.methods.industnerf_plus.finishes import FinishFit

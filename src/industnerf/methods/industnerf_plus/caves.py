@@ -13,7 +13,7 @@ import warp as wp
 from jaxtyping import Bool, Float32, Int64
 from scipy.ndimage import binary_dilation, find_objects, label, minimum, minimum_filter
 
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.methods.industnerf_plus import grid_kernels
 from industnerf.methods.industnerf_plus.distance_grid import FILL_VALUE, redistance
 from industnerf.methods.industnerf_plus.pictures import Pictures

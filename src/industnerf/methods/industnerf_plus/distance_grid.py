@@ -14,7 +14,7 @@ from jaxtyping import Float, Float32, Int32
 from scipy.ndimage import binary_dilation, label, map_coordinates
 
 from industnerf.errors import ReconstructionFailed
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.methods.industnerf_plus import grid_kernels
 from industnerf.photohull.voxel_grid import UnitFrameCameras, depth_in_hull
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.methods.industnerf_plus import grid_kernels, surface_kernels
 from industnerf.methods.industnerf_plus.distance_grid import (
     band_nodes,

@@ -10,7 +10,7 @@ from pykdtree.kdtree import KDTree
 from scipy.ndimage import distance_transform_edt
 
 from industnerf.geometry.cameras import Cameras, back_projection
-from industnerf.geometry.warp_runtime import warp_device
+from industnerf.geometry.warp_launch import warp_device
 from industnerf.methods.industnerf_plus import surface_kernels
 from industnerf.methods.industnerf_plus.distance_grid import DistanceGrid, band_nodes
 from industnerf.methods.industnerf_plus.finishes import FinishFit, fit_finishes, refit_lighting
