@@ -68,6 +68,15 @@ def test_a_checkout_beside_the_main_one_has_its_store_and_its_file(tmp_path, mon
     assert Store.from_environment().root == tmp_path / "absolute"
 
 
+def test_the_project_of_a_preset_has_the_store_of_its_checkout(tmp_path):
+    """Else `dvc repro` in runs/<preset> would make anew what `pipeline.preset` has made."""
+    project = tmp_path / "runs" / "demo"
+    project.mkdir(parents=True)
+    (tmp_path / "dvc.yaml").write_text("stages: {}")
+    (project / "dvc.yaml").symlink_to("../../dvc.yaml")
+    assert environment.main_checkout(project) == tmp_path
+
+
 def test_a_folder_of_its_own_is_its_own_main_checkout(tmp_path):
     git(tmp_path, "init", "-q")
     (tmp_path / "runs/demo").mkdir(parents=True)

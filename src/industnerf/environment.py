@@ -1,7 +1,8 @@
 """How and where to execute: INDUSTNERF_* variables, from the environment or .industnerf.env.
 
 A checkout beside the main one, such as those in which DVC runs queued experiments, has the main
-one's file, store and database: git leaves them out of it.
+one's file, store and database: git leaves them out of it. So has the project of a preset in
+runs/, whose dvc.yaml is a link to the one two folders up.
 
 Never part of params.yaml: none of them changes a result by more than the rounding of a GPU, so
 none may cause a rerun.  (Over a training roundings grow: benchmarks/results.md has what another
@@ -20,12 +21,14 @@ from pathlib import Path
 from industnerf.errors import BadParams
 
 FILE = Path(".industnerf.env")
+LINK_OF_PRESETS = "../../dvc.yaml"  # from runs/<preset>
 DVC_EXPERIMENTS = (".dvc", "tmp", "exps")  # where DVC makes its temporary checkouts
 LINE_PATTERN = re.compile(r"(?P<name>(INDUSTNERF|SBATCH)_[A-Z0-9_]+)=(?P<value>.*)")
 
 
 def main_checkout(folder: Path = Path()) -> Path:
-    """The checkout that owns `folder`: of a temporary one of DVC, or a git worktree, the main one.
+    """The checkout that owns `folder`: of a temporary one of DVC, a git worktree, or a preset's
+    project, the main one.
 
     `folder` itself, as an absolute path, where it is no such checkout.
     """
@@ -33,6 +36,9 @@ def main_checkout(folder: Path = Path()) -> Path:
     for start in range(len(own.parts) - len(DVC_EXPERIMENTS)):
         if own.parts[start : start + len(DVC_EXPERIMENTS)] == DVC_EXPERIMENTS:
             return Path(*own.parts[:start])
+    pipeline = own / "dvc.yaml"
+    if pipeline.is_symlink() and os.readlink(pipeline) == LINK_OF_PRESETS:
+        return main_checkout(own.parents[1])
     pointer = own / ".git"  # of a worktree a file: "gitdir: <common directory>/worktrees/<name>"
     if pointer.is_file():
         git_dir = own / pointer.read_text(encoding="utf-8").removeprefix("gitdir:").strip()

@@ -78,13 +78,14 @@ def test_the_readme_has_bounds_and_the_best_network(published):
     path = published / "table1.csv"
     rows = read_rows(path)
     names = [row["method"] for row in rows if row["split"] == "test"]
-    assert [line.split(" | ")[0] for line in readme_block(published).splitlines()[4:]] == [
-        f"| {name}" for name in names if name != "hull"
-    ]
+    assert [
+        line.split(" | ")[0]
+        for line in readme_block(published, published.parents[1] / "params.yaml").splitlines()[4:]
+    ] == [f"| {name}" for name in names if name != "hull"]
     (hull,) = [row for row in rows if (row["method"], row["split"]) == ("hull", "test")]
     hull["size"] = "cpu"  # as if it were a network
     path.write_text(csv_text(list(rows[0]), [list(row.values()) for row in rows]))
-    assert "\n| hull |" in readme_block(published)
+    assert "\n| hull |" in readme_block(published, published.parents[1] / "params.yaml")
 
 
 def test_a_subset_of_which_nothing_was_rendered_is_left_blank(published):

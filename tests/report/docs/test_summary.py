@@ -17,11 +17,11 @@ def test_each_method_has_its_own_numbers(published):
 
 
 def test_of_one_family_differences_stand_without_an_interval(published):
-    columns = ["method", "other", "difference", "ci_low", "ci_high", "win_rate"]
-    rows = [("industnerf", "hull", -0.002, "", "", 0.75)]
+    columns = ["method", "other", "difference", "ci_low", "ci_high", "win_rate", "p_holm"]
+    rows = [("industnerf", "hull", -0.002, "", "", 0.75, 0.04)]
     (published / "comparisons.csv").write_text(csv_text(columns, rows))
     text = summary_block(published)
-    assert "Against the visual hull: -0.0020, better on 75 % of the parts." in text
+    assert "Against the visual hull: -0.0020, better on 75 % of the parts (p 0.04, Holm)." in text
 
 
 def test_figures_that_were_published_are_copied(published, tmp_path):

@@ -31,7 +31,7 @@ def generated_blocks(root: Path) -> dict[Path, dict[str, str]]:
     if demo.exists():
         blocks[RESULTS / "demo.md"] = {"demo": results_block(demo)}
     if study.exists():
-        blocks[README] = {"study": readme_block(study)}
+        blocks[README] = {"study": readme_block(study, root / PARAMS)}
         blocks[RESULTS / "study.md"] = {
             "study": results_block(study, root / PARAMS, with_paper_tables=True)
         }

@@ -32,22 +32,30 @@ COMPARED_PAIRS = (
     ("industnerf", "hull"),
     ("industnerf", "carve"),
 )
-COVERAGE_METHODS = ("industnerf_plus", "industnerf", "hull", "oracle")
+COVERAGE_METHODS = ("industnerf_plus", "industnerf", "carve", "hull", "oracle")
 TOLERANCE_COLUMNS = {"covered_0.5mm": "within 0.5 mm", "covered_1mm": "within 1 mm"}
 GOAL_COLUMNS = {"value": "measured", "tsdf": "`tsdf`", "oracle": "`oracle`"}
+OLDER_THAN_SETTINGS = (
+    "Some settings have changed since, so a new run has other numbers "
+    "([which](docs/results/study.md))."
+)
 CHANGED_SINCE = (
     "Some settings in `params.yaml` are no longer those of the study. A new run has others here:"
 )
 
 
-def readme_block(folder: Path) -> str:
-    """The rows of `README_METHODS` and of the best network, and where they come from."""
+def readme_block(folder: Path, params: Path) -> str:
+    """The rows of `README_METHODS` and of the best network, and where they come from.
+
+    `params`: today's params.yaml; that it differs from the study's is said.
+    """
     rows = test_rows(folder)
     networks = [row for row in rows if row["size"]]
     best_network = min(networks, key=lambda row: float(row["emd_even"]), default={"method": ""})
     shown = [row for row in rows if row["method"] in (*README_METHODS, best_network["method"])]
     columns = ("method", "inputs", "EMD", "x floor", _seconds_label(folder), "paper")
-    return f"{_describe_results(folder)}{_table1(folder, shown, columns)}"
+    note = f"\n{OLDER_THAN_SETTINGS}\n" if _changes_since(folder / "params.yaml", params) else ""
+    return f"{_describe_results(folder)}{_table1(folder, shown, columns)}{note}"
 
 
 def results_block(folder: Path, params: Path | None = None, with_paper_tables: bool = False) -> str:

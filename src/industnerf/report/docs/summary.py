@@ -37,9 +37,9 @@ def _findings(study: Path) -> Iterator[str]:
     for method, name in ((PLUS, "our additions"), (paper_results.METHOD, "the paper's method")):
         if method in rows:
             versus = [
-                f"Against {text}: {difference_text(comparisons[method, other])}."
+                f"Against {text}: {difference_text(row)} (p {float(row['p_holm']):.2g}, Holm)."
                 for other, text in ((CARVE, "space carving"), (HULL, "the visual hull"))
-                if (method, other) in comparisons
+                if (row := comparisons.get((method, other)))
             ]
             own = f"{_score(rows[method])}{_time(study, seconds.get(method))}"
             yield " ".join([f"**`{method}`**, {name}: {own}.", *versus])
@@ -55,13 +55,14 @@ def _findings(study: Path) -> Iterator[str]:
         marks = f"Undertrained: {', '.join(marked)}." if marked else "None is undertrained."
         yield f"**The paper's networks**: EMD {scores}.{retrieval} {marks}"
     covered = {row["method"]: row for row in read_csv(study / "inspection.csv")}
-    if PLUS in covered and "covered_1mm" in covered[PLUS]:
-        shares = ", ".join(
-            f"`{method}` {100 * float(covered[method]['covered_1mm']):.0f} %"
+    for limit in ("0.5", "1"):
+        shares = [
+            f"`{method}` {100 * float(row[f'covered_{limit}mm']):.0f} %"
             for method in (PLUS, CARVE, HULL, paper_results.METHOD, "oracle")
-            if method in covered
-        )
-        yield f"**Surface within 1 mm** of the reconstruction: {shares}."
+            if (row := covered.get(method, {})).get(f"covered_{limit}mm")
+        ]
+        if shares:
+            yield f"**Surface within {limit} mm** of the cloud: {', '.join(shares)}."
     failures = sum(int(row["failures"]) for row in rows.values())
     attempts = sum(int(row["parts"]) for row in rows.values())
     yield f"**Failures**: {failures} of {attempts} clouds, those of bounds and nulls among them."

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from industnerf.artifacts.scores import PartScore
+from industnerf.methods import MODULES
 from industnerf.report.figures.figure_style import encode_png, new_figure
 from industnerf.report.study import Study
 from industnerf.report.tables.scores import scores_of, select_scores
@@ -66,8 +67,8 @@ def plot_sparsification(study: Study) -> bytes | None:
         ylabel="mean error of the rest / of all",
     )
     axis.axhline(1, color="#9aa4af", lw=1, label="a random order")
-    for index, (method, curve) in enumerate(by_method.items()):
-        color = COLORS[index % len(COLORS)]
+    for method, curve in by_method.items():
+        color = COLORS[list(MODULES).index(method) % len(COLORS)]  # in every figure the same
         axis.plot(curve.removed, curve.by_confidence, "o-", ms=3, color=color, label=method)
         axis.plot(curve.removed, curve.by_error, "--", lw=1, color=color)
     axis.plot([], [], "--", lw=1, color="#57606a", label="the true error's order")

@@ -39,7 +39,8 @@ def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: P
             )
             _plot_cost(axis, series, quantity, trend, f"C{i}")
     emd_axis.set(ylabel="EMD (even), diagonals")
-    emd_axis.set_ylim(bottom=0)
+    top = max(result.emd for series in series_list for result in series.results)
+    emd_axis.set_ylim(0, HEADROOM * top)
     above.legend(
         *emd_axis.get_legend_handles_labels(), fontsize="small", loc="outside upper center", ncols=3
     )
