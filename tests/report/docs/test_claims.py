@@ -8,7 +8,7 @@ import pytest
 from industnerf.report.docs.claims import FAILS, HOLDS, UNDECIDED, claims_block, verdict_of
 
 TABLE1 = ["method", "split", "inputs", "num_train_parts", "undertrained", "emd_even"]
-TABLE1 += ["ratio_to_floor"]
+TABLE1 += ["ratio_to_floor", "views"]
 COMPARISONS = ["method", "other", "difference", "ci_low", "ci_high", "win_rate"]
 SCORES = ["part_id", "method", "family", "split", "metric", "protocol", "value"]
 GOALS = ["method", "goal", "value"]
@@ -25,9 +25,10 @@ def write_csv(path, columns, rows):
 def study(tmp_path):
     folder = tmp_path / "study"
     rows = [
-        ("industnerf", "test", "rgb", 0, "", 0.02, 2.5),
-        ("r2n2", "test", "rgb", 66, "no better than retrieval", 0.08, 9.0),
-        ("atlasnet", "test", "rgb", 66, "", 0.03, 4.0),
+        ("industnerf", "test", "rgb", 0, "", 0.02, 2.5, 40),
+        ("r2n2", "test", "rgb", 66, "no better than retrieval", 0.08, 9.0, 5),
+        ("atlasnet", "test", "rgb", 66, "", 0.03, 4.0, 1),
+        ("carve", "test", "rgb", 0, "", 0.015, 1.9, 40),
     ]
     write_csv(folder / "table1.csv", TABLE1, rows)
     write_csv(
@@ -75,7 +76,7 @@ def test_claims_against_other_methods(study, tmp_path):
     assert rows["better than 3D-R2N2"][1].endswith("it is undertrained here")
     assert rows["better than AtlasNet"] == (
         UNDECIDED,
-        "EMD -0.0100 (-0.0300 to +0.0100), better on 60 % of the parts",
+        "EMD -0.0100 (-0.0300 to +0.0100), better on 60 % of the parts; it answers from one view",
     )
     assert rows["better than space carving"][0] == FAILS
     assert "better than Occupancy Networks" not in rows  # it did not run
@@ -125,5 +126,6 @@ def test_of_one_family_nothing_has_an_interval_and_nothing_is_told(study, tmp_pa
     write_csv(study / "comparisons.csv", COMPARISONS, rows)
     assert rows_of(claims_block(study, tmp_path))["better than 3D-R2N2"] == (
         UNDECIDED,
-        "EMD -0.0600, better on 100 % of the parts; it is undertrained here",
+        "EMD -0.0600, better on 100 % of the parts; it answers from 5 views; "
+        "it is undertrained here",
     )

@@ -92,6 +92,10 @@ def difference_text(row: CsvRow) -> str:
     )
 
 
+def _views(row: CsvRow) -> str:
+    return "one view" if row["views"] == "1" else f"{row['views']} views"
+
+
 def _interval(row: CsvRow) -> tuple[float | None, float | None]:
     return optional_float(row["ci_low"]), optional_float(row["ci_high"])
 
@@ -99,11 +103,13 @@ def _interval(row: CsvRow) -> tuple[float | None, float | None]:
 def _baseline_claims(study: Path, others: Mapping[str, str]) -> Iterator[Claim]:
     """4.6.1, by the paired differences of EMD."""
     rows = {(row["method"], row["other"]): row for row in read_csv(study / "comparisons.csv")}
-    marks = {method: row["undertrained"] for method, row in _table1(study).items()}
+    table = _table1(study)
     for other, name in others.items():
         if row := rows.get((METHOD, other)):
             measured = f"EMD {difference_text(row)}"
-            mark = "; it is undertrained here" if marks.get(other) else ""
+            mark = "; it is undertrained here" if table[other]["undertrained"] else ""
+            if other in BASELINES:
+                mark = f"; it answers from {_views(table[other])}{mark}"
             section = "4.6.1" if other in BASELINES else ""
             verdict = verdict_of(*_interval(row))
             yield Claim(section, f"better than {name}", verdict, measured + mark)

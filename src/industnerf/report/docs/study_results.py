@@ -267,7 +267,8 @@ def _missed_goals(rows: Sequence[CsvRow]) -> str:
     ]
     heads = ["method", "goal", "target", *GOAL_COLUMNS.values()]
     table = f"\n{markdown_table(heads, table_rows)}" if missed else ""
-    return f"{len(missed)} of {len(rows)} goals are missed.\n{table}"
+    where = "All are in `goals.md` beside these tables."
+    return f"{len(missed)} of {len(rows)} goals are missed. {where}\n{table}"
 
 
 def _changes_since(published_params: Path, current_params: Path) -> str:
