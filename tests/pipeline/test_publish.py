@@ -22,6 +22,8 @@ pytestmark = pytest.mark.slow  # runs whole pipelines
 DOCUMENTS = {
     "README.md": ["study"],
     "docs/results/study.md": ["study"],
+    "docs/results/claims.md": ["claims"],
+    "docs/results.md": ["summary"],
     "docs/reference/baselines.md": ["nets"],
     "docs/reference/scaling.md": ["costs", "cluster"],
     "docs/reference/readings.md": ["measuring"],
@@ -72,14 +74,14 @@ def test_a_study_is_published_when_it_is_finished_and_not_before(project, finish
         provenance = json.loads((out / "made.json").read_text())
         assert (provenance["clean"], provenance["changed"]) == (True, [])
     readme, page = ((project.folder / name).read_text() for name in list(DOCUMENTS)[:2])
-    assert read_block(readme, "study") == readme_block(out)
-    assert read_block(page, "study") == results_block(out, project.folder / "params.yaml")
+    params = project.folder / "params.yaml"
+    assert read_block(readme, "study") == readme_block(out, params)
+    assert read_block(page, "study") == results_block(out, params, with_paper_tables=True)
     assert "2 test parts of 2 families" in readme
     for name in ("table1.csv", "scores.csv"):
         assert (out / name).read_bytes() == (project.folder / "reports" / name).read_bytes()
     assert lock_mismatches(out, "pipeline") == []
 
-    params = project.folder / "params.yaml"
     params.write_text(params.read_text().replace("sheet_parts: ", "sheet_parts: 1"))
     code, output = project.run("python", "-m", "industnerf.report.docs")
     assert code == 0, output
