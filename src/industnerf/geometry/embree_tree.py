@@ -1,7 +1,8 @@
 """Embree's own C interface, of the library that ships with `embreex`.
 
-Embree would use the widest vectors of the processor, whose roundings are others: it is held to
-AVX2, so that all processors give the same bytes. Numbers, and the order of fields, are those of
+Embree uses the widest vectors of the processor, and divides by estimates that AMD and Intel round
+differently.  So it is held to AVX2 and asked for the face alone: where a ray meets it is computed
+in float64, with the same bytes on every processor.  Numbers, and the order of fields, are those of
 Embree 4's rtcore.h.
 """
 
@@ -38,6 +39,26 @@ RAY = """
         return ray;
     };
     void* const tree = (void*)scene;
+    // Moller and Trumbore (1997): t, u and v of a ray at the three corners of a face
+    const auto meet = [](const float* corners, const float* from, const float* towards,
+                         float& t, float& u, float& v) {
+        double a[3], b[3], d[3], s[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            a[axis] = (double)corners[3 + axis] - corners[axis];
+            b[axis] = (double)corners[6 + axis] - corners[axis];
+            s[axis] = (double)from[axis] - corners[axis];
+            d[axis] = towards[axis];
+        }
+        const double p[3] = {d[1] * b[2] - d[2] * b[1], d[2] * b[0] - d[0] * b[2],
+                             d[0] * b[1] - d[1] * b[0]};
+        const double q[3] = {s[1] * a[2] - s[2] * a[1], s[2] * a[0] - s[0] * a[2],
+                             s[0] * a[1] - s[1] * a[0]};
+        const double area = a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+        if (area == 0) return;  // seen from its side: embree's
+        t = (float)((b[0] * q[0] + b[1] * q[1] + b[2] * q[2]) / area);
+        u = (float)((s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area);
+        v = (float)((d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area);
+    };
 """
 
 
@@ -50,6 +71,7 @@ class EmbreeTree:
         faces: Int32[np.ndarray, "m 3"],
     ) -> None:
         embree, device = load_embree()
+        self.corners = np.ascontiguousarray(vertices[faces])
         self.intersect1, self.intersect8, self.occluded1 = (
             ctypes.cast(function, ctypes.c_void_p).value
             for function in (embree.rtcIntersect1, embree.rtcIntersect8, embree.rtcOccluded1)

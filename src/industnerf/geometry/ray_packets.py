@@ -1,8 +1,8 @@
 """Rays from one point, cast eight at a time: embree's answers in less than half the time.
 
 Neighboring rays meet the same boxes of embree's tree, so a packet walks it once for all eight.
-Its t, u and v come from the same arithmetic as a single ray's and have the same bits.  What may
-differ is which boxes a ray enters, and so two kinds of hit are cast again, singly:
+What may differ from single rays is which boxes a ray enters, and so two kinds of hit are cast
+again, singly:
 
 - next to a face's side: a single ray may miss the face's box by a rounding, or take the face
   beyond the side at equal t;
@@ -92,6 +92,8 @@ CAST_PACKETS = (
                 u = ray.u;
                 v = ray.v;
             }
+            const float* towards = directions.data + 3 * (first + k);
+            meet(corners.data + 9 * hit_face, origin.data, towards, hit_t, u, v);
             ids.data[found] = first + k;
             t.data[found] = hit_t * scale;
             face.data[found] = hit_face;
@@ -112,6 +114,7 @@ def cast_packets(
     intersect8: wp.uint64,
     scene: wp.uint64,
     band: wp.array(dtype=wp.float32),
+    corners: wp.array(dtype=wp.float32),
     origin: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     rays: wp.int32,
@@ -131,6 +134,7 @@ def cast_all_packets(
     intersect8: wp.uint64,
     scene: wp.uint64,
     band: wp.array(dtype=wp.float32),
+    corners: wp.array(dtype=wp.float32),
     origin: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     rays: wp.int32,
@@ -143,7 +147,7 @@ def cast_all_packets(
 ):
     """One thread: hits keep the order of the rays."""
     cast_packets(
-        intersect1, intersect8, scene, band, origin, directions, rays, scale,
+        intersect1, intersect8, scene, band, corners, origin, directions, rays, scale,
         ids, t, face, uv, count,
     )  # fmt: skip
 
@@ -181,15 +185,10 @@ def interpolate(
 
 
 class PacketScene:
-    """A triangle mesh in the unit box that packets of rays can be cast at."""
+    """A tree over a mesh in the unit box that packets of rays can be cast at."""
 
-    def __init__(
-        self,
-        tree: EmbreeTree,
-        vertices: Float32[np.ndarray, "n 3"],
-        faces: Int32[np.ndarray, "m 3"],
-    ) -> None:
-        self._tree, corners = tree, vertices[faces]
+    def __init__(self, tree: EmbreeTree) -> None:
+        self._tree, corners = tree, tree.corners
         longest_side = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         self._band = np.float32(SIDE_BAND) * longest_side
         self._band[crossing_faces(self._tree, corners)] = np.inf
@@ -204,7 +203,7 @@ class PacketScene:
         rays, tree = len(directions), self._tree
         ids, t, face = (np.empty(rays, x) for x in (np.int64, np.float32, np.int32))
         uv, count = np.empty((rays, 2), np.float32), np.zeros(1, np.int32)
-        arrays = [on_cpu(x) for x in (self._band, origin, directions)]
+        arrays = [on_cpu(x) for x in (self._band, tree.corners, origin, directions)]
         inputs = [tree.intersect1, tree.intersect8, tree.scene, *arrays, rays, scale]
         outputs = [on_cpu(x) for x in (ids, t, face, uv, count)]
         wp.launch(cast_all_packets, 1, inputs, outputs, device="cpu")

@@ -34,8 +34,7 @@ class RaycastingScene:
     def __init__(self, vertices: Float[np.ndarray, "n 3"], faces: Int32[np.ndarray, "m 3"]) -> None:
         self._origin = vertices.min(axis=0)
         self._size = max(float(np.ptp(vertices, axis=0).max()), 1e-30)
-        self._mesh = self._to_box(vertices), np.ascontiguousarray(faces, np.int32)
-        self._tree = EmbreeTree(*self._mesh)
+        self._tree = EmbreeTree(self._to_box(vertices), np.ascontiguousarray(faces, np.int32))
 
     def _to_box(self, points: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n 3"]:
         return ((points - self._origin) / self._size).astype(np.float32)
@@ -75,7 +74,7 @@ class RaycastingScene:
     def _packets(self) -> "PacketScene":
         from industnerf.geometry.ray_packets import PacketScene
 
-        return PacketScene(self._tree, *self._mesh)
+        return PacketScene(self._tree)
 
     def distance(
         self, origins: Float[np.ndarray, "#rays 3"], directions: Float[np.ndarray, "rays 3"]

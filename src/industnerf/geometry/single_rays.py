@@ -19,6 +19,8 @@ CAST = (
     const float far = 1e37f;
     Ray ray = ray_of(origins.data + 3 * i, directions.data + 3 * i, far);
     ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, nullptr);
+    if (ray.face != ~0u)
+        meet(corners.data + 9 * ray.face, ray.origin, ray.direction, ray.far, ray.u, ray.v);
     t.data[i] = ray.far;
     face.data[i] = ray.face;
     uv.data[2 * i] = ray.u;
@@ -41,6 +43,7 @@ def cast_ray(
     i: wp.int32,
     intersect1: wp.uint64,
     scene: wp.uint64,
+    corners: wp.array(dtype=wp.float32),
     origins: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     t: wp.array(dtype=wp.float32),
@@ -54,13 +57,14 @@ def cast_ray(
 def cast_rays(
     intersect1: wp.uint64,
     scene: wp.uint64,
+    corners: wp.array(dtype=wp.float32),
     origins: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
     t: wp.array(dtype=wp.float32),
     face: wp.array(dtype=wp.int32),
     uv: wp.array(dtype=wp.float32),
 ):
-    cast_ray(wp.tid(), intersect1, scene, origins, directions, t, face, uv)
+    cast_ray(wp.tid(), intersect1, scene, corners, origins, directions, t, face, uv)
 
 
 @wp.func_native(IS_OCCLUDED)
@@ -95,7 +99,7 @@ def cast_singly(
     """t, face and uv of the first intersection of each ray; a ray that misses has face -1."""
     rays = len(directions)
     t, face, uv = np.empty(rays, np.float32), np.empty(rays, np.int32), np.empty((rays, 2), "f4")
-    arrays = [on_cpu(x) for x in (origins, directions)]
+    arrays = [on_cpu(x) for x in (tree.corners, origins, directions)]
     inputs = [tree.intersect1, tree.scene, *arrays]
     wp.launch(cast_rays, rays, inputs, [on_cpu(x) for x in (t, face, uv)], device="cpu")
     return t, face, uv
