@@ -1,9 +1,9 @@
 """Embree's own C interface, of the library that ships with `embreex`.
 
 Embree uses the widest vectors of the processor, and divides by estimates that AMD and Intel round
-differently.  So it is held to AVX2 and asked for the face alone: where a ray meets it is computed
-in float64, with the same bytes on every processor.  Numbers, and the order of fields, are those of
-Embree 4's rtcore.h.
+differently.  So it is held to AVX2 and asked for faces alone: where a ray meets them is computed in
+float64, and of those at nearly the same place the first is taken by that.  So every processor gives
+the same bytes.  Numbers, and the order of fields, are those of Embree 4's rtcore.h.
 """
 
 import ctypes
@@ -40,8 +40,8 @@ RAY = """
     };
     void* const tree = (void*)scene;
     // Moller and Trumbore (1997): t, u and v of a ray at the three corners of a face
-    const auto meet = [](const float* corners, const float* from, const float* towards,
-                         float& t, float& u, float& v) {
+    struct Meeting { double t, u, v; };
+    const auto meet = [](const float* corners, const float* from, const float* towards) {
         double a[3], b[3], d[3], s[3];
         for (int axis = 0; axis < 3; ++axis) {
             a[axis] = (double)corners[3 + axis] - corners[axis];
@@ -54,10 +54,47 @@ RAY = """
         const double q[3] = {s[1] * a[2] - s[2] * a[1], s[2] * a[0] - s[0] * a[2],
                              s[0] * a[1] - s[1] * a[0]};
         const double area = a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
-        if (area == 0) return;  // seen from its side: embree's
-        t = (float)((b[0] * q[0] + b[1] * q[1] + b[2] * q[2]) / area);
-        u = (float)((s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area);
-        v = (float)((d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area);
+        return Meeting{(b[0] * q[0] + b[1] * q[1] + b[2] * q[2]) / area,
+                       (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area,
+                       (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area};
+    };
+    // The first of all faces that embree finds along a ray; of equals that of the lowest number.
+    struct Search {
+        unsigned instance[2];  // as every context of embree begins
+        const float *corners, *from, *towards;
+        decltype(meet) const* meet;
+        Meeting best;
+        unsigned face;
+    };
+    struct Found {
+        int* valid;
+        void* user;
+        Search* search;
+        unsigned *ray, *hit, lanes;
+    };
+    const auto first_face = [&](unsigned long long intersect1, const float* corners,
+                                const float* from, const float* towards) {
+        Search search{{~0u, ~0u}, corners, from, towards, &meet, {1e37, 0, 0}, ~0u};
+        struct {
+            unsigned flags, features;
+            Search* search;
+            void (*filter)(const Found*);
+            void* intersect;
+        } every_face = {1u << 1, ~0u, &search, nullptr, nullptr};
+        every_face.filter = [](const Found* found) {
+            found->valid[0] = 0;  // on to the next
+            Search& search = *found->search;
+            const unsigned face = found->hit[5];
+            const Meeting met =
+                (*search.meet)(search.corners + 9 * face, search.from, search.towards);
+            if (met.t < search.best.t || (met.t == search.best.t && face < search.face)) {
+                search.best = met;
+                search.face = face;
+            }
+        };
+        Ray ray = ray_of(from, towards, 1e37f);
+        ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, &every_face);
+        return search;
     };
 """
 

@@ -5,7 +5,7 @@ What may differ from single rays is which boxes a ray enters, and so two kinds o
 again, singly:
 
 - next to a face's side: a single ray may miss the face's box by a rounding, or take the face
-  beyond the side at equal t;
+  beyond the side, where t is nearly equal;
 - on a face that crosses another, where t may be equal on both.
 
 Of faces that lie in each other, all of which a ray meets at once, a packet may choose another one.
@@ -51,7 +51,6 @@ CAST_PACKETS = (
     struct { unsigned flags, features; void *context, *filter, *intersect; } coherent = {
         1u << 16, none, nullptr, nullptr, nullptr
     };
-    auto* const cast_one = (void (*)(void*, Ray*, void*))intersect1;
     auto* const cast_eight = (void (*)(const int*, void*, Packet*, void*))intersect8;
     const float far = 1e37f;
     int found = 0;
@@ -75,30 +74,28 @@ CAST_PACKETS = (
         for (int k = 0; k < 8 && first + k < rays; ++k) {
             unsigned hit_face = packet.face[k];
             if (hit_face == none) continue;
-            float hit_t = packet.far[k], u = packet.u[k], v = packet.v[k];
+            const float* towards = directions.data + 3 * (first + k);
+            Meeting met = meet(corners.data + 9 * hit_face, origin.data, towards);
             float area = 0, length = 0;  // twice the area that the ray sees, times its length
             for (int axis = 0; axis < 3; ++axis) {
                 area += packet.normal[axis][k] * packet.direction[axis][k];
                 length += packet.direction[axis][k] * packet.direction[axis][k];
             }
             length = sqrtf(length);
-            const float w = 1 - u - v, least = u < v ? (u < w ? u : w) : (v < w ? v : w);
-            if (least * fabsf(area) < band.data[hit_face] * length) {
-                Ray ray = ray_of(origin.data, directions.data + 3 * (first + k), far);
-                cast_one(tree, &ray, nullptr);
-                hit_face = ray.face;
+            const double w = 1 - met.u - met.v;
+            const double least = met.u < met.v ? (met.u < w ? met.u : w) : (met.v < w ? met.v : w);
+            if (!(least * fabsf(area) >= band.data[hit_face] * length)) {
+                const Search search =
+                    first_face(intersect1, corners.data, origin.data, towards);
+                hit_face = search.face;
                 if (hit_face == none) continue;
-                hit_t = ray.far;
-                u = ray.u;
-                v = ray.v;
+                met = search.best;
             }
-            const float* towards = directions.data + 3 * (first + k);
-            meet(corners.data + 9 * hit_face, origin.data, towards, hit_t, u, v);
             ids.data[found] = first + k;
-            t.data[found] = hit_t * scale;
+            t.data[found] = (float)met.t * scale;
             face.data[found] = hit_face;
-            uv.data[2 * found] = u;
-            uv.data[2 * found + 1] = v;
+            uv.data[2 * found] = (float)met.u;
+            uv.data[2 * found + 1] = (float)met.v;
             ++found;
         }
     }

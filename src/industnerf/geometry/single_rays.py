@@ -16,15 +16,12 @@ wp.set_module_options({"enable_backward": False, "fuse_fp": False})
 CAST = (
     RAY
     + """
-    const float far = 1e37f;
-    Ray ray = ray_of(origins.data + 3 * i, directions.data + 3 * i, far);
-    ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, nullptr);
-    if (ray.face != ~0u)
-        meet(corners.data + 9 * ray.face, ray.origin, ray.direction, ray.far, ray.u, ray.v);
-    t.data[i] = ray.far;
-    face.data[i] = ray.face;
-    uv.data[2 * i] = ray.u;
-    uv.data[2 * i + 1] = ray.v;
+    const Search search =
+        first_face(intersect1, corners.data, origins.data + 3 * i, directions.data + 3 * i);
+    t.data[i] = (float)search.best.t;
+    face.data[i] = search.face;
+    uv.data[2 * i] = (float)search.best.u;
+    uv.data[2 * i + 1] = (float)search.best.v;
 """
 )
 IS_OCCLUDED = (
