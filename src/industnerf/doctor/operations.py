@@ -9,6 +9,8 @@ from scipy.spatial import cKDTree
 from torch import nn
 from torch.nn.functional import normalize, softplus
 
+from industnerf.geometry.raycast import RaycastingScene
+
 Arrays = list[np.ndarray]
 
 
@@ -33,6 +35,17 @@ def _numpy_products() -> Arrays:
 
 def _scipy() -> Arrays:
     return [gaussian_filter(_normal(40, 50), 2), *cKDTree(_normal(500, 3)).query(_normal(90, 3), 5)]
+
+
+def _rays() -> Arrays:
+    """At random triangles, whose faces cross: both ways of casting."""
+    corners = _normal(60, 1, 3) + 0.3 * _normal(60, 3, 3)
+    faces = np.arange(180, dtype=np.int32).reshape(60, 3)
+    scene = RaycastingScene(corners.reshape(-1, 3), faces)
+    directions = _normal(5000, 3).astype(np.float32)
+    hits = scene.cast(np.zeros((1, 3)), directions)
+    packets = scene.cast_from(np.full(3, 0.5), directions)
+    return [hits.t, hits.face, hits.uv, packets.ray, packets.t, packets.face, packets.uv]
 
 
 def _torch_functions() -> Arrays:
@@ -100,6 +113,7 @@ OPERATIONS: dict[str, Callable[[], Arrays]] = {
     "sorts of numpy": _numpy_sorts,
     "matrix products of numpy": _numpy_products,
     "filters and trees of scipy": _scipy,
+    "rays of embree": _rays,
     "functions of torch": _torch_functions,
     "sums of torch": _torch_sums,
     "matrix products of torch": _torch_products,
