@@ -11,7 +11,7 @@ import warp as wp
 from jaxtyping import Bool, Float32
 
 from industnerf.geometry.embree_tree import RAY, EmbreeTree
-from industnerf.geometry.warp_runtime import init_warp
+from industnerf.geometry.warp_runtime import init_warp, on_cpu
 
 init_warp()
 wp.set_module_options({"enable_backward": False})
@@ -19,29 +19,15 @@ wp.set_module_options({"enable_backward": False})
 MARK_CROSSING = (
     RAY
     + """
-    struct Side {
-        unsigned instance[2];  // as every context of embree begins
+    struct Side : Visitor {
         const float* corners;
         bool* is_crossing;
         unsigned face;
         const float *start, *end;
     };
-    struct Candidate {
-        int* valid;
-        void* user;
-        Side* side;
-        unsigned *ray, *hit, lanes;
-    };
-    struct {
-        unsigned flags, features;
-        Side* side;
-        void (*filter)(const Candidate*);
-        void* intersect;
-    } every_face = {1u << 1, none, nullptr, nullptr, nullptr};
-    every_face.filter = [](const Candidate* candidate) {
-        candidate->valid[0] = 0;  // on to the next
-        const Side& side = *candidate->side;
-        const unsigned other = candidate->hit[5];
+    Side side;
+    side.visit = [](Visitor& visitor, unsigned other) {
+        const Side& side = (const Side&)visitor;
         for (int corner = 0; corner < 3; ++corner) {
             const float* point = side.corners + 9 * other + 3 * corner;
             bool is_start = true, is_end = true;
@@ -53,8 +39,9 @@ MARK_CROSSING = (
         }
         side.is_crossing[other] = side.is_crossing[side.face] = true;
     };
-    Side side = {{none, none}, corners.data, is_crossing.data, 0, nullptr, nullptr};
-    every_face.side = &side;
+    side.instance[0] = side.instance[1] = none;
+    side.corners = corners.data;
+    side.is_crossing = is_crossing.data;
     for (side.face = 0; side.face < faces; ++side.face) {
         for (int corner = 0; corner < 3; ++corner) {
             side.start = corners.data + 9 * side.face + 3 * corner;
@@ -62,8 +49,7 @@ MARK_CROSSING = (
             float direction[3];
             for (int axis = 0; axis < 3; ++axis)
                 direction[axis] = side.end[axis] - side.start[axis];
-            Ray ray = ray_of(side.start, direction, 1);
-            ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, &every_face);
+            visit_faces(intersect1, ray_of(side.start, direction, 1), side);
         }
     }
 """
@@ -107,9 +93,3 @@ def crossing_faces(
         device="cpu",
     )
     return is_crossing
-
-
-def on_cpu(values: np.ndarray) -> wp.array:
-    """The same memory, flat."""
-    dtype = wp.dtype_from_numpy(values.dtype)
-    return wp.array(values.reshape(-1), dtype=dtype, device="cpu", copy=False)

@@ -58,33 +58,42 @@ RAY = """
                        (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area,
                        (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area};
     };
-    // The first of all faces that embree finds along a ray; of equals that of the lowest number.
-    struct Search {
+    // Calls visitor.visit(visitor, face) for every face that embree finds along a ray.
+    struct Visitor {
         unsigned instance[2];  // as every context of embree begins
+        void (*visit)(Visitor&, unsigned face);
+    };
+    struct Found {
+        int* valid;
+        void* user;
+        Visitor* visitor;
+        unsigned *ray, *hit, lanes;
+    };
+    const auto visit_faces = [tree](unsigned long long intersect1, Ray ray, Visitor& visitor) {
+        struct {
+            unsigned flags, features;
+            Visitor* visitor;
+            void (*filter)(const Found*);
+            void* intersect;
+        } every_face = {1u << 1, ~0u, &visitor, nullptr, nullptr};
+        every_face.filter = [](const Found* found) {
+            found->valid[0] = 0;  // on to the next
+            found->visitor->visit(*found->visitor, found->hit[5]);
+        };
+        ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, &every_face);
+    };
+    // The first of all faces along a ray; of equals that of the lowest number.
+    struct Search : Visitor {
         const float *corners, *from, *towards;
         decltype(meet) const* meet;
         Meeting best;
         unsigned face;
     };
-    struct Found {
-        int* valid;
-        void* user;
-        Search* search;
-        unsigned *ray, *hit, lanes;
-    };
     const auto first_face = [&](unsigned long long intersect1, const float* corners,
                                 const float* from, const float* towards) {
-        Search search{{~0u, ~0u}, corners, from, towards, &meet, {1e37, 0, 0}, ~0u};
-        struct {
-            unsigned flags, features;
-            Search* search;
-            void (*filter)(const Found*);
-            void* intersect;
-        } every_face = {1u << 1, ~0u, &search, nullptr, nullptr};
-        every_face.filter = [](const Found* found) {
-            found->valid[0] = 0;  // on to the next
-            Search& search = *found->search;
-            const unsigned face = found->hit[5];
+        Search search;
+        search.visit = [](Visitor& visitor, unsigned face) {
+            Search& search = (Search&)visitor;
             const Meeting met =
                 (*search.meet)(search.corners + 9 * face, search.from, search.towards);
             if (met.t < search.best.t || (met.t == search.best.t && face < search.face)) {
@@ -92,8 +101,13 @@ RAY = """
                 search.face = face;
             }
         };
-        Ray ray = ray_of(from, towards, 1e37f);
-        ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, &every_face);
+        search.instance[0] = search.instance[1] = search.face = none;
+        search.corners = corners;
+        search.from = from;
+        search.towards = towards;
+        search.meet = &meet;
+        search.best = {1e37, 0, 0};
+        visit_faces(intersect1, ray_of(from, towards, 1e37f), search);
         return search;
     };
 """

@@ -17,9 +17,9 @@ import numpy as np
 import warp as wp
 from jaxtyping import Float32, Int, Int32
 
-from industnerf.geometry.crossing_faces import crossing_faces, on_cpu
+from industnerf.geometry.crossing_faces import crossing_faces
 from industnerf.geometry.embree_tree import RAY, EmbreeTree
-from industnerf.geometry.warp_runtime import init_warp
+from industnerf.geometry.warp_runtime import init_warp, on_cpu
 
 init_warp()
 # unfused: products are rounded as numpy rounds them

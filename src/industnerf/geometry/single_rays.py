@@ -6,9 +6,8 @@ import numpy as np
 import warp as wp
 from jaxtyping import Bool, Float32, Int32
 
-from industnerf.geometry.crossing_faces import on_cpu
 from industnerf.geometry.embree_tree import RAY, EmbreeTree
-from industnerf.geometry.warp_runtime import init_warp
+from industnerf.geometry.warp_runtime import init_warp, on_cpu
 
 init_warp()
 wp.set_module_options({"enable_backward": False, "fuse_fp": False})

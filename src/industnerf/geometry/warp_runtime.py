@@ -3,6 +3,7 @@
 import os
 import platform
 
+import numpy as np
 import warp as wp
 
 from industnerf import processor
@@ -32,3 +33,9 @@ def init_warp() -> None:
         finally:
             os.dup2(stderr_copy, 2)
             os.close(stderr_copy)
+
+
+def on_cpu(values: np.ndarray) -> wp.array:
+    """The same memory for a kernel that runs on the CPU, flat."""
+    dtype = wp.dtype_from_numpy(values.dtype)
+    return wp.array(values.reshape(-1), dtype=dtype, device="cpu", copy=False)
