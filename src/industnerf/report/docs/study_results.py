@@ -1,14 +1,12 @@
 """Published results as Markdown: five rows for the README, all tables for a page of their own."""
 
-import re
-from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence, Set
-from itertools import accumulate
+from collections import defaultdict
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import fmean
 
-from industnerf.config import flatten, read_yaml
 from industnerf.report import paper_results
+from industnerf.report.docs.changed_settings import changed_settings
 from industnerf.report.publish.provenance import describe_provenance, read_provenance
 from industnerf.report.tables.costs import csv_seconds, seconds_label
 from industnerf.report.tables.formats import (
@@ -24,7 +22,6 @@ from industnerf.report.tables.formats import (
 from industnerf.report.tables.table2 import LOSSES
 
 CsvRow = dict[str, str]
-METHOD_KEY = re.compile(r"^method\.\w+\.")
 README_METHODS = ("oracle", "industnerf_plus", "carve", "industnerf")  # and the best network
 COMPARED_PAIRS = (
     ("industnerf_plus", "hull"),
@@ -39,9 +36,6 @@ OLDER_THAN_SETTINGS = (
     "Some settings have changed since, so a new run has other numbers "
     "([which](docs/results/study.md))."
 )
-CHANGED_SINCE = (
-    "Some settings in `params.yaml` are no longer those of the study. A new run has others here:"
-)
 
 
 def readme_block(folder: Path, params: Path) -> str:
@@ -54,7 +48,7 @@ def readme_block(folder: Path, params: Path) -> str:
     best_network = min(networks, key=lambda row: float(row["emd_even"]), default={"method": ""})
     shown = [row for row in rows if row["method"] in (*README_METHODS, best_network["method"])]
     columns = ("method", "inputs", "EMD", "x floor", _seconds_label(folder), "paper")
-    note = f"\n{OLDER_THAN_SETTINGS}\n" if _changes_since(folder / "params.yaml", params) else ""
+    note = f"\n{OLDER_THAN_SETTINGS}\n" if changed_settings(folder / "params.yaml", params) else ""
     return f"{_describe_results(folder)}{_table1(folder, shown, columns)}{note}"
 
 
@@ -83,7 +77,7 @@ def results_block(folder: Path, params: Path | None = None, with_paper_tables: b
         "Goals": _missed_goals(read_csv(folder / "goals.csv")),
     }
     tables = "".join(f"\n## {title}\n\n{text}" for title, text in sections.items() if text)
-    changes = _changes_since(folder / "params.yaml", params) if params else ""
+    changes = changed_settings(folder / "params.yaml", params) if params else ""
     return f"{_describe_results(folder)}{changes}{tables}"
 
 
@@ -269,42 +263,3 @@ def _missed_goals(rows: Sequence[CsvRow]) -> str:
     table = f"\n{markdown_table(heads, table_rows)}" if missed else ""
     where = "All are in `goals.md` beside these tables."
     return f"{len(missed)} of {len(rows)} goals are missed. {where}\n{table}"
-
-
-def _changes_since(published_params: Path, current_params: Path) -> str:
-    """A list of what of params.yaml is no longer as the study had it, or nothing."""
-    old, new = (flatten(read_yaml(path)) for path in (published_params, current_params))
-    changed = {key for key in old.keys() & new.keys() if old[key] != new[key]}
-    changes = {
-        "another value": {".".join(key.split(".")[:3]) for key in changed},
-        "new": _only_in(new.keys(), old.keys()),
-        "removed": _only_in(old.keys(), new.keys()),
-    }
-    lines = [
-        f"- {what}: {', '.join(f'`{key}`' for key in _join_methods(keys))}\n"
-        for what, keys in changes.items()
-        if keys
-    ]
-    return f"{CHANGED_SINCE}\n\n{''.join(lines)}" if lines else ""
-
-
-def _join_methods(keys: Set[str]) -> list[str]:
-    """`keys` in order; one that several methods share stands once, as `method.*.key`."""
-    settings = Counter(METHOD_KEY.sub("", key) for key in keys if METHOD_KEY.match(key))
-    return sorted(
-        {
-            f"method.*.{setting}" if settings[setting := METHOD_KEY.sub("", key)] > 1 else key
-            for key in keys
-        }
-    )
-
-
-def _only_in(these: Set[str], those: Set[str]) -> set[str]:
-    """Keys of `these` that are not in `those`: where a whole section is not, the section."""
-    known = {section for key in those for section in _sections(key)}
-    return {next((s for s in _sections(key) if s not in known), key) for key in these - those}
-
-
-def _sections(key: str) -> list[str]:
-    """What `key` is in, from the widest to itself: a, a.b, a.b.c."""
-    return list(accumulate(key.split("."), "{}.{}".format))

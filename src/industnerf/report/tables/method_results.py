@@ -57,10 +57,10 @@ class MethodResults:
         """EMD in floors of the worst part."""
         return max((score.value / score.floor for score in self._emds().values()), default=None)
 
-    def share_below(self, other: str, factor: float = 1.0) -> float | None:
-        """Share of the parts whose EMD is below `factor` times that of `other`."""
+    def share_below(self, other: str) -> float | None:
+        """Share of the parts whose EMD is below that of `other`."""
         pairs = self._pairs_with(other)
-        return fmean(own < factor * reference for own, reference in pairs) if pairs else None
+        return fmean(own < reference for own, reference in pairs) if pairs else None
 
     def share_above(self, other: str, factor: float) -> float | None:
         """Share of the parts whose EMD is above `factor` times that of `other`."""
