@@ -28,7 +28,7 @@ def changed_settings(published_params: Path, current_params: Path) -> str:
         for what, keys in changes.items()
         if keys
     ]
-    return f"{CHANGED_SINCE}\n\n{''.join(lines)}" if lines else ""
+    return f"{CHANGED_SINCE}\n\n{''.join(lines)}\n" if lines else ""
 
 
 def _join_methods(keys: Set[str]) -> list[str]:

@@ -76,7 +76,7 @@ def results_block(folder: Path, params: Path | None = None, with_paper_tables: b
         "Surface within tolerance": _coverage_table(read_csv(folder / "inspection.csv")),
         "Goals": _missed_goals(read_csv(folder / "goals.csv")),
     }
-    tables = "".join(f"\n## {title}\n\n{text}" for title, text in sections.items() if text)
+    tables = "\n".join(f"## {title}\n\n{text}" for title, text in sections.items() if text)
     changes = changed_settings(folder / "params.yaml", params) if params else ""
     return f"{_describe_results(folder)}{changes}{tables}"
 
