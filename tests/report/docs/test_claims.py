@@ -6,6 +6,8 @@ import io
 import pytest
 
 from industnerf.report.docs.claims import FAILS, HOLDS, UNDECIDED, claims_block, verdict_of
+from industnerf.report.tables.goals import AUSE_SHARE, CONFIDENCE_CORRELATION
+from industnerf.report.tables.scores import SPEARMAN
 
 TABLE1 = ["method", "split", "inputs", "num_train_parts", "undertrained", "emd_even"]
 TABLE1 += ["ratio_to_floor", "views"]
@@ -89,6 +91,23 @@ def test_a_family_in_which_one_baseline_is_better_refutes_consistency(study, tmp
     assert verdict == FAILS
     assert "better than 3D-R2N2, AtlasNet in 1 of 2 families" in measured
     assert "0.0100 to 0.0300" in measured
+
+
+@pytest.mark.parametrize(
+    ("correlation", "share", "verdict"),
+    [(-0.6, 0.4, HOLDS), (-0.4, 0.4, UNDECIDED), (-0.6, 1.1, UNDECIDED)],
+)
+def test_confidences_count_where_they_sort_by_error(study, tmp_path, correlation, share, verdict):
+    goals = [("industnerf", CONFIDENCE_CORRELATION, correlation), ("industnerf", AUSE_SHARE, share)]
+    write_csv(study / "goals.csv", GOALS, goals)
+    values = {("p", "industnerf"): -0.7, ("q", "industnerf"): -0.4, ("p", "nerf"): -0.9}
+    scores = [(*key, "gears", "test", *SPEARMAN, value) for key, value in values.items()]
+    write_csv(study / "scores.csv", SCORES, scores)
+    assert rows_of(claims_block(study, tmp_path))["confidences can be interpreted"] == (
+        verdict,
+        f"rank correlation with the error {correlation:.2f}, -0.5 or lower on 1 of 2 parts; "
+        f"AUSE is {share:.2f} of that of a random order",
+    )
 
 
 def test_more_views_hold_only_if_every_step_does(study, tmp_path):

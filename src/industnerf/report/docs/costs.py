@@ -68,6 +68,7 @@ def cluster_block(folder: Path) -> str:
     methods = len({row["method"] for row in costs if row["stage"] == "reconstruct"})
     totals = {
         "photographs": sum(_seconds(costs, "views")),
+        "truth and floors": sum(_seconds(costs, "truth")),
         **{
             f"`{name}`": sum(_seconds(costs, "reconstruct", name)) + _extra_seconds(costs, name)
             for name in TESTED_METHODS[::-1]
