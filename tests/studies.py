@@ -40,7 +40,7 @@ def make_study(
         "training_summaries": {},
         "train_visible_share": {},
         "rig_visible_share": dict.fromkeys(part_ids, 1.0),
-        "folders": StudyFolders(*[Path("nowhere")] * 8),
+        "folders": StudyFolders.all_at(Path("nowhere")),
         "input_views": dict.fromkeys(emds, InputViews(12)),
         "seeds_sd": {},
         "empty_predictions": {},

@@ -22,6 +22,7 @@ def main(
     views: str,
     split: str,
     truth: str,
+    procedural: str,
     states: str,
     clouds: str,
     scores: str,
@@ -29,7 +30,7 @@ def main(
     seeds: str,
     out: str,
 ) -> None:
-    folders = map(Path, (solids, parts, views, split, truth, states, clouds, scores))
+    folders = map(Path, (solids, parts, views, split, truth, procedural, states, clouds, scores))
     num_views = cfg.reconstruct.views or cfg.views.count
     metadata = RunMetadata(
         cfg.preset, cfg.seed, num_views, cfg.split.hold_out, cfg.methods, cfg.method

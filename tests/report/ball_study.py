@@ -1,5 +1,6 @@
 """A small study on disk: two balls, reconstructed well, badly, and not at all."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -122,8 +123,11 @@ def study(folder: Path) -> Study:
         training_summaries={},
         train_visible_share=dict.fromkeys(PARTS, 0.9),
         rig_visible_share=dict.fromkeys(PARTS, 1.0),
-        folders=StudyFolders(
-            nowhere, folder / "parts", nowhere, nowhere, folder / "truth", nowhere, folder, nowhere
+        folders=replace(
+            StudyFolders.all_at(nowhere),
+            parts=folder / "parts",
+            truth=folder / "truth",
+            clouds=folder,
         ),
         input_views=dict.fromkeys(EMD, InputViews(12)),
         seeds_sd={},

@@ -35,7 +35,7 @@ def test_a_part_that_goes_leaves_the_others_in_their_order():
 
 def test_one_part_of_each_family_is_chosen_before_a_second(tmp_path):
     study = make_study(PARTS, {"hull": [0.1] * 15}, dev=["f0", "f1", "g0"])
-    study = replace(study, folders=StudyFolders(*[tmp_path] * 8))
+    study = replace(study, folders=StudyFolders.all_at(tmp_path))
     for part in PARTS:
         (tmp_path / part.part_id).mkdir()
     (missing,) = (name for name in figure3_parts(study) if name[0] == "h")

@@ -25,6 +25,7 @@ def test_every_stage_says_what_failed_in_it_and_once(tmp_path: Path):
         views=failing(tmp_path / "views", HANDED_ON | {"dark": "no lamp"}),
         split=tmp_path,
         truth=failing(tmp_path / "truth", HANDED_ON | {"thin": "too few samples"}),
+        procedural=tmp_path,
         states=tmp_path,
         clouds=tmp_path / "clouds",
         scores=tmp_path / "scores",

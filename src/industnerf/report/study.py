@@ -1,7 +1,7 @@
 """All inputs of the report, read once from the folders of the stages."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -41,9 +41,15 @@ class StudyFolders:
     views: Path
     split: Path
     truth: Path
+    procedural: Path
     states: Path
     clouds: Path
     scores: Path
+
+    @classmethod
+    def all_at(cls, folder: Path) -> "StudyFolders":
+        """One folder in place of all: of published results none of them is there."""
+        return cls(*[folder] * len(fields(cls)))
 
 
 @dataclass(frozen=True)

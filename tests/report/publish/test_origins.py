@@ -69,7 +69,7 @@ def test_the_store_says_who_made_what(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
     folders = StudyFolders(*[tmp_path / name for name in StudyFolders.__dataclass_fields__])
     keys = {"a": "1" * 32, "b": "2" * 32, "c": "3" * 32}
-    for folder in ("solids", "parts", "views", "truth", "scores/hull"):
+    for folder in ("solids", "parts", "views", "truth", "procedural", "scores/hull"):
         write_json(tmp_path / folder / "index.json", {"schema": 1, "step": "s", "keys": {}})
     write_json(tmp_path / "clouds/hull/index.json", {"schema": 1, "step": "s", "keys": keys})
     for key, model in zip(keys.values(), ("AMD", "Intel", "Intel"), strict=True):

@@ -92,13 +92,15 @@ def test_the_report_adds_what_it_cost_itself(tmp_path):
     assert list(read_csv(table)[-1].values()) == last.split(",")
 
 
-def test_solids_are_counted_where_the_store_knows_them(tmp_path, monkeypatch):
+@pytest.mark.parametrize("stage", ["solids", "procedural"])
+def test_stages_without_methods_are_counted_where_the_store_knows_them(
+    tmp_path, monkeypatch, stage
+):
     monkeypatch.setenv("INDUSTNERF_STORE", str(tmp_path / "store"))
-    Store.from_environment().put("solids", "0" * 32, lambda _: Cost(4.0, 9.0, "cpu"))
-    for name in ("solids", "parts", "views", "truth"):
-        keys = {"bracket": "0" * 32} if name == "solids" else {}
+    Store.from_environment().put(stage, "0" * 32, lambda _: Cost(4.0, 9.0, "cpu"))
+    folders = StudyFolders(*(tmp_path / field.name for field in fields(StudyFolders)))
+    for name in ("solids", "parts", "views", "truth", "procedural"):
+        keys = {"bracket": "0" * 32} if name == stage else {}
         write_json(tmp_path / name / "index.json", {"schema": 1, "keys": keys})
-    (row,) = read_costs(
-        StudyFolders(*(tmp_path / field.name for field in fields(StudyFolders))), []
-    )
-    assert (row.stage, row.part_id, row.cost.seconds) == ("solids", "bracket", 4.0)
+    (row,) = read_costs(folders, [])
+    assert (row.stage, row.part_id, row.cost.seconds) == (stage, "bracket", 4.0)

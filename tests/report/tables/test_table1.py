@@ -69,7 +69,7 @@ def study():
         training_summaries={},
         train_visible_share={},
         rig_visible_share={},
-        folders=StudyFolders(*[nowhere] * 8),
+        folders=StudyFolders.all_at(nowhere),
         input_views=dict.fromkeys(("hull", "oracle"), InputViews(12)),
         seeds_sd={},
         empty_predictions={},

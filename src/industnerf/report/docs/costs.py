@@ -13,6 +13,7 @@ CsvRow = dict[str, str]
 STAGES = {
     "views": "photographs",
     "truth": "truth and floors",
+    "procedural": "procedural solids",
     "train": "training",
     "reconstruct": "reconstruction",
     "evaluate": "scoring",

@@ -66,7 +66,7 @@ def _study(folder: Path, params: Mapping[str, Any], parts: Iterable[Part]) -> St
         },
         train_visible_share={},
         rig_visible_share={},
-        folders=StudyFolders(*[folder / "unpublished"] * 8),
+        folders=StudyFolders.all_at(folder / "unpublished"),
         input_views=_input_views(params),
         seeds_sd={},
         empty_predictions=_empty_predictions(folder),

@@ -1,6 +1,6 @@
 """Cost of every result and every method, from the side-cars of the store; unknown without it.
 
-The split, a fraction of a second, is not in the store and not counted; the report counts itself.
+The split, a fraction of a second, and a pretraining are not counted; the report counts itself.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -40,9 +40,8 @@ class StoredResult:
 
 def stored_results(folders: StudyFolders, methods: list[str]) -> Iterator[StoredResult]:
     """All results that the study consists of."""
-    stages = {name: getattr(folders, name) for name in ("solids", "parts", "views", "truth")}
-    for name, folder in stages.items():
-        yield from _results(name, "", folder)
+    for name in ("solids", "parts", "views", "truth", "procedural"):
+        yield from _results(name, "", getattr(folders, name))
     for method in methods:
         if (folders.states / method).exists():  # it learns from other parts
             yield from _results("train", method, folders.states / method)
