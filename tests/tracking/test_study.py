@@ -86,9 +86,10 @@ def test_datasets_say_which_parts_are_scored_and_which_were_learned_from(methods
 
 
 def test_published_results_need_no_data(root):
-    run = study_run(Report(root / "results" / "study", {}))
+    study = root / "results" / "study"
+    run = study_run(Report(study, {}))
     assert len(run.tags["commit"]) == 40
-    assert len(list(run.children)) == 15
+    assert len(list(run.children)) == len(list((study / "metrics").iterdir()))
 
 
 def test_a_sweep_has_a_run_for_each_point_and_method_with_what_was_swept(tmp_path):
