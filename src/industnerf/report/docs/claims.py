@@ -15,7 +15,12 @@ from industnerf.report.tables.formats import (
     optional_float,
     read_csv,
 )
-from industnerf.report.tables.goals import AUSE_SHARE, CONFIDENCE_CORRELATION, MEMORY
+from industnerf.report.tables.goals import (
+    AUSE_SHARE,
+    CONFIDENCE_CORRELATION,
+    MAX_CORRELATION,
+    MEMORY,
+)
 from industnerf.report.tables.scores import EMD_EVEN, SPEARMAN
 
 HOLDS, FAILS, UNDECIDED = "holds", "does not hold", "cannot be told"
@@ -24,7 +29,6 @@ CLASSICAL = {"hull": "the visual hull", "carve": "space carving"}
 HEADS = ("section", "claim", "verdict", "measured")
 METHOD = paper_results.METHOD
 REAL_TIME_SECONDS = 1.0
-MAX_CORRELATION = -0.5  # of confidence and error, that of the goals
 FOUR_PARTS_RESOLUTION = 0.002  # smaller differences of EMD on four parts prove nothing
 
 CsvRow = dict[str, str]
