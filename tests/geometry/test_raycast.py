@@ -128,6 +128,19 @@ def test_a_ray_is_blocked_where_it_meets_the_mesh():
     np.testing.assert_array_equal(past, np.isfinite(scene.distance(origins, -directions)))
 
 
+def test_a_ray_is_blocked_within_what_is_asked_alone():
+    """The first face decides, at any limit; a limit is as exact as t, which is a float32."""
+    vertices, faces = soup(40)
+    origins = 200 * fibonacci_sphere(300) + 50
+    aim = np.random.default_rng(2).uniform(0, 100, (300, 3))
+    scene, directions = RaycastingScene(vertices, faces), aim - origins
+    first = scene.distance(origins, directions).astype(float)
+    for within in (0.5, 1.0, 1.3, first * (1 - 1e-6), first * (1 + 1e-6)):
+        np.testing.assert_array_equal(
+            scene.is_occluded(origins, directions, within), np.isfinite(first) & (first < within)
+        )
+
+
 LOW, HIGH = np.array([1.0, 2.0, 3.0]), np.array([4.0, 9.0, 5.0])  # mm
 CORNERS = np.array([[x, y, z] for x in (1, 4) for y in (2, 9) for z in (3, 5)], dtype=np.float64)
 

@@ -35,11 +35,11 @@ MARK_CROSSING = (
                 is_start &= point[axis] == side.start[axis];
                 is_end &= point[axis] == side.end[axis];
             }
-            if (is_start || is_end) return;  // a neighbor
+            if (is_start || is_end) return false;  // a neighbor
         }
         side.is_crossing[other] = side.is_crossing[side.face] = true;
+        return false;
     };
-    side.instance[0] = side.instance[1] = none;
     side.corners = corners.data;
     side.is_crossing = is_crossing.data;
     for (side.face = 0; side.face < faces; ++side.face) {

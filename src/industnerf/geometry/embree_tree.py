@@ -58,10 +58,10 @@ RAY = """
                        (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area,
                        (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area};
     };
-    // Calls visitor.visit(visitor, face) for every face that embree finds along a ray.
+    // Calls visitor.visit(visitor, face) for the faces that embree finds along a ray, until it is true.
     struct Visitor {
         unsigned instance[2];  // as every context of embree begins
-        void (*visit)(Visitor&, unsigned face);
+        bool (*visit)(Visitor&, unsigned face);
     };
     struct Found {
         int* valid;
@@ -69,7 +69,7 @@ RAY = """
         Visitor* visitor;
         unsigned *ray, *hit, lanes;
     };
-    const auto visit_faces = [tree](unsigned long long intersect1, Ray ray, Visitor& visitor) {
+    const auto visit_faces = [tree](unsigned long long walk, Ray ray, Visitor& visitor) {
         struct {
             unsigned flags, features;
             Visitor* visitor;
@@ -77,10 +77,11 @@ RAY = """
             void* intersect;
         } every_face = {1u << 1, ~0u, &visitor, nullptr, nullptr};
         every_face.filter = [](const Found* found) {
-            found->valid[0] = 0;  // on to the next
-            found->visitor->visit(*found->visitor, found->hit[5]);
+            if (!found->visitor->visit(*found->visitor, found->hit[5]))
+                found->valid[0] = 0;  // on to the next
         };
-        ((void (*)(void*, Ray*, void*))intersect1)(tree, &ray, &every_face);
+        visitor.instance[0] = visitor.instance[1] = none;
+        ((void (*)(void*, Ray*, void*))walk)(tree, &ray, &every_face);
     };
     // The first of all faces along a ray; of equals that of the lowest number.
     struct Search : Visitor {
@@ -100,8 +101,9 @@ RAY = """
                 search.best = met;
                 search.face = face;
             }
+            return false;
         };
-        search.instance[0] = search.instance[1] = search.face = none;
+        search.face = none;
         search.corners = corners;
         search.from = from;
         search.towards = towards;

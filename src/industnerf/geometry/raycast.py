@@ -83,12 +83,20 @@ class RaycastingScene:
         return self.cast(origins, directions).t
 
     def is_occluded(
-        self, origins: Float[np.ndarray, "rays 3"], directions: Float[np.ndarray, "rays 3"]
+        self,
+        origins: Float[np.ndarray, "#rays 3"],
+        directions: Float[np.ndarray, "rays 3"],
+        within: Float[np.ndarray, "#rays"] | float = np.inf,
     ) -> Bool[np.ndarray, "rays"]:
-        """Whether the rays from `origins` (mm) meet the mesh at all: cheaper than where."""
+        """Whether the rays from `origins` (mm) meet the mesh at a t below `within`.
+
+        Cheaper than where: a ray ends at the first such face that is found, wherever it lies.
+        """
         from industnerf.geometry.single_rays import are_occluded
 
-        return are_occluded(self._tree, *self._rays(origins, directions))
+        ends = np.empty(len(directions))
+        ends[:] = np.asarray(within) / self._size
+        return are_occluded(self._tree, *self._rays(origins, directions), ends)
 
 
 def parallel_ray_bundles(

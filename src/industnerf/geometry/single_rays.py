@@ -4,7 +4,7 @@ from typing import no_type_check  # compiled, not called: nothing to check
 
 import numpy as np
 import warp as wp
-from jaxtyping import Bool, Float32, Int32
+from jaxtyping import Bool, Float32, Float64, Int32
 
 from industnerf.geometry.embree_tree import RAY, EmbreeTree
 from industnerf.geometry.warp_runtime import init_warp, on_cpu
@@ -26,9 +26,28 @@ CAST = (
 IS_OCCLUDED = (
     RAY
     + """
-    Ray ray = ray_of(origins.data + 3 * i, directions.data + 3 * i, 1e37f);
-    ((void (*)(void*, Ray*, void*))occluded1)(tree, &ray, nullptr);
-    is_occluded.data[i] = ray.far < 0;  // embree sets -inf
+    struct Block : Visitor {
+        const float *corners, *from, *towards;
+        decltype(meet) const* meet;
+        double within;
+        bool is_met;
+    };
+    Block block;
+    block.visit = [](Visitor& visitor, unsigned face) {
+        Block& block = (Block&)visitor;
+        const Meeting met = (*block.meet)(block.corners + 9 * face, block.from, block.towards);
+        return block.is_met = !(met.t >= block.within);
+    };
+    block.corners = corners.data;
+    block.from = origins.data + 3 * i;
+    block.towards = directions.data + 3 * i;
+    block.meet = &meet;
+    block.within = within.data[i];
+    block.is_met = false;
+    // Embree's own t is off by less than 1e-5: it looks a little further than what is asked.
+    const double far = block.within < 1e37 ? block.within + 1e-4 : 1e37;
+    visit_faces(occluded1, ray_of(block.from, block.towards, (float)far), block);
+    is_occluded.data[i] = block.is_met;
 """
 )
 
@@ -69,8 +88,10 @@ def look_along_ray(
     i: wp.int32,
     occluded1: wp.uint64,
     scene: wp.uint64,
+    corners: wp.array(dtype=wp.float32),
     origins: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
+    within: wp.array(dtype=wp.float64),
     is_occluded: wp.array(dtype=wp.bool),
 ): ...
 
@@ -80,11 +101,13 @@ def look_along_ray(
 def look_along_rays(
     occluded1: wp.uint64,
     scene: wp.uint64,
+    corners: wp.array(dtype=wp.float32),
     origins: wp.array(dtype=wp.float32),
     directions: wp.array(dtype=wp.float32),
+    within: wp.array(dtype=wp.float64),
     is_occluded: wp.array(dtype=wp.bool),
 ):
-    look_along_ray(wp.tid(), occluded1, scene, origins, directions, is_occluded)
+    look_along_ray(wp.tid(), occluded1, scene, corners, origins, directions, within, is_occluded)
 
 
 def cast_singly(
@@ -105,9 +128,11 @@ def are_occluded(
     tree: EmbreeTree,
     origins: Float32[np.ndarray, "rays 3"],
     directions: Float32[np.ndarray, "rays 3"],
+    within: Float64[np.ndarray, "rays"],
 ) -> Bool[np.ndarray, "rays"]:
-    """Whether each ray meets the mesh."""
+    """Whether each ray meets the mesh at a t below `within`."""
     is_occluded = np.empty(len(directions), bool)
-    inputs = [tree.occluded1, tree.scene, *(on_cpu(x) for x in (origins, directions))]
+    arrays = [on_cpu(x) for x in (tree.corners, origins, directions, within)]
+    inputs = [tree.occluded1, tree.scene, *arrays]
     wp.launch(look_along_rays, len(directions), inputs, [on_cpu(is_occluded)], device="cpu")
     return is_occluded

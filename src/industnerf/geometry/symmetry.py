@@ -80,7 +80,7 @@ def is_near_surface(
     for direction in fibonacci_sphere(PROBE_RAYS):
         remaining = np.flatnonzero(~is_near)
         directions = np.broadcast_to(direction, (len(remaining), 3))
-        is_near[remaining] = scene.distance(points[remaining], directions) <= max_distance_mm
+        is_near[remaining] = scene.is_occluded(points[remaining], directions, max_distance_mm)
     return is_near
 
 

@@ -41,8 +41,9 @@ def visible_from(
             break
         view_rays = points[remaining] - camera_center
         distance = np.linalg.norm(view_rays, axis=1)
-        first_hit = scene.distance(camera_center[None], view_rays / distance[:, None])
-        is_visible[remaining] = first_hit >= distance - tolerance_mm
+        is_visible[remaining] = ~scene.is_occluded(
+            camera_center[None], view_rays / distance[:, None], distance - tolerance_mm
+        )
     return is_visible
 
 
