@@ -58,7 +58,7 @@ RAY = """
                        (s[0] * p[0] + s[1] * p[1] + s[2] * p[2]) / area,
                        (d[0] * q[0] + d[1] * q[1] + d[2] * q[2]) / area};
     };
-    // Calls visitor.visit(visitor, face) for the faces that embree finds along a ray, until it is true.
+    // Calls visitor.visit(visitor, face) for the faces that embree finds along a ray, until true.
     struct Visitor {
         unsigned instance[2];  // as every context of embree begins
         bool (*visit)(Visitor&, unsigned face);
