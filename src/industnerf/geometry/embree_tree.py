@@ -83,10 +83,21 @@ RAY = """
         visitor.instance[0] = visitor.instance[1] = none;
         ((void (*)(void*, Ray*, void*))walk)(tree, &ray, &every_face);
     };
-    // The first of all faces along a ray; of equals that of the lowest number.
-    struct Search : Visitor {
+    // Which ray at which mesh, for visitors that ask where it meets a face.
+    struct Line : Visitor {
         const float *corners, *from, *towards;
-        decltype(meet) const* meet;
+        decltype(meet) const* solve;
+        Meeting at(unsigned face) const { return (*solve)(corners + 9 * face, from, towards); }
+        void set(const float* mesh, const float* start, const float* direction,
+                 decltype(meet) const& meet) {
+            corners = mesh;
+            from = start;
+            towards = direction;
+            solve = &meet;
+        }
+    };
+    // The first of all faces along a ray; of equals that of the lowest number.
+    struct Search : Line {
         Meeting best;
         unsigned face;
     };
@@ -95,8 +106,7 @@ RAY = """
         Search search;
         search.visit = [](Visitor& visitor, unsigned face) {
             Search& search = (Search&)visitor;
-            const Meeting met =
-                (*search.meet)(search.corners + 9 * face, search.from, search.towards);
+            const Meeting met = search.at(face);
             if (met.t < search.best.t || (met.t == search.best.t && face < search.face)) {
                 search.best = met;
                 search.face = face;
@@ -104,10 +114,7 @@ RAY = """
             return false;
         };
         search.face = none;
-        search.corners = corners;
-        search.from = from;
-        search.towards = towards;
-        search.meet = &meet;
+        search.set(corners, from, towards, meet);
         search.best = {1e37, 0, 0};
         visit_faces(intersect1, ray_of(from, towards, 1e37f), search);
         return search;

@@ -26,26 +26,23 @@ CAST = (
 IS_OCCLUDED = (
     RAY
     + """
-    struct Block : Visitor {
-        const float *corners, *from, *towards;
-        decltype(meet) const* meet;
+    struct Block : Line {
         double within;
         bool is_met;
     };
     Block block;
     block.visit = [](Visitor& visitor, unsigned face) {
         Block& block = (Block&)visitor;
-        const Meeting met = (*block.meet)(block.corners + 9 * face, block.from, block.towards);
-        return block.is_met = !(met.t >= block.within);
+        return block.is_met = !(block.at(face).t >= block.within);
     };
-    block.corners = corners.data;
-    block.from = origins.data + 3 * i;
-    block.towards = directions.data + 3 * i;
-    block.meet = &meet;
+    block.set(corners.data, origins.data + 3 * i, directions.data + 3 * i, meet);
     block.within = within.data[i];
     block.is_met = false;
-    // Embree's own t is off by less than 1e-5: it looks a little further than what is asked.
-    const double far = block.within < 1e37 ? block.within + 1e-4 : 1e37;
+    // Embree rounds its own t, by some 1e-6 of the mesh's size: it looks 1e-4 further than asked.
+    double squared = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        squared += (double)block.towards[axis] * block.towards[axis];
+    const double far = block.within + 1e-4 / sqrt(squared);
     visit_faces(occluded1, ray_of(block.from, block.towards, (float)far), block);
     is_occluded.data[i] = block.is_met;
 """
