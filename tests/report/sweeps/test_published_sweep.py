@@ -51,8 +51,11 @@ def test_a_table_of_before_has_no_mm_and_no_parameters(tmp_path, columns, cells,
     assert (result.ratio_to_floor, result.seconds, result.peak_mb) == (1.7, None, 200.0)
 
 
-def plot_axes(key, *sweeps, path, monkeypatch):
-    """The axes of the plot of `sweeps`, each of seconds, EMD and maybe learned parameters."""
+def plot_axes(key, *sweeps, path, monkeypatch, spread=1):
+    """The axes of the plot of `sweeps`, each of seconds, EMD and maybe learned parameters.
+
+    Intervals reach from 1 / `spread` to `spread` times the EMD.
+    """
     figures = []
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
     series_list = [
@@ -60,7 +63,11 @@ def plot_axes(key, *sweeps, path, monkeypatch):
             f"m{i}",
             list(range(len(points))),
             [
-                PointResult("m", "dev", emd, emd, emd, None, 1.0, s, None, *(learned or [None]), {})
+                PointResult(
+                    *("m", "dev", emd, emd / spread, emd * spread, None, 1.0, s, None),
+                    *(learned or [None]),
+                    {},
+                )
                 for s, emd, *learned in points
             ],
         )
@@ -74,6 +81,11 @@ def front_lines(*arguments, **options):
     """The red lines of the plot."""
     axis = plot_axes(*arguments, **options)[-1]
     return [line.get_xydata().tolist() for line in axis.lines if line.get_color() == FRONT_COLOR]
+
+
+def test_no_interval_ends_outside_the_plot(tmp_path, monkeypatch):
+    options = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch, "spread": 2}
+    assert plot_axes("views.count", PAIRS, **options)[0].get_ylim()[1] > 2 * 0.4
 
 
 PAIRS = [(1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, 0.1)]

@@ -39,7 +39,7 @@ def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: P
             )
             _plot_cost(axis, series, quantity, trend, f"C{i}")
     emd_axis.set(ylabel="EMD (even), diagonals")
-    top = max(result.emd for series in series_list for result in series.results)
+    top = max(max(r.emd, r.high or 0.0) for series in series_list for r in series.results)
     emd_axis.set_ylim(0, HEADROOM * top)
     above.legend(
         *emd_axis.get_legend_handles_labels(), fontsize="small", loc="outside upper center", ncols=3
