@@ -83,12 +83,12 @@ def front_lines(*arguments, **options):
     return [line.get_xydata().tolist() for line in axis.lines if line.get_color() == FRONT_COLOR]
 
 
+PAIRS = [(1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, 0.1)]
+
+
 def test_no_interval_ends_outside_the_plot(tmp_path, monkeypatch):
     options = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch, "spread": 2}
     assert plot_axes("views.count", PAIRS, **options)[0].get_ylim()[1] > 2 * 0.4
-
-
-PAIRS = [(1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, 0.1)]
 
 
 def test_the_front_of_a_setting_is_marked(tmp_path, monkeypatch):
