@@ -129,6 +129,11 @@ def test_a_kind_that_never_succeeds_is_an_error(fail, monkeypatch):
         procedural_solid(2, 3, ("nothing",))
 
 
+def test_a_section_that_its_fillet_consumes_is_drawn_anew():
+    # The first draw of this solid cut an unbounded tool from an empty body, which ends the process.
+    assert procedural_solid(0, 14314, ["turned_ring"]).kind == "turned_ring"
+
+
 def test_any_order_and_any_process_gives_the_same_bytes():
     indices = [7, 0, 3, 11]
     here = [digest([procedural_solid(5, i)]) for i in indices]

@@ -127,7 +127,7 @@ def turned_ring(rng: Sampler) -> Manifold:
     elif form == "windows":
         hole = cutout(rng, min(0.6 * (top - bottom), 2.0 / n))
         tool = hole.extrude(3).rotate([0, 90, 0]).translate([0, 0, (top - bottom) / 2])
-    else:
+    if form == "none" or body.is_empty():  # a fillet can leave nothing of a thin section
         return body
     return body - union([tool.rotate([0, 0, 360.0 * k / n]) for k in range(n)])
 
