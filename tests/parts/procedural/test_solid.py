@@ -5,7 +5,7 @@ import multiprocessing
 
 import numpy as np
 import pytest
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 
 from industnerf.doctor.reproducible import DIGESTS, procedural_digest
 from industnerf.errors import BadParams, BadPart
@@ -16,12 +16,13 @@ from industnerf.parts.procedural import (
     RESEMBLING_KINDS,
     digest,
     procedural_solid,
+    turned_kinds,
 )
 from industnerf.parts.procedural import solid as solid_module
 from industnerf.parts.procedural.features import drilled
 from industnerf.parts.procedural.kinds import KINDS
 from industnerf.parts.procedural.primitives import block, union
-from industnerf.parts.procedural.sampler import GRID
+from industnerf.parts.procedural.sampler import GRID, Sampler
 from industnerf.parts.procedural.solid import (
     MAX_DRAWS,
     MAX_FACES,
@@ -31,6 +32,7 @@ from industnerf.parts.procedural.solid import (
     _unit_mesh,
 )
 from industnerf.parts.validation import checks
+from industnerf.seeds import generator
 
 SOLIDS_A_KIND = 4
 
@@ -129,9 +131,11 @@ def test_a_kind_that_never_succeeds_is_an_error(fail, monkeypatch):
         procedural_solid(2, 3, ("nothing",))
 
 
-def test_a_section_that_its_fillet_consumes_is_drawn_anew():
-    # The first draw of this solid cut an unbounded tool from an empty body, which ends the process.
-    assert procedural_solid(0, 14314, ["turned_ring"]).kind == "turned_ring"
+@pytest.mark.parametrize("seed", range(8))  # every form of its cuts
+def test_nothing_is_cut_from_a_ring_that_its_fillet_consumes(seed, monkeypatch):
+    """The tool would be unbounded, and manifold3d ends the process."""
+    monkeypatch.setattr(turned_kinds, "fillet", lambda *_: CrossSection())
+    assert turned_kinds.turned_ring(Sampler(generator(seed, "ring"))).is_empty()
 
 
 def test_any_order_and_any_process_gives_the_same_bytes():
