@@ -53,6 +53,10 @@ def workspace(tmp_path, monkeypatch):
         names = params["methods"]
         lines = [f"a,of-a,{name},{score},ok\n" for name in names for score in scores]
         (folder / "0/reports/scores.csv").write_text(header + "".join(lines))
+        header = "stage,method,part_id,cpu_seconds\n"
+        costs = ("reconstruct,{},a,20.0\n", "reconstruct,{},b,21.0\n", "evaluate,{},a,3.0\n")
+        lines = [cost.format(name) for name in names for cost in costs]
+        (folder / "0/reports/cost.csv").write_text(header + "".join(lines))
         (folder / "0/reports/summary.json").write_text("{}")  # last: the point is finished
         provenance = {"schema": 1, "date": "2026-01-31", "commit": "abc"}
         (folder / "made.json").write_text(json.dumps(provenance))
@@ -66,7 +70,7 @@ def workspace(tmp_path, monkeypatch):
     ("preset", "document", "row"),
     [
         ("readings", "readings", "| R1 | `intended` | 0.0123 |"),
-        ("ablation", "method", "| nothing | 0.0123 |  |  |  | 0 | 0.00450 |  |"),
+        ("ablation", "method", "| nothing | 0.0123 |  |  |  | 0 | 0.00450 |  | 20.5 |"),
     ],
 )
 def test_a_sweep_goes_into_the_document_that_asks_about_it(workspace, preset, document, row):

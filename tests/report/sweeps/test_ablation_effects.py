@@ -40,6 +40,7 @@ def write_point(
         lines.append(f"{part},of-{part},{method},emd,P1-iid,9,ok")
         lines.append(f"{part},of-{part},hull,emd,P1-even,9,ok")
     (folder / "reports" / "scores.csv").write_text("\n".join(lines) + "\n")
+    (folder / "reports" / "cost.csv").write_text("stage,method,part_id,cpu_seconds\n")
 
 
 @pytest.fixture

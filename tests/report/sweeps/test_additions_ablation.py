@@ -11,8 +11,9 @@ ALL_ON = {"relief.use": True, "levels[0].steps": 9, "levels[1].steps": 0, "level
 FAMILIES = {"a": "of-a", "b": "of-b"}
 
 
-def outcome(settings, a, b, failed=0, rgb_mse=()):
-    return PointScores(settings, {"a": a, "b": b}, FAMILIES, failed, dict(rgb_mse))
+def outcome(settings, a, b, failed=0, rgb_mse=(), seconds=()):
+    emd = {"a": a, "b": b}
+    return PointScores(settings, emd, FAMILIES, failed, dict(rgb_mse), dict(seconds))
 
 
 def rows(*points):
@@ -23,14 +24,16 @@ def rows(*points):
 def test_the_worst_change_stands_first_after_none():
     table = rows(
         outcome(ALL_ON | {"relief.use": False}, 0.01, 0.04),
-        outcome(ALL_ON, 0.02, 0.04, rgb_mse={"a": 0.001, "b": 0.002}),
+        outcome(
+            ALL_ON, 0.02, 0.04, rgb_mse={"a": 0.001, "b": 0.002}, seconds={"a": 20.0, "b": 30.5}
+        ),
         outcome(ALL_ON | {"levels[0].steps": 4}, 0.03, 0.07, failed=1, rgb_mse={"a": 0.004}),
     )
-    assert table[0] == ["nothing", "0.0300", "", "", "", "0", "0.00150", ""]
+    assert table[0] == ["nothing", "0.0300", "", "", "", "0", "0.00150", "", "25.2"]
     # +0.01 and +0.03; of two families a bootstrap draws 0.01, 0.02 and 0.03, the ends often enough
     worst = ["`levels[0].steps: 4`", "0.0500", "+0.0200", "+0.0100 to +0.0300", "2 of 2", "1"]
-    assert table[1] == [*worst, "0.00400", "1 of 1"]  # a failed part has no pictures
-    assert table[2][2:] == ["-0.0050", "-0.0100 to +0.0000", "0 of 2", "0", "", ""]
+    assert table[1] == [*worst, "0.00400", "1 of 1", ""]  # a failed part has no pictures
+    assert table[2][2:] == ["-0.0050", "-0.0100 to +0.0000", "0 of 2", "0", "", "", ""]
 
 
 def test_what_is_gone_is_named_once():

@@ -29,7 +29,7 @@ READING_HEADERS = ["id", "reading", "EMD even", "less the default's", "95 %", "p
 ADDITION_METHODS = ("industnerf_plus",)
 ADDITION_HEADERS = [
     *("changed", "EMD even", "more than with all", "95 %", "worse on", "failed", "RGB MSE"),
-    "RGB worse on",
+    *("RGB worse on", "processor s"),
 ]
 NOT_MEASURED = "not yet measured"
 RGB_MSE = ("rgb_mse", "P1-union")
@@ -44,6 +44,7 @@ class PointScores:
     families: dict[str, str]
     num_failed: int
     rgb_mse: dict[str, float] = field(default_factory=dict)  # part id -> RGB MSE
+    cpu_seconds: dict[str, float] = field(default_factory=dict)  # part id -> to reconstruct it
 
 
 def read_point_scores(sweep: Path, methods: Sequence[str] = READING_METHODS) -> list[PointScores]:
@@ -67,12 +68,18 @@ def _read_point(point: Path, methods: Sequence[str]) -> PointScores:
     ]
     emd_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == EMD_EVEN]
     rgb_rows = [row for row in method_rows if (row["metric"], row["protocol"]) == RGB_MSE]
+    cost_rows = [
+        row
+        for row in read_csv(point / "reports" / "cost.csv")
+        if (row["stage"], row["method"]) == ("reconstruct", method)
+    ]
     return PointScores(
         flatten(params["method"][method], split_lists=True),
         {row["part_id"]: float(row["value"]) for row in emd_rows},
         {row["part_id"]: row["family"] for row in emd_rows},
         sum(row["status"] != "ok" for row in emd_rows),
         {row["part_id"]: float(row["value"]) for row in rgb_rows},
+        {row["part_id"]: float(row["cpu_seconds"]) for row in cost_rows},
     )
 
 
@@ -146,8 +153,8 @@ def ablation_table(
 ) -> str:
     """A row for every point, the worst first, against the point with `default_settings`.
 
-    Settings are by dotted key. RGB MSE is over the parts that did not fail. Raises BadArtifact if
-    no point has the default settings.
+    Settings are by dotted key. RGB MSE and processor seconds are means over the parts that did not
+    fail. Raises BadArtifact if no point has the default settings.
     """
     by_change = {describe_changes(point.settings, default_settings): point for point in points}
     baseline = by_change.pop("", None)
@@ -156,7 +163,8 @@ def ablation_table(
             "no finished point has the settings of params.yaml; were they changed after the sweep?"
         )
     emd, rgb_mse = _mean(baseline.emd, 4), _mean(baseline.rgb_mse, 5)
-    rows = [["nothing", emd, "", "", "", str(baseline.num_failed), rgb_mse, ""]]
+    cpu_seconds = _mean(baseline.cpu_seconds, 1)
+    rows = [["nothing", emd, "", "", "", str(baseline.num_failed), rgb_mse, "", cpu_seconds]]
     ranked = sorted(by_change.items(), key=lambda item: -fmean(item[1].emd.values()))
     rows += [_addition_row(name, point, baseline, settings) for name, point in ranked]
     return markdown_table(label_intervals(ADDITION_HEADERS, settings.confidence_level), rows)
@@ -184,6 +192,7 @@ def _addition_row(
         str(point.num_failed),
         _mean(point.rgb_mse, 5),
         _count_worse(point.rgb_mse, baseline.rgb_mse),
+        _mean(point.cpu_seconds, 1),
     ]
 
 
