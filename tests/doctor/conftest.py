@@ -16,7 +16,7 @@ PIPELINE = """
 stages:
   make:
     cmd: >-
-      sleep $(cat pause);
+      touch at-work; sleep $(cat pause);
       mkdir -p store/make/k/out data/out;
       test -e store/make/k/out/a || cp source store/make/k/out/a;
       ln -f store/make/k/out/a data/out/a;

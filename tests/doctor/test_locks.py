@@ -51,6 +51,16 @@ def wait_for(condition) -> None:
         time.sleep(0.01)
 
 
+def start_paused_dvc(dvc_copy: WorkingCopy) -> subprocess.Popen:
+    """A DVC whose stage is at work: before that it takes its lock and drops it more than once."""
+    at_work = dvc_copy.folder / "at-work"
+    at_work.unlink(missing_ok=True)
+    (dvc_copy.folder / "pause").write_text("600")
+    process = dvc_copy.start("exec dvc repro -f")
+    wait_for(at_work.exists)
+    return process
+
+
 def test_locks_that_nobody_holds_are_right(dvc_copy: WorkingCopy):
     assert (dvc_copy.folder / ".dvc/tmp/lock").exists()
     assert dvc_copy.check("locks") == []
@@ -93,10 +103,8 @@ def test_a_lock_that_a_dvc_at_work_is_in_too_is_left(
 ):
     """To remove the file would take its lock from it, and let a second DVC in."""
     rwlock = dvc_copy.folder / ".dvc/tmp/rwlock"
-    (dvc_copy.folder / "pause").write_text("600")
-    process = dvc_copy.start("exec dvc repro -f")
+    process = start_paused_dvc(dvc_copy)
     try:
-        wait_for(lambda: rwlock.exists() and f'"pid": {process.pid}' in rwlock.read_text())
         content = json.loads(rwlock.read_text())
         content["write"]["elsewhere"] = {"pid": sleeper.pid, "cmd": "dvc repro"}
         rwlock.write_text(json.dumps(content))
@@ -112,11 +120,8 @@ def test_a_lock_that_a_dvc_at_work_is_in_too_is_left(
 
 
 def test_a_killed_dvc_is_told_of_and_needs_no_mending(dvc_copy: WorkingCopy):
-    rwlock = dvc_copy.folder / ".dvc/tmp/rwlock"
-    (dvc_copy.folder / "pause").write_text("600")
-    process = dvc_copy.start("exec dvc repro -f")
+    process = start_paused_dvc(dvc_copy)
     try:
-        wait_for(lambda: rwlock.exists() and f'"pid": {process.pid}' in rwlock.read_text())
         busy = dvc_copy.check("locks")
     finally:
         os.killpg(process.pid, signal.SIGKILL)
