@@ -1,13 +1,17 @@
 """Colors and confidence at the nodes about a surface, from all pictures.
 
-The color of a node is the mean of the pixels that see the surface there, free of the light on it;
-its confidence is the mean of theirs, (12) of the paper.
+The color of a node is the mean of the pixels that see the surface there, free of the light on it.
+
+    confidence = mean of (12) over these pixels / (1 + depth / HALVING_DEPTH)
+
+(12) says how well the photographs fit, and a filled recess fits them too.  Silhouettes hold the
+surface where it lies on the visual hull; the deeper it is in the hull, the more is a guess.
 """
 
 import numpy as np
 import torch
 from jaxtyping import Float, Float32, Int64, Shaped
-from scipy.ndimage import distance_transform_edt, gaussian_filter
+from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
 from industnerf.methods.industnerf_plus.pictures import Pictures
 from industnerf.methods.industnerf_plus.polish import LIGHT_BETA
@@ -18,6 +22,7 @@ MIN_SHADE = 0.05
 SMOOTHING = 1.0  # cells
 MIN_WEIGHT = 1e-3
 PIXEL_STEP = 4  # every so many pixels in both directions
+HALVING_DEPTH = 10.0  # cells inside the visual hull
 
 
 class Appearance:
@@ -33,7 +38,7 @@ class Appearance:
         shade = np.maximum(surface.brightness(points), MIN_SHADE)[:, None]
         rgb = pictures.rgb[pixels] / 255
         node = np.ravel_multi_index(tuple(np.rint(points).astype(int).T), surface.grid.hull.shape)
-        self._shape = surface.grid.hull.shape
+        self._hull, self._shape = surface.grid.hull, surface.grid.hull.shape
         self._weight = self._smooth(np.bincount(node, minlength=int(np.prod(self._shape))))
         self._is_seen = self._weight > MIN_WEIGHT
         self.albedo = self._mean(node, rgb / shade)
@@ -63,9 +68,10 @@ class Appearance:
         return mean[tuple(nearest)]
 
     def confidence(self, points: Float[np.ndarray, "n 3"]) -> Float32[np.ndarray, "n"]:
-        """Confidence at points (cells)."""
-        node = np.rint(points).astype(int)
-        return np.clip(self._confidence[tuple(node.T)], 0, 1).astype(np.float32)
+        """Confidence at points (cells), in [0, 1]."""
+        agreement = self._confidence[tuple(np.rint(points).astype(int).T)]
+        depth = np.maximum(-map_coordinates(self._hull, points.T, order=1), 0)
+        return np.clip(agreement / (1 + depth / HALVING_DEPTH), 0, 1).astype(np.float32)
 
 
 def pixel_lattice(views: int, height: int, width: int, step: int) -> np.ndarray:
