@@ -52,9 +52,11 @@ def bilinear(images: wp.array3d(dtype=wp.float32), view: int, u: float, v: float
     top = int(y)
     a = x - float(left)
     b = y - float(top)
-    upper = wp.lerp(images[view, top, left], images[view, top, left + 1], a)
-    lower = wp.lerp(images[view, top + 1, left], images[view, top + 1, left + 1], a)
-    return wp.lerp(upper, lower, b)
+    upper = images[view, top]
+    lower = images[view, top + 1]
+    return wp.lerp(
+        wp.lerp(upper[left], upper[left + 1], a), wp.lerp(lower[left], lower[left + 1], a), b
+    )
 
 
 @wp.kernel

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import warp as wp
 
 from industnerf.errors import ReconstructionFailed
 from industnerf.methods.industnerf_plus.distance_grid import (
@@ -21,6 +22,7 @@ from industnerf.methods.industnerf_plus.distance_grid import (
     redistance,
     snap_to_hull,
 )
+from industnerf.methods.industnerf_plus.grid_kernels import start_near_zero
 from industnerf.photohull.voxel_grid import UnitFrameCameras
 
 NODES = np.stack(np.meshgrid(*[np.arange(40.0)] * 3, indexing="ij"), axis=-1)
@@ -43,6 +45,45 @@ def test_redistancing_gives_distances_of_the_same_surface(distortion):
 def test_a_plane_keeps_its_exact_distances():
     plane = (NODES[..., 0] - 17.25).astype(np.float32)
     np.testing.assert_allclose(redistance(plane, 30.0), plane, atol=1e-4)
+
+
+def test_all_nodes_have_the_distances_that_a_slow_loop_finds_up_to_the_border():
+    """Of rough values, whose zero set meets all six sides of the grid."""
+    values = np.random.default_rng(0).normal(size=(7, 9, 11)).astype(np.float32)
+    values += np.linspace(-3, 5, 11, dtype=np.float32)
+    start, is_fixed = (
+        wp.empty(values.shape, dtype, device="cpu") for dtype in (wp.float32, wp.uint8)
+    )
+    source = wp.array(values, dtype=wp.float32, device="cpu")
+    wp.launch(start_near_zero, values.shape, [source], [start, is_fixed], device="cpu")
+    expected = slow_distances(start.numpy(), is_fixed.numpy() > 0)
+    assert 0.1 < is_fixed.numpy().mean() < 0.6
+    np.testing.assert_allclose(np.abs(redistance(values)), expected, rtol=0, atol=1e-5)
+
+
+def slow_distances(start, is_fixed):
+    """Of |grad d| = 1 in float64: the nodes in turn, until none comes nearer."""
+    distance = np.pad(np.where(is_fixed, start, np.inf), 1, constant_values=np.inf)
+    while True:
+        before = distance.copy()
+        for i, j, k in np.argwhere(~is_fixed) + 1:
+            a = distance[[i - 1, i + 1], j, k].min()
+            b = distance[i, [j - 1, j + 1], k].min()
+            c = distance[i, j, [k - 1, k + 1]].min()
+            distance[i, j, k] = min(distance[i, j, k], nearest_root(np.sort([a, b, c])))
+        if np.array_equal(before, distance):
+            return distance[1:-1, 1:-1, 1:-1]
+
+
+def nearest_root(neighbors):
+    """The x with sum_n (x - d_n)^2 = 1 over the neighbors d_n < x, which are sorted."""
+    x = np.inf
+    for number in (1, 2, 3):
+        if not neighbors[number - 1] < x:
+            break
+        mean, square = neighbors[:number].mean(), (neighbors[:number] ** 2).mean()
+        x = mean + np.sqrt(max(1 / number - square + mean**2, 0))
+    return x
 
 
 def test_near_the_hull_the_surface_snaps_to_it_and_farther_away_it_stays():

@@ -173,7 +173,7 @@ def redistance(
     for number, reverse in enumerate(islice(cycle(product((0, 1), repeat=3)), MAX_SWEEPS)):
         wp.launch(
             grid_kernels.sweep,
-            values.shape,
+            values.shape[:2],
             [distance, is_fixed, wp.vec3i(*reverse), width, num_changed],
             device=device,
         )

@@ -69,54 +69,61 @@ def sweep(
 ):
     """One sweep of |grad d| = 1 -- Zhao, "A fast sweeping method for Eikonal equations" (2005).
 
-    A CPU takes the nodes one after the other, so each sees the new values before it; a GPU needs
-    more sweeps to the same values.
+    A thread takes one row of nodes.  A CPU takes the rows one after the other, so each node sees
+    the new values before it; a GPU needs more sweeps to the same values.
     """
-    i, j, k = wp.tid()
+    i, j = wp.tid()
     n0 = distance.shape[0]
     n1 = distance.shape[1]
     n2 = distance.shape[2]
+    k = wp.int32(0)
+    step = wp.int32(1)
     if reverse[0] != 0:
         i = n0 - 1 - i
     if reverse[1] != 0:
         j = n1 - 1 - j
     if reverse[2] != 0:
-        k = n2 - 1 - k
-    if is_fixed[i, j, k] == wp.uint8(0):
-        a = wp.float32(FAR)
-        b = wp.float32(FAR)
-        c = wp.float32(FAR)
-        if i > 0:
-            a = distance[i - 1, j, k]
-        if i < n0 - 1:
-            a = wp.min(a, distance[i + 1, j, k])
-        if j > 0:
-            b = distance[i, j - 1, k]
-        if j < n1 - 1:
-            b = wp.min(b, distance[i, j + 1, k])
-        if k > 0:
-            c = distance[i, j, k - 1]
-        if k < n2 - 1:
-            c = wp.min(c, distance[i, j, k + 1])
-        low = wp.min(a, wp.min(b, c))
-        current = distance[i, j, k]
-        if low < current and low <= width:
-            high = wp.max(a, wp.max(b, c))
-            middle = wp.max(wp.min(a, b), wp.min(wp.max(a, b), c))
-            x = low + 1.0
-            if x > middle:
-                gap = low - middle
-                x = 0.5 * (low + middle + wp.sqrt(wp.max(2.0 - gap * gap, 0.0)))
-                if x > high:
-                    total = low + middle + high
-                    square = low * low + middle * middle + high * high
-                    root = total * total - 3.0 * (square - 1.0)
-                    if root > 0.0:
-                        x = (total + wp.sqrt(root)) / 3.0
-            if x < current:
-                distance[i, j, k] = x
-                if current - x > 1.0e-4:
-                    wp.atomic_add(num_changed, 0, 1)
+        k = n2 - 1
+        step = wp.int32(-1)
+    # the rows about it; beyond the border, where there is none, itself, which brings nothing nearer
+    row = distance[i, j]
+    left = distance[wp.max(i - 1, 0), j]
+    right = distance[wp.min(i + 1, n0 - 1), j]
+    front = distance[i, wp.max(j - 1, 0)]
+    back = distance[i, wp.min(j + 1, n1 - 1)]
+    row_is_fixed = is_fixed[i, j]
+    before = wp.float32(FAR)
+    current = row[k]
+    for n in range(n2):
+        after = wp.float32(FAR)
+        if n < n2 - 1:
+            after = row[k + step]
+        if row_is_fixed[k] == wp.uint8(0):
+            a = wp.min(left[k], right[k])
+            b = wp.min(front[k], back[k])
+            c = wp.min(before, after)
+            low = wp.min(a, wp.min(b, c))
+            if low < current and low <= width:
+                high = wp.max(a, wp.max(b, c))
+                middle = wp.max(wp.min(a, b), wp.min(wp.max(a, b), c))
+                x = low + 1.0
+                if x > middle:
+                    gap = low - middle
+                    x = 0.5 * (low + middle + wp.sqrt(wp.max(2.0 - gap * gap, 0.0)))
+                    if x > high:
+                        total = low + middle + high
+                        square = low * low + middle * middle + high * high
+                        root = total * total - 3.0 * (square - 1.0)
+                        if root > 0.0:
+                            x = (total + wp.sqrt(root)) / 3.0
+                if x < current:
+                    if current - x > 1.0e-4:
+                        wp.atomic_add(num_changed, 0, 1)
+                    row[k] = x
+                    current = x
+        before = current
+        current = after
+        k += step
 
 
 @wp.kernel

@@ -65,15 +65,15 @@ def trilinear(values: wp.array3d(dtype=Any), x: wp.vec3):
     a = x[0] - float(i)
     b = x[1] - float(j)
     c = x[2] - float(k)
+    near_low = values[i, j]
+    near_high = values[i, j + 1]
+    far_low = values[i + 1, j]
+    far_high = values[i + 1, j + 1]
     near = wp.lerp(
-        wp.lerp(values[i, j, k], values[i, j, k + 1], c),
-        wp.lerp(values[i, j + 1, k], values[i, j + 1, k + 1], c),
-        b,
+        wp.lerp(near_low[k], near_low[k + 1], c), wp.lerp(near_high[k], near_high[k + 1], c), b
     )
     far = wp.lerp(
-        wp.lerp(values[i + 1, j, k], values[i + 1, j, k + 1], c),
-        wp.lerp(values[i + 1, j + 1, k], values[i + 1, j + 1, k + 1], c),
-        b,
+        wp.lerp(far_low[k], far_low[k + 1], c), wp.lerp(far_high[k], far_high[k + 1], c), b
     )
     return wp.lerp(near, far, a)
 
