@@ -43,7 +43,8 @@ def carve_space(
 ) -> CarvingResult:
     """Carve the hull of the silhouettes by the photographs.
 
-    `distance` (px) is that of `geometry.silhouettes.silhouette_distances`, > 0 inside.
+    `distance` (px) is that of `geometry.silhouettes.silhouette_distances`, > 0 inside, which ends
+    at MAX_DISTANCE_PX, or one that goes on.
     """
     mask = distance > 0
     depth = depth_in_hull(distance, rig, settings.grid_res)

@@ -5,7 +5,7 @@ import torch
 from jaxtyping import Bool, Float32
 from torch import Tensor
 
-from industnerf.geometry.silhouettes import MAX_DISTANCE_PX, foreground_mask
+from industnerf.geometry.silhouettes import foreground_mask
 from industnerf.methods.industnerf.projection import is_in_view, project, sample_features
 from industnerf.methods.industnerf.scene import NerfScene
 from industnerf.methods.industnerf_plus.distance_transform import distance_transform
@@ -33,13 +33,8 @@ class Silhouettes:
         return self._distance_outside.device
 
     def outlines(self) -> Float32[np.ndarray, "n h w"]:
-        """Signed distance (px) of each pixel from the outline, as `geometry.silhouettes` has it."""
-        return (
-            (-self._signed_distance)
-            .clamp(0.5 - MAX_DISTANCE_PX, MAX_DISTANCE_PX - 0.5)
-            .cpu()
-            .numpy()
-        )
+        """Signed distance (px) of each pixel from the outline, positive inside."""
+        return (-self._signed_distance).cpu().numpy()
 
     def distance(self, points: Float32[Tensor, "m 3"]) -> Float32[Tensor, "m"]:
         """Signed distance of each point from the visual hull, in the unit frame; < 0 inside.
