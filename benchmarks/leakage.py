@@ -1,6 +1,7 @@
 """Do the abstract procedural solids give away the families of the study?
 
 OMP_NUM_THREADS=1 python benchmarks/leakage.py DATA
+OMP_NUM_THREADS=1 python benchmarks/leakage.py DATA --by-kind
 
 DATA is the folder `data` of a finished run, of which `parts`, `views` and `procedural` are read;
 the latter has solids of abstract kinds.  Of each part the nearest shape is looked for in several
@@ -12,9 +13,13 @@ all parts of other families.  Solids give nothing away where as many of them are
 mean is over DRAWS random sets of that many.  Solids of the kinds that resemble families, and
 parts of all families, show what the check finds where something is given away.  The nearest box
 shows what is found without any picture, larger sets what comes with number.
+
+`--by-kind` asks of each kind alone, which a mixture of all kinds hides: for each family the nearest
+of KIND_SOLIDS solids of one kind, and of as many parts of other families.  Nearest by the Chamfer
+distance of surfaces in the unit cube: retrieval could not choose better.
 """
 
-import sys
+import argparse
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -25,16 +30,25 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.spatial import cKDTree
 
-from industnerf.artifacts.part import load_parts
+from industnerf.artifacts.part import Mesh, load_mesh, load_parts
 from industnerf.config import load_params
+from industnerf.geometry.bounding_cube import BoundingCube
 from industnerf.learning.procedural_shapes import ProceduralShape, load_procedural_shapes
+from industnerf.learning.targets import surface_points
 from industnerf.learning.training_shape import TrainingShape
 from industnerf.methods import load_method
 from industnerf.methods.base import Example
 from industnerf.methods.retrieval import even_points, feature_distances, hog_features
 from industnerf.metrics.emd import emd
-from industnerf.parts.procedural import RESEMBLING_KINDS
+from industnerf.parts.procedural import (
+    ALL_KINDS,
+    DEFAULT_KINDS,
+    RESEMBLING_KINDS,
+    ProceduralSolid,
+    procedural_solid,
+)
 from industnerf.procedural_dataset import chunk_ranges, make_chunk
 from industnerf.report.statistics.significance import paired_change
 from industnerf.report.tables.formats import format_interval, markdown_table
@@ -45,6 +59,9 @@ VIEWS, IMAGE_PX, POINTS = 8, 64, 1024
 DRAWS = 4
 RESEMBLING_SEED, RESEMBLING_DRAWN = 1, 1000  # of which 16 kinds in 57 resemble a family
 CHANCE = "parts of other families"
+KIND_SOLIDS, KIND_POINTS = 60, 512
+
+Cloud = tuple[Float[np.ndarray, "n 3"], cKDTree]
 
 
 class Shapes:
@@ -118,8 +135,67 @@ def emds_by_set(
     return results
 
 
+def nearest_by_kind(data: Path) -> None:
+    """A row a family: chance, the kind that resembles it, the abstract kind that comes nearest."""
+    rng = generator(0, "leakage kinds")
+
+    def cloud(mesh: Mesh | ProceduralSolid) -> Cloud:
+        unit = BoundingCube.of(mesh.vertices).to_unit(mesh.vertices)
+        points = surface_points(unit, mesh.faces, KIND_POINTS, rng)
+        return points, cKDTree(points)
+
+    def nearest(one: Cloud, others: Sequence[Cloud]) -> float:
+        return min(
+            tree.query(one[0])[0].mean() + one[1].query(points)[0].mean() for points, tree in others
+        )
+
+    families, clouds = {}, {}
+    for part in load_parts(data / "parts"):
+        families[part.part_id] = part.family
+        clouds[part.part_id] = cloud(load_mesh(data / "parts" / part.part_id))
+    kinds = {
+        kind: [cloud(procedural_solid(0, index, [kind])) for index in range(KIND_SOLIDS)]
+        for kind in ALL_KINDS
+    }
+    rows = []
+    for family in sorted(set(families.values())):
+        members = [part for part in families if families[part] == family]
+        others = [part for part in families if families[part] != family]
+        chance = fmean(
+            nearest(clouds[part], [clouds[i] for i in rng.choice(others, KIND_SOLIDS, False)])
+            for part in members
+        )
+        by_kind = {
+            kind: fmean(nearest(clouds[part], solids) for part in members)
+            for kind, solids in kinds.items()
+        }
+        abstract = min(DEFAULT_KINDS, key=by_kind.__getitem__)
+        nearer = sum(by_kind[kind] < chance for kind in DEFAULT_KINDS)
+        own = [kind for kind, resembled in RESEMBLING_KINDS.items() if resembled == family]
+        rows.append(
+            [
+                *(family, f"{chance:.4f}", f"`{own[0]}` {by_kind[own[0]]:.4f}"),
+                *(f"`{abstract}` {by_kind[abstract]:.4f}", f"{nearer} of {len(DEFAULT_KINDS)}"),
+            ]
+        )
+    head = ["family", "chance", "kind that resembles it", "nearest abstract kind", "nearer"]
+    print(markdown_table(head, rows))
+
+
 def main() -> None:
-    data, params = Path(sys.argv[1]), load_params()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--by-kind", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.by_kind:
+        nearest_by_kind(arguments.data)
+    else:
+        nearest_by_set(arguments.data)
+
+
+def nearest_by_set(data: Path) -> None:
+    """A row a set of shapes, then all of them by family."""
+    params = load_params()
     method = load_method("retrieval_procedural")
     known = [
         part for part in load_parts(data / "parts") if (data / "views" / part.part_id).is_dir()

@@ -17,6 +17,7 @@ from industnerf.methods.industnerf_plus.polish import Polisher
 from industnerf.methods.industnerf_plus.rerender import render_views
 from industnerf.methods.industnerf_plus.shaded_surface import PinholeRays, ShadedSurface
 from industnerf.methods.industnerf_plus.surface_cloud import sample_visible_surface
+from tests.methods.industnerf_plus import plugged_block
 
 SIZE, PX, VIEWS = 44, 96, 14
 CELL = 2 / SIZE
@@ -93,6 +94,26 @@ def test_the_true_surface_stays_where_it_is(pictures):
     surface = make_surface(ball())
     polish(surface, pictures, relax_rate=0.0)
     assert error(surface) < 0.12
+
+
+def test_an_open_pocket_stays_open():
+    """Its floor and walls are far from the hull, which cannot hold them: only the loss does."""
+    truth = np.maximum(plugged_block.BLOCK, -plugged_block.POCKET)
+    surface = plugged_block.surface_of(truth)
+    rays = PinholeRays(plugged_block.VIEWS, np.zeros(3), 1.0, surface.grid)
+    cell_px = surface.grid.spacing / 2 * (2 * plugged_block.VIEWS.K[0, 0, 0] / 4.0)
+    pictures = plugged_block.photographs(truth)
+    surface.finishes = None  # to be found anew
+    polisher = Polisher(surface, rays, pictures, cell_px, replace(SETTINGS, steps=80), 0)
+    assert polisher.fit_light()
+    list(polisher.steps())
+    exact, moved = redistance(truth.astype(np.float32)), surface.distance.numpy()
+    inside = (np.abs(exact) < 1) & (surface.grid.hull < -1.5)
+    drift = (moved - exact)[inside]
+    assert abs(drift.mean()) < 0.1
+    assert np.abs(drift).mean() < 0.2
+    filled = (moved < 0) & (exact > 0) & (surface.grid.hull < -0.5)
+    assert filled.sum() < 0.03 * ((exact > 0) & (surface.grid.hull < -0.5)).sum()
 
 
 def test_ripples_are_smoothed_away(pictures):

@@ -85,13 +85,18 @@ def test_albedo_multiplies_and_an_opaque_ray_tells_opacity():
 
 
 def loss_and_gradient(
-    distance: np.ndarray, albedo: np.ndarray | None, target: np.ndarray, num_shaded: int
+    distance: np.ndarray,
+    albedo: np.ndarray | None,
+    target: np.ndarray,
+    num_shaded: int,
+    beta: float,
+    step: float,
 ) -> tuple[float, np.ndarray]:
     """The sum of the Charbonnier loss over all pixels, and its gradient."""
     surface = make_surface(distance, albedo)
     rays, device = rays_of(surface), warp_device()
-    rendered = surface.render(rays, PIXELS, WHITE, 0.6, 0.5, num_shaded)
-    shading = surface.shading(0.6, 0.5, num_shaded)
+    rendered = surface.render(rays, PIXELS, WHITE, beta, step, num_shaded)
+    shading = surface.shading(beta, step, num_shaded)
     shading.charbonnier = DELTA
     distance_grad = wp.zeros(distance.shape, wp.float32, device=device)
     gradient_grad = wp.zeros(distance.shape, wp.vec3, device=device)
@@ -125,25 +130,30 @@ def loss_and_gradient(
 
 @pytest.mark.parametrize("num_shaded", [len(PIXELS), 0], ids=["shaded", "opaque"])
 @pytest.mark.parametrize("has_albedo", [False, True])
-def test_the_adjoint_is_the_derivative(num_shaded, has_albedo):
+@pytest.mark.parametrize(("beta", "step"), [(0.6, 0.5), (0.5, 0.5), (0.3, 0.1)])
+def test_the_adjoint_is_the_derivative(num_shaded, has_albedo, beta, step):
     """In random smooth directions, by central differences of a loss in float32.
 
     The derivative is a small difference of large terms.  Where sphere tracing ends depends on the
-    distances, and the adjoint takes it as given: that leaves 2 % of these terms.
+    distances, and the adjoint takes it as given.  That leaves 2 to 4 % of these terms, and 7 % of
+    opaque rays, which have no others.  Without its part by normals, 16 % are off.  A surface harder
+    than the step is sampled too coarsely for differences, so the last softness has finer steps.
     """
     rng = np.random.default_rng(0)
     albedo = 0.6 + 0.3 * rng.random((*NODES.shape[:3], 1)).repeat(3, 3) if has_albedo else None
     target = rng.random(len(PIXELS)).astype(np.float32)
     shape = ball() + 0.3 * np.sin(NODES[..., 0] / 3)
-    _, gradient = loss_and_gradient(shape, albedo, target, num_shaded)
+    _, gradient = loss_and_gradient(shape, albedo, target, num_shaded, beta, step)
     for _ in range(4):
         direction = np.zeros(shape.shape)
         direction[3:-3, 3:-3, 3:-3] = rng.standard_normal((SIZE - 6,) * 3)
         direction = gaussian_filter(direction, 2) + 0.02
         h = 0.02
-        change = [loss_and_gradient(shape + s * h * direction, albedo, target, num_shaded)[0]
-                  for s in (1, -1)]  # fmt: skip
+        change = [
+            loss_and_gradient(shape + s * h * direction, albedo, target, num_shaded, beta, step)[0]
+            for s in (1, -1)
+        ]
         numeric = (change[0] - change[1]) / (2 * h)
         analytic = float((gradient * direction).sum())
         scale = np.abs(gradient * direction).sum()
-        assert abs(numeric - analytic) < 0.03 * scale
+        assert abs(numeric - analytic) < (0.05 if num_shaded else 0.08) * scale
