@@ -1,11 +1,11 @@
-"""What a network must do before its row means anything: learn two parts by heart, apart.
+"""What a network must do before its row means anything: learn parts by heart, and apart.
 
 Far more would be asked of it by other parts; a network that fails here has a fault.  One that is
-blind to its pictures fails: `r2n2` is given nothing else, and `occupancy` gets two parts that the
-cameras are the same for.  `atlasnet` could tell its two by the scale of the picture's axes.
+blind to its pictures fails: of two parts nothing but the pictures tells which is asked for.
 """
 
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -68,20 +68,12 @@ def folders(tmp_path_factory: pytest.TempPathFactory, params: Params) -> dict[st
     return folders
 
 
-SHAPES = {
-    "r2n2": ("bracket", "ring"),
-    "atlasnet": ("bracket", "ring"),
-    "occupancy": ("bracket", "beam"),
-}
-# The rest is as in params.yaml.
+# The rest is as in params.yaml, the size of each network among it.
 SETTINGS = {
-    "r2n2": (
-        {"image_px": 32, "channel_divisor": 16, "max_views": 2},
-        {"max_steps": 400, "lr": 3e-3, "batch_size": 2},
-    ),
+    "r2n2": ({"max_views": 2}, {"max_steps": 400, "lr": 1e-3, "batch_size": 2}),
     "atlasnet": (
         {"image_px": 32, "train_views": 2, "eval_views": 2},
-        {"max_steps": 1200, "lr": 2e-3, "batch_size": 4},
+        {"max_steps": 1200, "lr": 1e-3, "batch_size": 8},
     ),
     "occupancy": (
         {"image_px": 32, "train_views": 2, "eval_views": 2},
@@ -110,21 +102,33 @@ def test_nothing_but_the_pictures_tells_a_bracket_from_a_beam(folders):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize(
+    ("shapes", "seed"),
+    [
+        (("bracket",), 0),
+        (("bracket", "beam"), 0),
+        (("bracket", "beam"), 1),
+        (("bracket", "beam"), 2),
+        (("bracket", "beam", "ring"), 0),
+    ],
+    ids=["one", "two-0", "two-1", "two-2", "three"],
+)
 @pytest.mark.parametrize("name", SETTINGS)
-def test_two_parts_are_learned_by_heart_and_told_apart(name, seed, folders, params, tmp_path):
+def test_parts_are_learned_by_heart_and_told_apart(name, shapes, seed, folders, params, tmp_path):
     """To 0.01 of what the representation can say, and far better than by any one shape."""
     method, settings = load_method(name), gate_settings(name, params)
-    two_parts = [folders[shape] for shape in SHAPES[name]]
-    examples = [  # both are learned from and both validated on: each is there twice
+    parts = [folders[shape] for shape in shapes]
+    examples = [  # all are learned from and all validated on: each is there twice
         Example(f"{group}{i}", group, folder / "part", folder / "views", method.inputs)
         for group in "xy"
-        for i, folder in enumerate(two_parts)
+        for i, folder in enumerate(parts)
     ]
     state = method.fit(examples, settings, seed, tmp_path)
-    assert state.val_history.loss.min() < 0.75 * mean_shape_loss(name, examples[:2])
+    if len(parts) > 1:
+        best_blind = mean_shape_loss(name, examples[: len(parts)])
+        assert state.val_history.loss.min() < 0.75 * best_blind
     truths, first_predictions = [], []
-    for example, folder in zip(examples, two_parts, strict=False):
+    for example, folder in zip(examples, parts, strict=False):
         inputs = load_inputs(method, folder / "part", folder / "views")
         result = method.reconstruct(inputs, settings, state, seed)
         predictions = [
@@ -140,7 +144,9 @@ def test_two_parts_are_learned_by_heart_and_told_apart(name, seed, folders, para
         assert np.mean(values) < floor + 0.01, (values, floor)
         truths.append(truth)
         first_predictions.append(predictions[0])
-    assert emd(*first_predictions).value > 0.8 * emd(*truths).value
+    for i, j in combinations(range(len(parts)), 2):
+        apart = emd(first_predictions[i], first_predictions[j]).value
+        assert apart > 0.8 * emd(truths[i], truths[j]).value
 
 
 def random_surface(example: Example, seed: int) -> np.ndarray:
@@ -168,10 +174,10 @@ def lattice_of(name: str, example: Example) -> tuple[np.ndarray, float, float]:
 
 def mean_shape_loss(name: str, examples: list[Example]) -> float:
     """The least loss of a network that gives one answer whatever it sees, or near to it."""
-    if name == "atlasnet":  # one cloud, half of whose points are on each part
+    if name == "atlasnet":  # one cloud, of whose points each part has its share
         clouds = torch.stack([torch.tensor(random_surface(one, 0)[:2000]) for one in examples])
-        both = clouds[:, ::2].flatten(0, 1).expand(2, -1, -1)
-        return chamfer(both, clouds).item()
+        count = len(examples)
+        return chamfer(clouds[:, ::count].flatten(0, 1).expand(count, -1, -1), clouds).item()
     filled = np.stack([lattice_of(name, example)[0] for example in examples])
     mean = filled.mean(axis=0)
     return float(-(xlogy(filled, mean) + xlogy(1 - filled, 1 - mean)).mean())
