@@ -172,9 +172,7 @@ def test_missed_goals_stand_in_a_table_with_the_bounds(write_rows):
     met = ("industnerf", "seconds", "at most 30", 19.9, "yes", "", "")
     missed = ("industnerf", "EMD", "at most 0.02", 0.0222, "no", 0.0102, 0.009)
     text = write_rows("goals", [met, missed])
-    assert (
-        "1 of 2 goals are missed. All are in `goals.md` beside these tables.\n\n| method |" in text
-    )
+    assert "1 of 2 goals are missed. All are in `results/study/goals.md`.\n\n| method |" in text
     assert "| `industnerf` | EMD | at most 0.02 | 0.0222 | 0.0102 | 0.00900 |\n" in text
     assert "at most 30" not in text
     assert "0 of 1 goals are missed. All" in write_rows("goals", [met])

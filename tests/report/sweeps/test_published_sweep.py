@@ -51,7 +51,7 @@ def test_a_table_of_before_has_no_mm_and_no_parameters(tmp_path, columns, cells,
     assert (result.ratio_to_floor, result.seconds, result.peak_mb) == (1.7, None, 200.0)
 
 
-def plot_axes(key, *sweeps, path, monkeypatch, spread=1):
+def plot_axes(key, *sweeps, path, monkeypatch, spread=1, labels=None):
     """The axes of the plot of `sweeps`, each of seconds, EMD and maybe learned parameters.
 
     Intervals reach from 1 / `spread` to `spread` times the EMD.
@@ -60,7 +60,7 @@ def plot_axes(key, *sweeps, path, monkeypatch, spread=1):
     monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
     series_list = [
         Series(
-            f"m{i}",
+            labels[i] if labels else f"m{i}",
             list(range(len(points))),
             [
                 PointResult(
@@ -89,6 +89,22 @@ PAIRS = [(1.0, 0.3), (2.0, 0.4), (3.0, 0.1), (4.0, 0.1)]
 def test_no_interval_ends_outside_the_plot(tmp_path, monkeypatch):
     options = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch, "spread": 2}
     assert plot_axes("views.count", PAIRS, **options)[0].get_ylim()[1] > 2 * 0.4
+
+
+@pytest.mark.parametrize(
+    ("labels", "expected"),
+    [
+        (["carve", "industnerf_plus (test)"], ["C2", "C0"]),
+        (["industnerf_plus", "carve"], ["C0", "C2"]),
+        (["carve n=1", "carve n=2"], ["C0", "C1"]),
+        (["carve", "a_new_method"], ["C0", "C1"]),
+    ],
+)
+def test_a_method_has_its_color_in_every_plot(tmp_path, monkeypatch, labels, expected):
+    """Unless one has none, or two lines are of one method."""
+    options = {"path": tmp_path / "sweep.png", "monkeypatch": monkeypatch, "labels": labels}
+    tradeoff = plot_axes("views.count", PAIRS, PAIRS, **options)[-1]
+    assert [line.get_color() for line in tradeoff.lines] == expected
 
 
 def test_the_front_of_a_setting_is_marked(tmp_path, monkeypatch):

@@ -74,7 +74,7 @@ def results_block(folder: Path, params: Path | None = None, with_paper_tables: b
         "Held-out views": _table2(read_csv(folder / "table2.csv")),
         "Comparisons": _comparison_table(read_csv(folder / "comparisons.csv"), interval),
         "Surface within tolerance": _coverage_table(read_csv(folder / "inspection.csv")),
-        "Goals": _missed_goals(read_csv(folder / "goals.csv")),
+        "Goals": _missed_goals(folder),
     }
     tables = "\n".join(f"## {title}\n\n{text}" for title, text in sections.items() if text)
     changes = changed_settings(folder / "params.yaml", params) if params else ""
@@ -246,7 +246,8 @@ def _coverage_table(rows: Sequence[CsvRow]) -> str:
     return markdown_table(["method", *TOLERANCE_COLUMNS.values()], table_rows) if table_rows else ""
 
 
-def _missed_goals(rows: Sequence[CsvRow]) -> str:
+def _missed_goals(folder: Path) -> str:
+    rows = read_csv(folder / "goals.csv")
     missed = [row for row in rows if row["met"] == "no"]
     if not rows:
         return ""
@@ -261,5 +262,5 @@ def _missed_goals(rows: Sequence[CsvRow]) -> str:
     ]
     heads = ["method", "goal", "target", *GOAL_COLUMNS.values()]
     table = f"\n{markdown_table(heads, table_rows)}" if missed else ""
-    where = "All are in `goals.md` beside these tables."
+    where = f"All are in `results/{folder.name}/goals.md`."
     return f"{len(missed)} of {len(rows)} goals are missed. {where}\n{table}"

@@ -17,6 +17,18 @@ HEADROOM = 1.2  # times the largest value
 # Shares of the height of an axis: free above the data, a row of a legend, the most of a legend.
 MARGIN, LEGEND_ROW, MAX_LEGEND_SHARE = 0.08, 0.09, 0.5
 AXIS_LABELS = {"seconds": "s a part", "peak_mb": "peak MB", "num_parameters": "learned parameters"}
+METHOD_COLORS = {  # the same in every plot
+    "industnerf_plus": "C0",
+    "hull": "C1",
+    "carve": "C2",
+    "industnerf": "C3",
+    "r2n2": "C4",
+    "atlasnet": "C5",
+    "occupancy": "C6",
+    "tsdf": "C7",
+    "hull_rgb": "C8",
+    "nerf": "C9",
+}
 CHEAPER_WORDS = {"seconds": "faster", "num_parameters": "smaller"}
 
 
@@ -28,16 +40,17 @@ def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: P
     above, below = figure.subfigures(2, 1, height_ratios=(3, 1))
     emd_axis, *costs = above.subplots(1 + len(COST_QUANTITIES), 1, sharex=True)
     price_quantity = _price_quantity(series_list, key)
-    _plot_tradeoff(tradeoff_axis := below.subplots(), series_list, price_quantity)
+    colors = _series_colors([series.label for series in series_list])
+    _plot_tradeoff(tradeoff_axis := below.subplots(), series_list, colors, price_quantity)
     if key.startswith(METHOD_PREFIX) and len(series_list) == 1:
         _plot_front(tradeoff_axis, series_list[0], price_quantity)
-    for i, series in enumerate(series_list):
-        _plot_emd(emd_axis, series, f"C{i}")
+    for series, color in zip(series_list, colors, strict=True):
+        _plot_emd(emd_axis, series, color)
         for axis, quantity in zip(costs, COST_QUANTITIES, strict=True):
             trend = next(
                 (t for t in trends if (t.label, t.quantity) == (series.label, quantity)), None
             )
-            _plot_cost(axis, series, quantity, trend, f"C{i}")
+            _plot_cost(axis, series, quantity, trend, color)
     emd_axis.set(ylabel="EMD (even), diagonals")
     top = max(max(r.emd, r.high or 0.0) for series in series_list for r in series.results)
     emd_axis.set_ylim(0, HEADROOM * top)
@@ -50,12 +63,20 @@ def plot_sweep(series_list: list[Series], trends: list[Trend], key: str, path: P
             axis.legend(fontsize="small")
     _set_x_axis(costs[-1], series_list, key)
     labeled_points = [
-        (*point, f"C{i}")
-        for i, series in enumerate(series_list)
+        (*point, color)
+        for series, color in zip(series_list, colors, strict=True)
         for point in _tradeoff_points(series, price_quantity)
     ]
     label_points(tradeoff_axis, labeled_points, 7)
     figure.savefig(path, dpi=100)
+
+
+def _series_colors(labels: Sequence[str]) -> list[str]:
+    """Those of the methods that the labels begin with, if these differ and have one."""
+    colors = [METHOD_COLORS.get(label.split()[0]) for label in labels]
+    if None in colors or len(set(colors)) < len(colors):
+        return [f"C{i}" for i in range(len(labels))]
+    return [color for color in colors if color]
 
 
 def _plot_emd(axis: Any, series: Series, color: str) -> None:
@@ -119,12 +140,14 @@ def _price_quantity(series_list: list[Series], key: str) -> str:
     )
 
 
-def _plot_tradeoff(axis: Any, series_list: list[Series], quantity: str) -> None:
+def _plot_tradeoff(
+    axis: Any, series_list: list[Series], colors: Sequence[str], quantity: str
+) -> None:
     """EMD against seconds or parameters, a line per series."""
-    for i, series in enumerate(series_list):
+    for series, color in zip(series_list, colors, strict=True):
         known = _tradeoff_points(series, quantity)
         axis.plot(
-            [prices for prices, _, _ in known], [emd for _, emd, _ in known], "o-", color=f"C{i}"
+            [prices for prices, _, _ in known], [emd for _, emd, _ in known], "o-", color=color
         )
     axis.set(xlabel=AXIS_LABELS[quantity], ylabel="EMD (even), diagonals")
     axis.margins(0.1)  # room for labels
