@@ -41,6 +41,8 @@ def check_command_line(arguments: Sequence[str]) -> None:
     options = get_args_parser().parse_args(arguments)
     if is_question(options):
         return
+    if options.multirun and options.cfg:
+        raise BadParams("--cfg prints the values of one point: leave --multirun out")
     _check_renamed(options.overrides)
     with _config_loader() as loader:
         overrides = [_parse(text) for text in options.overrides]

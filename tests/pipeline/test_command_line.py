@@ -39,6 +39,7 @@ TYPOS = {
     "views.count": "'views.count' is no override, which is key=value",
     "methods=[hull": "'methods=[hull' is no override",
     "method.hull.cell_px=interval(0,1)": "needs hydra/sweeper=optuna",
+    "--cfg=job": "--cfg prints the values of one point: leave --multirun out",
 }
 
 
