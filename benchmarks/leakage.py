@@ -182,17 +182,6 @@ def nearest_by_kind(data: Path) -> None:
     print(markdown_table(head, rows))
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("data", type=Path)
-    parser.add_argument("--by-kind", action="store_true")
-    arguments = parser.parse_args()
-    if arguments.by_kind:
-        nearest_by_kind(arguments.data)
-    else:
-        nearest_by_set(arguments.data)
-
-
 def nearest_by_set(data: Path) -> None:
     """A row a set of shapes, then all of them by family."""
     params = load_params()
@@ -242,6 +231,17 @@ def nearest_by_set(data: Path) -> None:
         for family in sorted(set(families.values()))
     ]
     print(markdown_table(["family", *results], by_family))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--by-kind", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.by_kind:
+        nearest_by_kind(arguments.data)
+    else:
+        nearest_by_set(arguments.data)
 
 
 if __name__ == "__main__":

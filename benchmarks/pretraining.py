@@ -90,9 +90,7 @@ def draw(document: Path, image: Path) -> None:
             by_solids.plot(
                 *zip(*line, strict=True), style, marker="o", color=f"C{color}", label=label
             )
-        curve = sorted(
-            (minutes, v) for one, s, _, minutes, v in points if one == name and s == 5000
-        )
+        curve = sorted((minutes, value) for _, solids, _, minutes, value in own if solids == 5000)
         by_minutes.plot(*zip(*curve, strict=True), marker="o", color=f"C{color}")
     by_solids.set(xscale="log", xlabel="solids (dashed: 1500 steps, full: 8000 or 12000)")
     by_solids.set_ylabel("EMD, dev parts")
