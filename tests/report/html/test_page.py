@@ -6,7 +6,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from industnerf.report.figures.contact_sheet import draw_contact_sheet
+from industnerf.methods import load_method
+from industnerf.report.figures.contact_sheet import draw_contact_sheet, shown_methods
 from industnerf.report.figures.held_out_renderings import HeldOutRenderings
 from industnerf.report.html.page import PageMedia, load_page_media, render_page
 from industnerf.report.html.viewer import pack_scene
@@ -172,6 +173,14 @@ def test_what_there_is_nothing_of_is_left_out(study):
     assert page_html.count("Calibration of confidence") == 0
     assert page_html.count("Held-out views") == 0
     assert "nothing to show" in page_html
+
+
+@pytest.mark.parametrize(
+    ("names", "shown"),
+    [(["hull", "ball", "oracle"], ["hull", "oracle"]), (["ball", "box"], ["ball", "box"])],
+)
+def test_nulls_are_on_the_sheet_only_where_there_is_nothing_else(names, shown):
+    assert shown_methods({name: load_method(name) for name in names}) == shown
 
 
 def test_a_page_without_a_part_to_show_has_no_sheet(study):

@@ -1,4 +1,4 @@
-"""The contact sheet: truth, an image, and every method's cloud colored by its error."""
+"""The contact sheet: truth, an image, and the methods' clouds colored by their error."""
 
 import io
 from textwrap import wrap
@@ -12,6 +12,7 @@ from industnerf.artifacts.part import Mesh, Part, load_mesh
 from industnerf.artifacts.truth import Truth
 from industnerf.artifacts.views import load_views
 from industnerf.geometry.cameras import Cameras
+from industnerf.methods.base import Method, Role
 from industnerf.report.study import Study
 from industnerf.splats import splat
 
@@ -23,14 +24,18 @@ VISIBLE_COLOR, HIDDEN_COLOR = np.array([70, 90, 120], np.uint8), np.array([225, 
 
 
 def draw_contact_sheet(study: Study, parts: list[Part]) -> bytes | None:
-    """A PNG with a row for each of `parts` and a column for each method; None without a part."""
+    """A PNG with a row for each of `parts` and a column for each method; None without a part.
+
+    Nulls see no photograph, so they have a column only where there is nothing else.
+    """
     if not parts:
         return None
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
     color_map = mpl.colormaps["turbo"]
-    heads = ["truth\n(orange: hidden)", "a view", *study.methods]
+    methods = shown_methods(study.methods)
+    heads = ["truth\n(orange: hidden)", "a view", *methods]
     width, height = IMAGE_INCHES * len(heads) + LABEL_INCHES, IMAGE_INCHES * len(parts) + 1.8
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(len(parts), len(heads), squeeze=False)
@@ -43,7 +48,7 @@ def draw_contact_sheet(study: Study, parts: list[Part]) -> bytes | None:
         hspace=0.02,
     )
     for row, part in zip(axes, parts, strict=True):
-        for axis, image in zip(row, _row_images(study, part, color_map), strict=True):
+        for axis, image in zip(row, _row_images(study, part, methods, color_map), strict=True):
             axis.set(xticks=[], yticks=[], frame_on=False)
             if image is not None:
                 axis.imshow(image)
@@ -72,7 +77,14 @@ def draw_contact_sheet(study: Study, parts: list[Part]) -> bytes | None:
     return png.getvalue()
 
 
-def _row_images(study: Study, part: Part, color_map) -> list[UInt8[np.ndarray, "h w 3"] | None]:
+def shown_methods(methods: dict[str, Method]) -> list[str]:
+    """Those with a column on the sheet."""
+    return [name for name, method in methods.items() if method.role != Role.NULL] or list(methods)
+
+
+def _row_images(
+    study: Study, part: Part, methods: list[str], color_map
+) -> list[UInt8[np.ndarray, "h w 3"] | None]:
     views = load_views(study.folders.views / part.part_id)
     view = int(views.train_indices[best_view(views.cameras[views.train_indices])])
     truth = Truth.load(study.folders.truth / part.part_id)
@@ -80,7 +92,7 @@ def _row_images(study: Study, part: Part, color_map) -> list[UInt8[np.ndarray, "
     truth_colors = np.where(truth.visible[:, None], VISIBLE_COLOR, HIDDEN_COLOR)
     images = [splat(truth.points_mm, truth_colors, views.cameras, view, IMAGE_PX)]
     images.append(views.rgb(np.array([view]))[0])
-    for method in study.methods:
+    for method in methods:
         folder = study.folders.clouds / method / part.part_id
         if not folder.is_dir():
             images.append(None)
