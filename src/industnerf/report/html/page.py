@@ -36,7 +36,7 @@ from industnerf.report.tables.table1 import Table1Row
 from industnerf.report.tables.table1_format import table1_notes
 from industnerf.report.tables.table2 import NO_TABLE2
 
-SHEET_PX = 2600  # of the contact sheet on the page; the file beside it is larger
+SHEET_PX = 2200  # of the contact sheet on the page; the file beside it is larger
 SCRIPTS = ("sort.js", "camera.js", "draw.js", "colors.js", "viewer.js")
 # The browser itself refuses what would reach beyond the page.
 CONTENT_SECURITY_POLICY = (
