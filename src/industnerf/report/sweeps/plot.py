@@ -12,7 +12,7 @@ from industnerf.report.sweeps.series import COST_QUANTITIES, Series, Trend
 
 LINEAR_SPAN = 4  # values that span a larger factor get a logarithmic axis
 METHOD_PREFIX = "method."  # settings of a method: the points are of one task and compete
-FRONT_COLOR = "#d1495b"
+FRONT_COLOR = "black"
 HEADROOM = 1.2  # times the largest value
 # Shares of the height of an axis: free above the data, a row of a legend, the most of a legend.
 MARGIN, LEGEND_ROW, MAX_LEGEND_SHARE = 0.08, 0.09, 0.5
@@ -169,7 +169,7 @@ def _tradeoff_points(series: Series, quantity: str) -> list[tuple[float, float, 
 
 
 def _plot_front(axis: Any, series: Series, quantity: str) -> None:
-    """The Pareto front as a red line."""
+    """The Pareto front as a black line."""
     prices = [(getattr(result, quantity), result.emd) for result in series.results]
     frontier = pareto_front(
         [(float(price_value), emd) for price_value, emd in prices if price_value is not None]
