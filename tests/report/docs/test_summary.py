@@ -11,7 +11,11 @@ def test_each_method_has_its_own_numbers(published):
         row["method"]: row for row in read_rows(published / "table1.csv") if row["split"] == "test"
     }
     emd, floors = (float(rows["industnerf"][name]) for name in ("emd_even", "ratio_to_floor"))
-    assert f"**`industnerf`**, the paper's method: EMD {emd:.4f}, {floors:.2f} floors" in text
+    interval = " to ".join(
+        f"{float(rows['industnerf'][f'ci_{end}']):.4f}" for end in ("low", "high")
+    )
+    own = f"EMD {emd:.4f} ({interval}), {floors:.2f} floors"
+    assert f"**`industnerf`**, the paper's method: {own}" in text
     failures = sum(int(row["failures"]) for row in rows.values())
     assert f"**Failures**: {failures} of {sum(int(r['parts']) for r in rows.values())} " in text
 

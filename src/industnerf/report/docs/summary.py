@@ -8,9 +8,10 @@ from industnerf.report import paper_results
 from industnerf.report.docs.claims import BASELINES, difference_text
 from industnerf.report.docs.study_results import mean_seconds, test_rows
 from industnerf.report.tables.costs import seconds_label
-from industnerf.report.tables.formats import read_csv
+from industnerf.report.tables.formats import format_interval, optional_float, read_csv
 
-PLUS, CARVE, HULL, RETRIEVAL = "industnerf_plus", "carve", "hull", "retrieval"
+PLUS, CARVE, HULL = "industnerf_plus", "carve", "hull"
+RETRIEVED = {"retrieval": "part", "retrieval_procedural": "part or procedural solid"}
 FIGURES = ("contact_sheet.png", "pareto.png", "strata.png", "sparsification.png")
 
 CsvRow = dict[str, str]
@@ -45,15 +46,15 @@ def _findings(study: Path) -> Iterator[str]:
             yield " ".join([f"**`{method}`**, {name}: {own}.", *versus])
     networks = [rows[name] for name in BASELINES if name in rows]
     if networks:
-        scores = ", ".join(f"`{row['method']}` {float(row['emd_even']):.4f}" for row in networks)
-        marked = [f"`{row['method']}`" for row in networks if row["undertrained"]]
-        retrieval = (
-            f" Retrieval of the most similar part has {float(rows[RETRIEVAL]['emd_even']):.4f}."
-            if RETRIEVAL in rows
-            else ""
-        )
-        marks = f"Undertrained: {', '.join(marked)}." if marked else "None is undertrained."
-        yield f"**The paper's networks**: EMD {scores}.{retrieval} {marks}"
+        scores = ", ".join(f"`{row['method']}` {_emd(row)}" for row in networks)
+        sentences = [f"EMD {scores}."] + [
+            f"Retrieval of the most similar {what} has {_emd(rows[method])}."
+            for method, what in RETRIEVED.items()
+            if method in rows
+        ]
+        if marked := [f"`{row['method']}`" for row in networks if row["undertrained"]]:
+            sentences.append(f"Undertrained: {', '.join(marked)}.")
+        yield " ".join(["**The paper's networks**:", *sentences])
     covered = {row["method"]: row for row in read_csv(study / "inspection.csv")}
     for limit in ("0.5", "1"):
         shares = [
@@ -70,9 +71,14 @@ def _findings(study: Path) -> Iterator[str]:
 
 def _score(row: CsvRow) -> str:
     return (
-        f"EMD {float(row['emd_even']):.4f}, {float(row['ratio_to_floor']):.2f} floors, "
-        f"{float(row['emd_mm']):.2f} mm"
+        f"EMD {_emd(row)}, {float(row['ratio_to_floor']):.2f} floors, {float(row['emd_mm']):.2f} mm"
     )
+
+
+def _emd(row: CsvRow) -> str:
+    """With its interval, if it has one."""
+    interval = format_interval(optional_float(row["ci_low"]), optional_float(row["ci_high"]), ".4f")
+    return f"{float(row['emd_even']):.4f}{f' ({interval})' if interval else ''}"
 
 
 def _time(study: Path, seconds: float | None) -> str:

@@ -1,0 +1,56 @@
+"""One claim of the paper beside what is measured of it, and what claims are judged by."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from industnerf.report import paper_results
+from industnerf.report.tables.formats import optional_float, read_csv
+
+HOLDS, FAILS, UNDECIDED = "holds", "does not hold", "cannot be told"
+HEADS = ("section", "claim", "verdict", "measured")
+METHOD = paper_results.METHOD
+
+CsvRow = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim, and what is measured of it."""
+
+    section: str
+    text: str
+    verdict: str
+    measured: str
+
+    def cells(self) -> tuple[str, ...]:
+        """One for each of HEADS."""
+        return self.section, self.text, f"**{self.verdict}**", self.measured
+
+
+def verdict_of(low: float | None, high: float | None) -> str:
+    """The verdict on "less": by whether the interval of a difference lies below or above 0.
+
+    Without an interval, as of one family, nothing can be told.
+    """
+    if low is None or high is None:
+        return UNDECIDED
+    if high < 0:
+        return HOLDS
+    return FAILS if low > 0 else UNDECIDED
+
+
+def interval_of(row: CsvRow) -> tuple[float | None, float | None]:
+    """Low and high of the interval of a published difference; None where it has none."""
+    return optional_float(row["ci_low"]), optional_float(row["ci_high"])
+
+
+def table1_rows(study: Path) -> dict[str, CsvRow]:
+    """Method -> its row of the published Table 1, on test parts."""
+    return {row["method"]: row for row in read_csv(study / "table1.csv") if row["split"] == "test"}
+
+
+def goal_values(study: Path) -> dict[str, float]:
+    """The values of the goals of the paper's method, by what is measured."""
+    rows: Sequence[CsvRow] = read_csv(study / "goals.csv")
+    return {row["goal"]: float(row["value"]) for row in rows if row["method"] == METHOD}
