@@ -163,7 +163,7 @@ def print_scores(params: Params, out: Path) -> None:
     for text in summary(scores, parts_by_id, study_scores, params.report, params.seed):
         print(text)
     if reason:
-        print(f"not set beside the study: {reason}")
+        print(f"not compared with the study: {reason}")
     print(f"every metric: {out / 'scores' / 'scores.csv'}")
 
 

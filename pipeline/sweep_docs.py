@@ -5,7 +5,10 @@ python -m pipeline.sweep_docs        only writes the table anew
 python -m pipeline.sweep_docs redraw sweep-nets    draws a published plot anew, from its sweep.csv
 """
 
+import json
 import shutil
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from PIL import Image
@@ -23,6 +26,7 @@ from industnerf.report.sweeps.points import (
     read_published_sweep,
 )
 from industnerf.report.sweeps.preset_table import (
+    INFLATED_SECONDS,
     PUBLISHED,
     PUBLISHED_BY,
     TABLES,
@@ -30,7 +34,8 @@ from industnerf.report.sweeps.preset_table import (
     sweep_presets,
     sweep_table,
 )
-from industnerf.report.sweeps.series import fit_trends, make_series
+from industnerf.report.sweeps.series import Trend, fit_trends, make_series
+from industnerf.report.tables.formats import read_csv
 
 DOCUMENT, PALETTE_SIZE = Path("docs/reference/sweeps.md"), 64
 
@@ -78,8 +83,28 @@ def redraw_plot(folder: Path) -> None:
     if swept_keys[0] == SELECT_KEY:
         raise BadArtifact(f"{folder / 'sweep.csv'} does not say how many faces the parts have")
     curves = make_series(points, swept_keys)
-    plot_sweep(curves, fit_trends(curves, swept_keys[0]), swept_keys[0], folder / "sweep.png")
+    trends = published_trends(folder, fit_trends(curves, swept_keys[0]))
+    plot_sweep(curves, trends, swept_keys[0], folder / "sweep.png")
     _quantize_png(folder / "sweep.png", folder / "sweep.png")
+
+
+def published_trends(folder: Path, fitted: Sequence[Trend]) -> list[Trend]:
+    """`fitted` to the rounded costs of sweep.csv, with the exponents of trend.csv, as in the table.
+
+    Like the table they are without seconds where these are inflated by other work.
+    """
+    machine = json.loads((folder / "about.json").read_text(encoding="utf-8"))["machine"]
+    exponents = {
+        (row["series"], row["quantity"]): (float(row["exponent"]), float(row["standard error"]))
+        for row in read_csv(folder / "trend.csv")
+        if row["quantity"] != "seconds" or INFLATED_SECONDS not in machine
+    }
+    laws = [(trend, exponents.get((trend.label, trend.quantity))) for trend in fitted]
+    return [
+        replace(trend, law=replace(trend.law, exponent=law[0], error=law[1]))
+        for trend, law in laws
+        if law
+    ]
 
 
 def _quantize_png(source: Path, target: Path) -> None:

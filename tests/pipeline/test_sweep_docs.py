@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 
 from industnerf.errors import BadArtifact
-from pipeline.sweep_docs import main
+from industnerf.report.sweeps.series import PowerLaw, Trend
+from pipeline.sweep_docs import main, published_trends
 
 
 @pytest.fixture
@@ -117,6 +118,22 @@ def test_exponents_stand_in_the_table_and_their_file_is_linked(project: Path):
         "[trend](sweeps/sweep-b/trend.csv)) "
         "| `hull` seconds 0.86 ± 0.18, MB 0.00 ± 0.04; `box` MB 1.00 ± 0.00 |\n"
     ) in text
+
+
+@pytest.mark.parametrize(
+    ("machine", "quantities"),
+    [("idle", ["seconds", "peak_mb"]), ("shared: seconds are inflated", ["peak_mb"])],
+)
+def test_a_plot_drawn_anew_has_the_exponents_of_the_table(tmp_path, machine, quantities):
+    (tmp_path / "about.json").write_text(json.dumps({"machine": machine}))
+    (tmp_path / "trend.csv").write_text(
+        "series,quantity,exponent,standard error,points\n"
+        "hull,seconds,0.616,0.255,4\nhull,peak_mb,0.180,0.038,4\n"
+    )
+    fitted = [Trend("hull", name, PowerLaw(0.6, 0.2, 3.0, 4)) for name in ("seconds", "peak_mb")]
+    trends = published_trends(tmp_path, fitted)
+    assert [trend.quantity for trend in trends] == quantities
+    assert trends[-1].law == PowerLaw(0.180, 0.038, 3.0, 4)
 
 
 def test_sweeps_with_documents_of_their_own_are_listed_below(project: Path):

@@ -94,8 +94,8 @@ def test_missing_masks_are_counted_and_strict_refuses(tmp_path):
     image_set = load(path)
     assert image_set.background is None
     assert (
-        "2 of 5 frames (rgb/002.png, rgb/004.png) have no mask: what is behind the part counts as "
-        "unknown" in image_set.warnings
+        "2 of 5 frames (rgb/002.png, rgb/004.png) have no mask: outlines are looked for by "
+        "color" in image_set.warnings
     )
     with pytest.raises(BadArtifact, match=r"have no mask, the first should be masks/002.png"):
         load(path, strict=True)

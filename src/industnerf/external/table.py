@@ -18,7 +18,7 @@ from industnerf.report.tables.formats import (
 from industnerf.report.tables.scores import EMD_EVEN
 from industnerf.schema import ReportParams
 
-COLUMNS = ("part", "EMD", "x floor", "EMD, mm", "95 %, mm", "in 0.5 mm", "")
+COLUMNS = ("part", "EMD", "x floor", "EMD, mm", "95 %, mm", "in 0.5 mm")
 LEGEND = (
     "EMD: how far points are moved on average to match the true surface, in diagonals of the "
     "part's box, and in mm\n"
@@ -64,13 +64,12 @@ def _row(part: Part, scores: dict[tuple[str, str], Score]) -> list[str]:
         scores.get(("within_0.5mm", "P1-dense")),
     )  # where params.yaml asks for it
     return [
-        part.part_id,
+        part.part_id if even.status == "ok" else f"{part.part_id}\nfailed",
         format_fixed(even.value),
         format_fixed(even.value / even.floor, 2),
         format_significant(even.value * part.diagonal_mm),
         format_significant(scores["hausdorff95", "P1-dense"].value),
         f"{100 * within.value:.0f} %" if within else "",
-        "" if even.status == "ok" else "failed",
     ]
 
 

@@ -152,7 +152,7 @@ def _find_masks(
     text = f"{_count_and_names([frame.name for frame in without], len(frames))} have no mask"
     if selection.strict:
         raise BadArtifact(f"{text}, the first should be {without[0].mask_name}; --strict is given")
-    return masks, [f"{text}: what is behind the part counts as unknown"]
+    return masks, [f"{text}: outlines are looked for by color"]
 
 
 def _usage_words(used: int, listed: int, selection: Selection) -> list[str]:

@@ -30,7 +30,7 @@ COMPARED_PAIRS = (
     ("industnerf", "carve"),
 )
 COVERAGE_METHODS = ("industnerf_plus", "industnerf", "carve", "hull", "oracle")
-TOLERANCE_COLUMNS = {"covered_0.5mm": "within 0.5 mm", "covered_1mm": "within 1 mm"}
+TOLERANCE_COLUMNS = {"covered_0.5mm": "surface within 0.5 mm", "covered_1mm": "surface within 1 mm"}
 GOAL_COLUMNS = {"value": "measured", "tsdf": "`tsdf`", "oracle": "`oracle`"}
 OLDER_THAN_SETTINGS = (
     "Some settings have changed since, so a new run has other numbers "
