@@ -12,7 +12,7 @@ from industnerf.report.tables.scores import SPEARMAN
 
 TABLE1 = ["method", "split", "inputs", "num_train_parts", "undertrained", "emd_even"]
 TABLE1 += ["ratio_to_floor", "views"]
-COMPARISONS = ["method", "other", "difference", "ci_low", "ci_high", "win_rate"]
+COMPARISONS = ["method", "other", "difference", "ci_low", "ci_high", "win_rate", "families"]
 SCORES = ["part_id", "method", "family", "split", "metric", "protocol", "value"]
 GOALS = ["method", "goal", "value"]
 COSTS = ["stage", "method", "part_id", "seconds"]
@@ -43,9 +43,9 @@ def study(tmp_path):
         folder / "comparisons.csv",
         COMPARISONS,
         [
-            ("industnerf", "r2n2", -0.06, -0.07, -0.05, 1.0),
-            ("industnerf", "atlasnet", -0.01, -0.03, 0.01, 0.6),
-            ("industnerf", "carve", 0.005, 0.002, 0.007, 0.2),
+            ("industnerf", "r2n2", -0.06, -0.07, -0.05, 1.0, 16),
+            ("industnerf", "atlasnet", -0.01, -0.03, 0.01, 0.6, 16),
+            ("industnerf", "carve", 0.005, 0.002, 0.007, 0.2, 16),
         ],
     )
     emds = {("industnerf", "gears"): 0.01, ("industnerf", "pipes"): 0.03}
@@ -111,15 +111,16 @@ def test_faster_than_the_baselines_is_faster_than_each(study, tmp_path, seconds,
     assert "3D-R2N2 0.5, AtlasNet 2.0 when trained" in measured
 
 
-def test_generalization_is_shown_on_the_organic_set_and_not_judged(study, tmp_path):
-    rows = [("industnerf", "r2n2", -0.05, -0.06, -0.04, 0.9)]
-    rows += [("industnerf", "atlasnet", -0.06, -0.07, -0.05, 1.0)]
+@pytest.mark.parametrize(("families", "verdict"), [(3, UNDECIDED), (5, UNDECIDED), (6, HOLDS)])
+def test_generalization_takes_six_families_of_organic_shapes(study, tmp_path, families, verdict):
+    rows = [("industnerf", "r2n2", -0.05, -0.06, -0.04, 0.9, families)]
+    rows += [("industnerf", "atlasnet", -0.06, -0.07, -0.05, 1.0, families)]
     write_csv(study.with_name("organic") / "comparisons.csv", COMPARISONS, rows)
     write_csv(study.with_name("organic") / "table1.csv", TABLE1, [])
     assert rows_of(claims_block(study, tmp_path))["generalizes better than the baselines"] == (
-        UNDECIDED,
+        verdict,
         "EMD on the organic set less that of 3D-R2N2 -0.0500, AtlasNet -0.0600; better than each "
-        "on 90 % of the parts or more; too few families for a test",
+        f"on 90 % of the parts or more; {families} families",
     )
 
 
@@ -180,7 +181,7 @@ def test_noise_is_shown_on_too_few_parts_to_be_judged(study, tmp_path):
 
 
 def test_of_one_family_nothing_has_an_interval_and_nothing_is_told(study, tmp_path):
-    rows = [("industnerf", "r2n2", -0.06, "", "", 1.0)]
+    rows = [("industnerf", "r2n2", -0.06, "", "", 1.0, 1)]
     write_csv(study / "comparisons.csv", COMPARISONS, rows)
     assert rows_of(claims_block(study, tmp_path))["better than 3D-R2N2"] == (
         UNDECIDED,

@@ -10,6 +10,7 @@ from industnerf.report.tables.formats import optional_float, read_csv
 HOLDS, FAILS, UNDECIDED = "holds", "does not hold", "cannot be told"
 HEADS = ("section", "claim", "verdict", "measured")
 METHOD = paper_results.METHOD
+MIN_FAMILIES = 6  # by flipping signs, two-sided, p is 2 / 2**5 = 0.06 at best with one fewer
 
 CsvRow = dict[str, str]
 
@@ -28,12 +29,12 @@ class Claim:
         return self.section, self.text, f"**{self.verdict}**", self.measured
 
 
-def verdict_of(low: float | None, high: float | None) -> str:
+def verdict_of(low: float | None, high: float | None, families: int = MIN_FAMILIES) -> str:
     """The verdict on "less": by whether the interval of a difference lies below or above 0.
 
-    Without an interval, as of one family, nothing can be told.
+    Without an interval, or from too few families for a test, nothing can be told.
     """
-    if low is None or high is None:
+    if low is None or high is None or families < MIN_FAMILIES:
         return UNDECIDED
     if high < 0:
         return HOLDS
