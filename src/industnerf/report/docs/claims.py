@@ -164,14 +164,15 @@ def _generalization_claim(study: Path) -> Iterator[Claim]:
         differences = ", ".join(
             f"{name} {float(row['difference']):+.4f}" for name, row in rows.items()
         )
-        verdicts = {verdict_of(*interval_of(row), int(row["families"])) for row in rows.values()}
+        families = min(int(row["families"]) for row in rows.values())
+        verdicts = {verdict_of(*interval_of(row), families) for row in rows.values()}
         fewest = min(float(row["win_rate"]) for row in rows.values())
         yield Claim(
             "abstract",
             "generalizes better than the baselines",
             verdicts.pop() if len(verdicts) == 1 else UNDECIDED,
             f"EMD on the organic set less that of {differences}; better than each on "
-            f"{100 * fewest:.0f} % of the parts or more; {next(iter(rows.values()))['families']} families",
+            f"{100 * fewest:.0f} % of the parts or more; {families} families",
         )
 
 
