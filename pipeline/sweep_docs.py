@@ -5,7 +5,6 @@ python -m pipeline.sweep_docs        only writes the table anew
 python -m pipeline.sweep_docs redraw sweep-nets    draws a published plot anew, from its sweep.csv
 """
 
-import json
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
@@ -26,16 +25,15 @@ from industnerf.report.sweeps.points import (
     read_published_sweep,
 )
 from industnerf.report.sweeps.preset_table import (
-    INFLATED_SECONDS,
     PUBLISHED,
     PUBLISHED_BY,
     TABLES,
+    published_exponents,
     publishing_module,
     sweep_presets,
     sweep_table,
 )
 from industnerf.report.sweeps.series import Trend, fit_trends, make_series
-from industnerf.report.tables.formats import read_csv
 
 DOCUMENT, PALETTE_SIZE = Path("docs/reference/sweeps.md"), 64
 
@@ -89,22 +87,14 @@ def redraw_plot(folder: Path) -> None:
 
 
 def published_trends(folder: Path, fitted: Sequence[Trend]) -> list[Trend]:
-    """`fitted` to the rounded costs of sweep.csv, with the exponents of trend.csv, as in the table.
-
-    Like the table they are without seconds where these are inflated by other work.
-    """
-    machine = json.loads((folder / "about.json").read_text(encoding="utf-8"))["machine"]
-    exponents = {
-        (row["series"], row["quantity"]): (float(row["exponent"]), float(row["standard error"]))
-        for row in read_csv(folder / "trend.csv")
-        if row["quantity"] != "seconds" or INFLATED_SECONDS not in machine
-    }
-    laws = [(trend, exponents.get((trend.label, trend.quantity))) for trend in fitted]
-    return [
-        replace(trend, law=replace(trend.law, exponent=law[0], error=law[1]))
-        for trend, law in laws
-        if law
-    ]
+    """`fitted` to the rounded costs of sweep.csv, with the exponents that the table shows."""
+    exponents = published_exponents(folder)
+    trends = []
+    for trend in fitted:
+        if (trend.label, trend.quantity) in exponents:
+            exponent, error = exponents[trend.label, trend.quantity]
+            trends.append(replace(trend, law=replace(trend.law, exponent=exponent, error=error)))
+    return trends
 
 
 def _quantize_png(source: Path, target: Path) -> None:

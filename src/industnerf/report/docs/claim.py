@@ -46,11 +46,6 @@ def interval_of(row: CsvRow) -> tuple[float | None, float | None]:
     return optional_float(row["ci_low"]), optional_float(row["ci_high"])
 
 
-def table1_rows(study: Path) -> dict[str, CsvRow]:
-    """Method -> its row of the published Table 1, on test parts."""
-    return {row["method"]: row for row in read_csv(study / "table1.csv") if row["split"] == "test"}
-
-
 def goal_values(study: Path) -> dict[str, float]:
     """The values of the goals of the paper's method, by what is measured."""
     rows: Sequence[CsvRow] = read_csv(study / "goals.csv")

@@ -17,11 +17,10 @@ from industnerf.report.docs.claim import (
     CsvRow,
     goal_values,
     interval_of,
-    table1_rows,
     verdict_of,
 )
 from industnerf.report.docs.limitations import cost_limits, noise_limit, organic_limit
-from industnerf.report.docs.study_results import mean_seconds
+from industnerf.report.docs.study_results import mean_seconds, test_rows_by_method
 from industnerf.report.statistics.significance import bootstrap_interval
 from industnerf.report.tables.costs import seconds_label
 from industnerf.report.tables.formats import (
@@ -83,7 +82,7 @@ def _views(row: CsvRow) -> str:
 def _baseline_claims(study: Path, others: Mapping[str, str]) -> Iterator[Claim]:
     """4.6.1, by the paired differences of EMD."""
     rows = {(row["method"], row["other"]): row for row in read_csv(study / "comparisons.csv")}
-    table = table1_rows(study)
+    table = test_rows_by_method(study)
     for other, name in others.items():
         if row := rows.get((METHOD, other)):
             measured = f"EMD {difference_text(row)}"
@@ -216,7 +215,7 @@ def _confidence_claim(study: Path) -> Iterator[Claim]:
 
 
 def _unsupervised_claim(study: Path) -> Iterator[Claim]:
-    row = table1_rows(study).get(METHOD)
+    row = test_rows_by_method(study).get(METHOD)
     if row:
         parts = int(row["num_train_parts"])
         yield Claim(
@@ -229,7 +228,7 @@ def _unsupervised_claim(study: Path) -> Iterator[Claim]:
 
 def _number_claim(study: Path) -> Iterator[Claim]:
     """The paper's own EMD, which has no protocol that could be repeated."""
-    row = table1_rows(study).get(METHOD)
+    row = test_rows_by_method(study).get(METHOD)
     if row:
         yield Claim(
             "Table 1",

@@ -10,11 +10,10 @@ from industnerf.report.docs.study_results import table1_cells
 from industnerf.report.publish.provenance import describe_provenance
 from industnerf.report.tables.costs import csv_seconds
 from industnerf.report.tables.formats import (
+    format_emd,
     format_fixed,
-    format_interval,
     format_significant,
     markdown_table,
-    optional_float,
     read_csv,
 )
 from industnerf.report.tables.scores import EMD_EVEN
@@ -37,7 +36,7 @@ def networks_block(folder: Path) -> str:
             row["parameters"] if row["size"] else "",
             minutes.get(row["method"], ""),
             row["steps"] if row["size"] else "",
-            _format_emd(*(row[name] for name in ("emd_even", "ci_low", "ci_high"))),
+            format_emd(*(row[name] for name in ("emd_even", "ci_low", "ci_high"))),
             format_significant(float(row["emd_mm"])),
             *(_relative_emd(row, paper_method_row) if paper_method_row else ("", "")),
             *(_win_rate(emds, row["method"], baseline) for baseline in BASELINE_HEADERS),
@@ -59,11 +58,6 @@ def _mean_train_minutes(folder: Path) -> dict[str, str]:
         )
         for method in {row["method"] for row in rows}
     }
-
-
-def _format_emd(emd: str, low: str, high: str) -> str:
-    interval = format_interval(optional_float(low), optional_float(high), ".4f")
-    return f"{float(emd):.4f}" + (f" ({interval})" if interval else "")
 
 
 def _relative_emd(row: CsvRow, paper_method_row: CsvRow) -> tuple[str, str]:
@@ -113,7 +107,7 @@ def leakage_block(sweep: Path, study: Path) -> str:
             cell
             for row in rows
             for cell in (
-                _format_emd(*(row[name] for name in ("emd", "low", "high"))),
+                format_emd(*(row[name] for name in ("emd", "low", "high"))),
                 f"{float(row['x floor']):.2f}",
             )
         ]

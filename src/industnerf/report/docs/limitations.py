@@ -10,10 +10,9 @@ from industnerf.report.docs.claim import (
     UNDECIDED,
     Claim,
     goal_values,
-    table1_rows,
     verdict_of,
 )
-from industnerf.report.docs.study_results import mean_seconds
+from industnerf.report.docs.study_results import mean_seconds, test_rows_by_method
 from industnerf.report.tables.costs import seconds_label
 from industnerf.report.tables.formats import read_csv
 from industnerf.report.tables.goals import MEMORY
@@ -48,7 +47,9 @@ def cost_limits(study: Path, sweeps: Path) -> Iterator[Claim]:
 def organic_limit(study: Path) -> Iterator[Claim]:
     """Whether it is farther from its floor on organic shapes than on industrial parts."""
     organic = study.with_name("organic")
-    rows = [table1_rows(folder).get(METHOD) for folder in (study, organic) if folder.exists()]
+    rows = [
+        test_rows_by_method(folder).get(METHOD) for folder in (study, organic) if folder.exists()
+    ]
     if len(rows) == 2 and all(rows):
         industrial, other = (float(row["ratio_to_floor"]) for row in rows if row)
         parts = rows[1]["parts"] if rows[1] else ""

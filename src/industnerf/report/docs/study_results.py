@@ -101,6 +101,10 @@ def _interval_label(folder: Path) -> str:
     return f"{100 * read_provenance(folder)['interval']:g} %"
 
 
+def test_rows_by_method(folder: Path) -> dict[str, CsvRow]:
+    return {row["method"]: row for row in test_rows(folder)}
+
+
 def test_rows(folder: Path) -> list[CsvRow]:
     return [row for row in read_csv(folder / "table1.csv") if row["split"] == "test"]
 
@@ -124,7 +128,7 @@ def _table1(folder: Path, rows: Sequence[CsvRow], columns: Sequence[str]) -> str
 
 def _paper_table1(folder: Path) -> str:
     """The four rows of the paper, the numbers of `folder` beside; empty if none of them ran."""
-    rows, table = {row["method"]: row for row in test_rows(folder)}, table1_cells(folder)
+    rows, table = test_rows_by_method(folder), table1_cells(folder)
     table_rows = [
         [
             f"{name} (`{method}`)",

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from industnerf.report import paper_results
 from industnerf.report.docs.claims import BASELINES, difference_text
-from industnerf.report.docs.study_results import mean_seconds, test_rows
+from industnerf.report.docs.study_results import mean_seconds, test_rows_by_method
 from industnerf.report.tables.costs import seconds_label
-from industnerf.report.tables.formats import format_interval, optional_float, read_csv
+from industnerf.report.tables.formats import format_emd, read_csv
 
 PLUS, CARVE, HULL = "industnerf_plus", "carve", "hull"
 RETRIEVED = {"retrieval": "part", "retrieval_procedural": "part or procedural solid"}
@@ -30,7 +30,7 @@ def copy_figures(study: Path, target: Path) -> None:
 
 
 def _findings(study: Path) -> Iterator[str]:
-    rows = {row["method"]: row for row in test_rows(study)}
+    rows = test_rows_by_method(study)
     seconds = mean_seconds(study)
     comparisons = {
         (row["method"], row["other"]): row for row in read_csv(study / "comparisons.csv")
@@ -76,9 +76,7 @@ def _score(row: CsvRow) -> str:
 
 
 def _emd(row: CsvRow) -> str:
-    """With its interval, if it has one."""
-    interval = format_interval(optional_float(row["ci_low"]), optional_float(row["ci_high"]), ".4f")
-    return f"{float(row['emd_even']):.4f}{f' ({interval})' if interval else ''}"
+    return format_emd(row["emd_even"], row["ci_low"], row["ci_high"])
 
 
 def _time(study: Path, seconds: float | None) -> str:

@@ -122,10 +122,9 @@ def _row(root: Path, preset: Preset) -> list[str]:
         if _read_if_exists(folder / file)
     ]
     result = f"{_first_and_last_emd(rows)} ({', '.join(tables)})"
-    metadata = _read_metadata(root, preset)
+    metadata = _read_metadata(folder)
     time = f"{metadata['core_minutes']} minutes of one core, measured"
-    exponents = _cost_exponents(folder, INFLATED_SECONDS not in metadata["machine"])
-    return [name, preset.question, str(points), time, result, exponents]
+    return [name, preset.question, str(points), time, result, _cost_exponents(folder)]
 
 
 def _first_and_last_emd(rows: list[dict[str, str]]) -> str:
@@ -145,19 +144,26 @@ def _format_emd(row: dict[str, str]) -> str:
     return f"{float(row['emd']):.4f}{mm}"
 
 
-def _cost_exponents(folder: Path, has_timings: bool) -> str:
-    """Exponents with standard errors, such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04.
-
-    Those of seconds only where `has_timings`: the machine was idle.
-    """
+def _cost_exponents(folder: Path) -> str:
+    """Exponents with standard errors, such as `hull` seconds 0.86 ± 0.18, MB 0.20 ± 0.04."""
     by_series: dict[str, list[str]] = {}
-    for row in _read_if_exists(folder / "trend.csv"):
-        if row["quantity"] == "seconds" and not has_timings:
-            continue
-        exponent, error = (float(row[name]) for name in ("exponent", "standard error"))
-        text = f"{QUANTITIES[row['quantity']]} {exponent:z.2f} ± {error:.2f}"
-        by_series.setdefault(row["series"], []).append(text)
+    for (label, quantity), (exponent, error) in published_exponents(folder).items():
+        text = f"{QUANTITIES[quantity]} {exponent:z.2f} ± {error:.2f}"
+        by_series.setdefault(label, []).append(text)
     return "; ".join(f"`{label}` {', '.join(texts)}" for label, texts in by_series.items())
+
+
+def published_exponents(folder: Path) -> dict[tuple[str, str], tuple[float, float]]:
+    """Series and quantity -> exponent and standard error, of the sweep published in `folder`.
+
+    Those of seconds only if the machine was idle.
+    """
+    is_inflated = INFLATED_SECONDS in _read_metadata(folder)["machine"]
+    return {
+        (row["series"], row["quantity"]): (float(row["exponent"]), float(row["standard error"]))
+        for row in _read_if_exists(folder / "trend.csv")
+        if not (is_inflated and row["quantity"] == "seconds")
+    }
 
 
 def _read_if_exists(path: Path) -> list[dict[str, str]]:
@@ -166,7 +172,7 @@ def _read_if_exists(path: Path) -> list[dict[str, str]]:
 
 
 def _figure(root: Path, preset: Preset) -> str:
-    metadata = _read_metadata(root, preset)
+    metadata = _read_metadata(root / PUBLISHED / preset.name)
     return (
         f"\n![{preset.name}](sweeps/{preset.name}/sweep.png)\n\n"
         f"`{preset.name}`, {metadata['date']}, at commit {metadata['commit']}, "
@@ -174,8 +180,8 @@ def _figure(root: Path, preset: Preset) -> str:
     )
 
 
-def _read_metadata(root: Path, preset: Preset) -> dict[str, Any]:
-    return json.loads((root / PUBLISHED / preset.name / "about.json").read_text(encoding="utf-8"))
+def _read_metadata(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "about.json").read_text(encoding="utf-8"))
 
 
 def _is_published(root: Path, preset: Preset) -> bool:

@@ -56,6 +56,12 @@ def optional_float(cell: str | None) -> float | None:
     return float(cell) if cell else None
 
 
+def format_emd(emd: str, low: str, high: str) -> str:
+    """Three cells of a CSV as `0.0614 (0.0542 to 0.0696)`; without an interval as `0.0614`."""
+    interval = format_interval(optional_float(low), optional_float(high), ".4f")
+    return f"{float(emd):.4f}" + (f" ({interval})" if interval else "")
+
+
 def format_csv_number(cell: str | None) -> str:
     """A number of a CSV with three significant digits; an empty cell stays empty."""
     return f"{float(cell):#.3g}" if cell else ""
